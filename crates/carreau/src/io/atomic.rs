@@ -1,0 +1,43 @@
+//! Files that appear whole or not at all.
+
+use crate::error::{Error, Result};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Removes the unfinished file when the writing fails or panics.
+struct Unfinished(Option<PathBuf>);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if let Some(path) = self.0.take() {
+            // Nothing more can be done about a file that cannot be removed.
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// Writes beside the target, then renames: an existing file is replaced only by a finished one.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+    let failed = |e: std::io::Error| Error::write(path, e);
+    let Some(name) = path.file_name() else {
+        return Err(Error::write(path, "this is not a file name"));
+    };
+    if path.is_dir() {
+        return Err(Error::write(path, "this is a folder"));
+    }
+    // Through a link the rename would replace the link instead of the file it points to.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let special = fs::metadata(&target).is_ok_and(|m| !m.is_file());
+    if special {
+        return fs::write(&target, bytes).map_err(failed);
+    }
+    let beside = target.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
+    let mut unfinished = Unfinished(Some(beside.clone()));
+    let mut file = fs::OpenOptions::new().write(true).create_new(true).open(&beside).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    drop(file);
+    fs::rename(&beside, &target).map_err(failed)?;
+    unfinished.0 = None;
+    Ok(())
+}

@@ -1,0 +1,18 @@
+//! carreau turns triangle surfaces into structured models.
+
+pub mod context;
+pub mod error;
+pub mod geometry;
+pub mod io;
+pub mod length;
+pub mod mesh;
+pub mod numeric;
+pub mod patch;
+pub mod report;
+pub mod sample;
+
+pub use context::Context;
+pub use error::{Error, Place, Result};
+pub use length::Length;
+/// The vector type of points and directions (three `f64`).
+pub use glam::DVec3;

@@ -1,0 +1,26 @@
+//! Meshes: what they are made of, how they are checked and repaired.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `id` | typed ids |
+//! | `polygons` | faces in two flat arrays |
+//! | `half_edges` | half-edges grouped by edge |
+//! | `surface` | [`SurfaceMesh`]: what every room takes |
+//! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
+//! | `attributes` | named columns |
+//! | `topology` | components, loops, genus, defects with their places |
+//! | `repair` | weld, drop, orient, split |
+
+mod attributes;
+mod half_edges;
+mod id;
+mod polygons;
+mod raw;
+mod surface;
+
+pub use attributes::{Attributes, Column, Columns, gather_columns};
+pub use half_edges::{EdgeGroup, HalfEdges};
+pub use id::{CornerId, FaceId, VertexId};
+pub use polygons::Polygons;
+pub use raw::{Cells, RawMesh};
+pub use surface::{Side, SurfaceMesh, TaggedEdge};

@@ -1,0 +1,109 @@
+//! Lists of polygons in two flat arrays.
+
+/// Polygons as vertex indices: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Polygons {
+    offsets: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl Default for Polygons {
+    fn default() -> Self {
+        Polygons { offsets: vec![0], corners: Vec::new() }
+    }
+}
+
+impl Polygons {
+    /// An empty list.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Triangles as polygons.
+    pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
+        Polygons { offsets: (0..=triangles.len() as u32).map(|k| 3 * k).collect(), corners: triangles.as_flattened().to_vec() }
+    }
+
+    /// Room for that many more faces and corners. Pass only numbers already checked against the size of the data.
+    pub fn reserve(&mut self, faces: usize, corners: usize) {
+        self.offsets.reserve(faces);
+        self.corners.reserve(corners);
+    }
+
+    /// Appends one face.
+    #[inline]
+    pub fn push(&mut self, face: &[u32]) {
+        self.corners.extend_from_slice(face);
+        self.offsets.push(self.corners.len() as u32);
+    }
+
+    /// Appends one face given by an iterator.
+    #[inline]
+    pub fn push_iter(&mut self, face: impl IntoIterator<Item = u32>) {
+        self.corners.extend(face);
+        self.offsets.push(self.corners.len() as u32);
+    }
+
+    /// Number of faces.
+    pub fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Whether there is no face.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The corners of face `f`.
+    #[inline]
+    pub fn face(&self, f: usize) -> &[u32] {
+        &self.corners[self.offsets[f] as usize..self.offsets[f + 1] as usize]
+    }
+
+    /// All faces in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
+        self.offsets.windows(2).map(|w| &self.corners[w[0] as usize..w[1] as usize])
+    }
+
+    /// Start of every face in [`Polygons::corners`], and the end of the last.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+
+    /// The vertex indices of all faces, one after the other.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Whether every face is a triangle.
+    pub fn all_triangles(&self) -> bool {
+        self.corners.len() == 3 * self.len() && self.iter().all(|f| f.len() == 3)
+    }
+
+    /// Triangles of all faces, each fanned from its first corner, and the face each comes from.
+    ///
+    /// ```text
+    /// 3───2        3───2
+    /// │   │   →    │ ╱ │    (0,1,2) (0,2,3)
+    /// 0───1        0───1
+    /// ```
+    pub fn fan(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let count = self.corners.len() - 2 * self.len().min(self.corners.len() / 2);
+        let (mut triangles, mut parent) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (f, face) in self.iter().enumerate() {
+            for k in 1..face.len().saturating_sub(1) {
+                triangles.push([face[0], face[k], face[k + 1]]);
+                parent.push(f as u32);
+            }
+        }
+        (triangles, parent)
+    }
+}
+
+impl<'a> FromIterator<&'a [u32]> for Polygons {
+    fn from_iter<I: IntoIterator<Item = &'a [u32]>>(faces: I) -> Self {
+        let mut out = Polygons::new();
+        faces.into_iter().for_each(|f| out.push(f));
+        out
+    }
+}

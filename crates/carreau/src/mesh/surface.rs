@@ -1,0 +1,341 @@
+//! The surface mesh that every room takes: triangles and polygons, flat arrays, immutable connectivity.
+
+use super::attributes::{Attributes, gather_columns};
+use super::half_edges::HalfEdges;
+use super::id::{CornerId, FaceId, VertexId};
+use super::polygons::Polygons;
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// What lies across a side of a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Exactly one other face, consistently oriented: its half-edge runs the opposite way.
+    Inner(CornerId),
+    /// Nothing: an open border.
+    Border,
+    /// Two faces that orient the edge the same way.
+    Inconsistent,
+    /// More than two faces, or an edge from a vertex to itself.
+    NonManifold,
+}
+
+const BORDER: u32 = u32::MAX;
+const INCONSISTENT: u32 = u32::MAX - 1;
+const NON_MANIFOLD: u32 = u32::MAX - 2;
+/// Corner ids stay below the marks above.
+const MAX_ELEMENTS: usize = (u32::MAX - 3) as usize;
+
+/// An edge marked in the file: a ridge, a required edge, a curve of the CAD model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TaggedEdge {
+    /// The end points.
+    pub ends: [VertexId; 2],
+    /// The file's reference number.
+    pub tag: i32,
+}
+
+/// Points and polygonal faces, with the half-edge opposite to every corner.
+///
+/// A corner `c` of a face stands for a vertex in that face and for the half-edge that leaves it, towards the next
+/// corner in the sense of the face:
+///
+/// ```text
+///       c+2
+///       ╱ ╲        half-edge c runs from vertex(c) to vertex(next(c));
+///      ╱   ╲       side(c) tells what lies across it.
+///     c ──→ c+1
+/// ```
+///
+/// The constructor is the only way in. It refuses indices out of range, faces with fewer than three corners and
+/// coordinates that are not finite; everything else (borders, non-manifold edges, degenerate faces) is accepted and
+/// reported by [`super::Topology`].
+#[derive(Debug, Clone)]
+pub struct SurfaceMesh {
+    points: Vec<DVec3>,
+    faces: Polygons,
+    opposite: Vec<u32>,
+    /// Face of every corner; empty when all faces are triangles (then it is `corner / 3`).
+    face_of: Vec<u32>,
+    /// Named columns.
+    pub attributes: Attributes,
+    /// Edges marked in the file.
+    pub tagged_edges: Vec<TaggedEdge>,
+}
+
+impl SurfaceMesh {
+    /// Builds a mesh from points and faces; validates both.
+    pub fn new(points: Vec<DVec3>, faces: Polygons) -> Result<Self> {
+        validate(&points, &faces)?;
+        let opposite = opposite_corners(&faces, points.len());
+        let face_of = if faces.all_triangles() {
+            Vec::new()
+        } else {
+            faces.iter().enumerate().flat_map(|(f, face)| std::iter::repeat_n(f as u32, face.len())).collect()
+        };
+        Ok(SurfaceMesh { points, faces, opposite, face_of, attributes: Attributes::default(), tagged_edges: Vec::new() })
+    }
+
+    /// Builds a mesh of triangles.
+    pub fn from_triangles(points: Vec<DVec3>, triangles: &[[u32; 3]]) -> Result<Self> {
+        Self::new(points, Polygons::from_triangles(triangles))
+    }
+
+    /// Number of vertices, unreferenced ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Number of faces.
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Number of corners of all faces together.
+    pub fn corner_count(&self) -> usize {
+        self.faces.corners().len()
+    }
+
+    /// Positions of all vertices.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// Position of a vertex.
+    #[inline]
+    pub fn point(&self, v: VertexId) -> DVec3 {
+        self.points[v.index()]
+    }
+
+    /// The faces as flat arrays.
+    pub fn faces(&self) -> &Polygons {
+        &self.faces
+    }
+
+    /// Vertex indices of a face, in its sense.
+    #[inline]
+    pub fn face(&self, f: FaceId) -> &[u32] {
+        self.faces.face(f.index())
+    }
+
+    /// The corners of a face.
+    #[inline]
+    pub fn corners(&self, f: FaceId) -> impl ExactSizeIterator<Item = CornerId> + use<> {
+        let offsets = self.faces.offsets();
+        (offsets[f.index()]..offsets[f.index() + 1]).map(CornerId)
+    }
+
+    /// The vertex at a corner.
+    #[inline]
+    pub fn vertex(&self, c: CornerId) -> VertexId {
+        VertexId(self.faces.corners()[c.index()])
+    }
+
+    /// The face of a corner.
+    #[inline]
+    pub fn face_of(&self, c: CornerId) -> FaceId {
+        FaceId(if self.face_of.is_empty() { c.0 / 3 } else { self.face_of[c.index()] })
+    }
+
+    /// The next corner of the same face.
+    #[inline]
+    pub fn next(&self, c: CornerId) -> CornerId {
+        let f = self.face_of(c).index();
+        let offsets = self.faces.offsets();
+        CornerId(if c.0 + 1 == offsets[f + 1] { offsets[f] } else { c.0 + 1 })
+    }
+
+    /// The previous corner of the same face.
+    #[inline]
+    pub fn previous(&self, c: CornerId) -> CornerId {
+        let f = self.face_of(c).index();
+        let offsets = self.faces.offsets();
+        CornerId(if c.0 == offsets[f] { offsets[f + 1] - 1 } else { c.0 - 1 })
+    }
+
+    /// The half-edge on the other side of a regular inner edge; `None` on borders and irregular edges.
+    #[inline]
+    pub fn opposite(&self, c: CornerId) -> Option<CornerId> {
+        let o = self.opposite[c.index()];
+        (o < NON_MANIFOLD).then_some(CornerId(o))
+    }
+
+    /// What lies across the half-edge that leaves this corner.
+    #[inline]
+    pub fn side(&self, c: CornerId) -> Side {
+        match self.opposite[c.index()] {
+            BORDER => Side::Border,
+            INCONSISTENT => Side::Inconsistent,
+            NON_MANIFOLD => Side::NonManifold,
+            o => Side::Inner(CornerId(o)),
+        }
+    }
+
+    /// Whether every face is a triangle.
+    pub fn is_triangular(&self) -> bool {
+        self.face_of.is_empty()
+    }
+
+    /// All half-edges grouped by their edge.
+    pub fn half_edges(&self) -> HalfEdges {
+        HalfEdges::new(&self.faces, self.points.len())
+    }
+
+    /// The mesh with every polygon fanned from its first corner; face attributes follow, corner attributes of fanned
+    /// polygons too. A triangular mesh is returned as it is.
+    pub fn triangulated(self) -> Result<Self> {
+        if self.is_triangular() {
+            return Ok(self);
+        }
+        let (triangles, parent) = self.faces.fan();
+        let offsets = self.faces.offsets();
+        let mut corner_source = Vec::with_capacity(3 * triangles.len());
+        for (f, face) in self.faces.iter().enumerate() {
+            for k in 1..face.len() as u32 - 1 {
+                corner_source.extend([offsets[f], offsets[f] + k, offsets[f] + k + 1]);
+            }
+        }
+        let mut out = Self::from_triangles(self.points, &triangles)?;
+        out.attributes = Attributes {
+            vertex: self.attributes.vertex,
+            face: gather_columns(&self.attributes.face, &parent),
+            corner: gather_columns(&self.attributes.corner, &corner_source),
+            names: self.attributes.names,
+        };
+        out.tagged_edges = self.tagged_edges;
+        Ok(out)
+    }
+
+    /// Smallest and largest coordinates over the vertices that faces use; zero for a mesh without faces.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let used = self.faces.corners().iter().map(|&v| self.points[v as usize]);
+        let (low, high) = used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        if self.faces.corners().is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
+    }
+
+    /// Length of the bounding-box diagonal of the faces.
+    pub fn diagonal(&self) -> f64 {
+        let (low, high) = self.bounds();
+        let extent = high - low;
+        // Scaled, so that neither 1e200 nor 1e-200 is lost in the squares.
+        let scale = extent.max_element();
+        if scale > 0.0 { scale * (extent / scale).length() } else { 0.0 }
+    }
+
+    /// Points, faces, attributes and tagged edges, taken apart.
+    pub fn into_parts(self) -> (Vec<DVec3>, Polygons, Attributes, Vec<TaggedEdge>) {
+        (self.points, self.faces, self.attributes, self.tagged_edges)
+    }
+}
+
+fn validate(points: &[DVec3], faces: &Polygons) -> Result<()> {
+    if points.len() > MAX_ELEMENTS || faces.corners().len() > MAX_ELEMENTS {
+        return Err(Error::input("the mesh has more than 4,294,967,292 vertices or corners", "", "split it"));
+    }
+    if let Some(v) = points.iter().position(|p| !p.is_finite()) {
+        let p = points[v];
+        return Err(Error::input(
+            format!("a coordinate is not finite: ({}, {}, {})", p.x, p.y, p.z),
+            format!("vertex {v}"),
+            "remove the vertex and its faces",
+        ));
+    }
+    for (f, face) in faces.iter().enumerate() {
+        if face.len() < 3 {
+            return Err(Error::input(format!("a face has {} corners", face.len()), format!("face {f}"), "remove it"));
+        }
+        if let Some(&v) = face.iter().find(|&&v| v as usize >= points.len()) {
+            return Err(Error::input(
+                format!("a face uses vertex {v}, there are {} vertices", points.len()),
+                format!("face {f}"),
+                "ids are 0-based here: check the file's indices",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The opposite of every corner, or a mark that says why there is none.
+fn opposite_corners(faces: &Polygons, vertices: usize) -> Vec<u32> {
+    let mut opposite = vec![BORDER; faces.corners().len()];
+    for edge in HalfEdges::new(faces, vertices).groups() {
+        let mut corners = edge.corners();
+        match (edge.ends[0] == edge.ends[1], corners.next(), corners.next(), corners.next()) {
+            (false, Some(_), None, _) => {}
+            (false, Some(a), Some(b), None) => {
+                let starts = [a, b].map(|c| faces.corners()[c as usize]);
+                let opposed = starts[0] != starts[1];
+                opposite[a as usize] = if opposed { b } else { INCONSISTENT };
+                opposite[b as usize] = if opposed { a } else { INCONSISTENT };
+            }
+            _ => edge.corners().for_each(|c| opposite[c as usize] = NON_MANIFOLD),
+        }
+    }
+    opposite
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles and a quad in a row, the second triangle shared by both.
+    ///
+    /// ```text
+    /// 3───2───5
+    /// │ ╱ │   │
+    /// 0───1───4
+    /// ```
+    fn strip() -> SurfaceMesh {
+        let points = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)];
+        let points = points.iter().map(|&(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.0)).collect();
+        let faces: Polygons = [&[0, 1, 2][..], &[0, 2, 3], &[1, 4, 5, 2]].into_iter().collect();
+        SurfaceMesh::new(points, faces).unwrap()
+    }
+
+    #[test]
+    fn opposite_is_an_involution_between_reversed_half_edges() {
+        let mesh = strip();
+        let mut inner = 0;
+        for c in (0..mesh.corner_count()).map(CornerId::new) {
+            assert_eq!(mesh.next(mesh.previous(c)), c);
+            if let Some(o) = mesh.opposite(c) {
+                inner += 1;
+                assert_eq!(mesh.opposite(o), Some(c));
+                assert_eq!(mesh.vertex(c), mesh.vertex(mesh.next(o)));
+                assert_eq!(mesh.vertex(o), mesh.vertex(mesh.next(c)));
+                assert_ne!(mesh.face_of(c), mesh.face_of(o));
+            }
+        }
+        assert_eq!(inner, 4);
+    }
+
+    #[test]
+    fn fans_keep_order_and_parents() {
+        let mut mesh = strip();
+        mesh.attributes.face.insert("id".into(), crate::mesh::Column::Label(vec![7, 8, 9]));
+        let mesh = mesh.triangulated().unwrap();
+        assert_eq!(mesh.face_count(), 4);
+        assert_eq!(mesh.face(FaceId(3)), [1, 5, 2]);
+        assert_eq!(mesh.attributes.face["id"], crate::mesh::Column::Label(vec![7, 8, 9, 9]));
+    }
+
+    #[test]
+    fn irregular_edges_have_no_opposite() {
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Y];
+        let fan = SurfaceMesh::from_triangles(points.clone(), &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap();
+        assert_eq!(fan.side(CornerId(0)), Side::NonManifold);
+        let same = SurfaceMesh::from_triangles(points, &[[0, 1, 2], [0, 1, 3]]).unwrap();
+        assert_eq!(same.side(CornerId(0)), Side::Inconsistent);
+        assert_eq!(same.side(CornerId(1)), Side::Border);
+    }
+
+    #[test]
+    fn bad_input_is_refused_with_its_place() {
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let message = |r: Result<SurfaceMesh>| r.err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(message(SurfaceMesh::from_triangles(points.clone(), &[[0, 1, 3]])).contains("face 0"));
+        let nan = vec![DVec3::ZERO, DVec3::NAN, DVec3::Y];
+        assert!(message(SurfaceMesh::from_triangles(nan, &[[0, 1, 2]])).contains("vertex 1"));
+        assert!(message(SurfaceMesh::new(points, [&[0u32, 1][..]].into_iter().collect())).contains("2 corners"));
+    }
+}
