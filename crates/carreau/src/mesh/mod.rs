@@ -6,17 +6,20 @@
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
+//! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
 //! | `attributes` | named columns |
 //! | `topology` | components, loops, genus, defects with their places |
 //! | `repair` | weld, drop, orient, split |
 
 mod attributes;
+mod boundary;
 mod half_edges;
 mod id;
 mod polygons;
 mod raw;
 mod surface;
+mod triangles;
 
 pub use attributes::{Attributes, Column, Columns, gather_columns};
 pub use half_edges::{EdgeGroup, HalfEdges};
@@ -24,3 +27,4 @@ pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
+pub use triangles::{NONE, Triangles};

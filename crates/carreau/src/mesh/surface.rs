@@ -160,6 +160,13 @@ impl SurfaceMesh {
         (o < NON_MANIFOLD).then_some(CornerId(o))
     }
 
+    /// Opposite corners as they are stored: values from [`SurfaceMesh::FIRST_MARK`] up are marks, not corners.
+    pub(super) fn opposite_table(&self) -> &[u32] {
+        &self.opposite
+    }
+
+    pub(super) const FIRST_MARK: u32 = NON_MANIFOLD;
+
     /// What lies across the half-edge that leaves this corner.
     #[inline]
     pub fn side(&self, c: CornerId) -> Side {

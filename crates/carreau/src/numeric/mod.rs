@@ -1,1 +1,9 @@
-//! numeric
+//! Numerical methods that the rooms share; they know no mesh.
+//!
+//! | module | method |
+//! |---|---|
+//! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
+//! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
+
+pub(crate) mod hopcroft_karp;
+pub mod matching;

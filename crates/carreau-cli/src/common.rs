@@ -1,0 +1,81 @@
+//! Options that every verb has.
+
+use crate::choice::choice;
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Unit of length of the input, written into CAD files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    #[default]
+    Mm,
+    Cm,
+    M,
+    In,
+}
+
+/// Options that every verb has.
+#[derive(Args, Clone, Default)]
+pub struct Common {
+    /// Writes the result record (JSON) to a file, or to stdout with `-`
+    #[arg(long, value_name = "FILE|-", help_heading = "Common options")]
+    pub json: Option<PathBuf>,
+    /// Takes options from a JSON file; the record of an earlier run replays that run. Flags win over the file
+    #[arg(long, value_name = "FILE", help_heading = "Common options")]
+    pub options: Option<PathBuf>,
+    /// Number of threads (0: all processors); results do not depend on it
+    #[arg(long, value_name = "N", help_heading = "Common options")]
+    pub threads: Option<usize>,
+    /// Seed of pseudo-random choices
+    #[arg(long, value_name = "N", help_heading = "Common options")]
+    pub seed: Option<u64>,
+    /// Gives up after this many seconds (exit code 124); nothing is written then
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Common options")]
+    pub deadline: Option<f64>,
+    /// Unit of the input's lengths, written into CAD files
+    #[arg(long, value_name = "UNIT", value_parser = choice::<Unit>(&["mm", "cm", "m", "in"]), help_heading = "Common options")]
+    pub unit: Option<Unit>,
+    /// Says nothing but errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = "Common options")]
+    pub quiet: bool,
+    /// Tells what is going on (-vv: in detail)
+    #[arg(short, long, action = clap::ArgAction::Count, help_heading = "Common options")]
+    pub verbose: u8,
+}
+
+/// The common options that belong to a record: what replays a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub struct CommonValues {
+    pub threads: usize,
+    pub seed: u64,
+    pub deadline: Option<f64>,
+    pub unit: Unit,
+}
+
+impl Default for CommonValues {
+    fn default() -> Self {
+        CommonValues { threads: 0, seed: 0, deadline: None, unit: Unit::Mm }
+    }
+}
+
+impl Common {
+    /// These flags laid over values from an options file.
+    pub fn over(&self, values: CommonValues) -> CommonValues {
+        CommonValues {
+            threads: self.threads.unwrap_or(values.threads),
+            seed: self.seed.unwrap_or(values.seed),
+            deadline: self.deadline.or(values.deadline),
+            unit: self.unit.unwrap_or(values.unit),
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
+        _ => Err("a positive number of seconds is expected".into()),
+    }
+}

@@ -1,0 +1,198 @@
+//! One run of a verb: its context, its input and output files, its record.
+
+use crate::common::{Common, CommonValues};
+use crate::progress::Bar;
+use crate::record::Record;
+use crate::timings::Timings;
+use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::{Context, Error, io};
+use serde::Serialize;
+use std::fmt;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::{Layer, fmt as log};
+
+/// A failure with the file it is about.
+pub struct Failure {
+    file: Option<PathBuf>,
+    error: Error,
+}
+
+impl Failure {
+    /// The exit code of the contract.
+    pub fn exit_code(&self) -> u8 {
+        self.error.exit_code()
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Failure { file: None, error }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (&self.file, &self.error) {
+            // These name their file themselves.
+            (_, Error::Read { .. } | Error::Write { .. }) | (None, _) => write!(f, "{}", self.error),
+            (Some(file), error) => write!(f, "{}: {error}", file.display()),
+        }
+    }
+}
+
+/// Set by Ctrl-C; every context of the process listens to it.
+fn cancel_flag() -> Arc<AtomicBool> {
+    use std::sync::OnceLock;
+    static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    Arc::clone(FLAG.get_or_init(|| {
+        let flag = Arc::new(AtomicBool::new(false));
+        let set = Arc::clone(&flag);
+        // Where a handler exists already (embedding in Python), that one decides.
+        let _ = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed));
+        flag
+    }))
+}
+
+/// A run in progress.
+pub struct Session {
+    /// Threads, deadline, cancellation, progress.
+    pub context: Context,
+    /// What the run will tell.
+    pub record: Record,
+    json: Option<PathBuf>,
+    quiet: bool,
+    timings: Timings,
+    /// Lines for a person, printed when the record does not go to stdout.
+    summary: Vec<String>,
+}
+
+impl Session {
+    /// Runs the work of a verb; its record is written when it succeeds. `files` are the inputs, for messages.
+    pub fn run(
+        verb: &'static str,
+        common: &Common,
+        values: &CommonValues,
+        file: Option<&Path>,
+        work: impl FnOnce(&mut Session) -> Result<(), Error>,
+    ) -> Result<(), Failure> {
+        let timings = Timings::new();
+        let level = match (common.quiet, common.verbose) {
+            (true, _) => LevelFilter::ERROR,
+            (_, 0) => LevelFilter::WARN,
+            (_, 1) => LevelFilter::INFO,
+            _ => LevelFilter::DEBUG,
+        };
+        let spans = if common.verbose > 0 { log::format::FmtSpan::CLOSE } else { log::format::FmtSpan::NONE };
+        let stderr = log::layer().with_writer(std::io::stderr).without_time().with_target(false).with_span_events(spans);
+        let subscriber = tracing_subscriber::registry().with(timings.clone()).with(stderr.with_filter(level));
+        tracing::subscriber::with_default(subscriber, || {
+            let finished = Self::start(verb, common, values, timings).and_then(|mut session| {
+                work(&mut session)?;
+                session.finish()
+            });
+            finished.map_err(|error| Failure { file: file.map(Path::to_path_buf), error })
+        })
+    }
+
+    fn start(verb: &'static str, common: &Common, values: &CommonValues, timings: Timings) -> Result<Self, Error> {
+        let mut context = Context::new().with_threads(values.threads)?.with_cancel(cancel_flag());
+        context.seed = values.seed;
+        if let Some(seconds) = values.deadline {
+            context = context.with_deadline(Instant::now() + Duration::from_secs_f64(seconds));
+        }
+        if std::io::stderr().is_terminal() && !common.quiet {
+            context = context.with_progress(Arc::new(Bar::new()));
+        }
+        let record = Record::new(verb);
+        Ok(Session { context, record, json: common.json.clone(), quiet: common.quiet, timings, summary: Vec::new() })
+    }
+
+    /// Adds a line for a person.
+    pub fn say(&mut self, line: impl Into<String>) {
+        self.summary.push(line.into());
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, what: impl Into<String>) {
+        let what = what.into();
+        tracing::warn!("{what}");
+        self.record.warnings.push(what);
+    }
+
+    /// Reads a mesh file as it is; what the reader repaired or left out becomes warnings.
+    pub fn read(&mut self, file: &Path) -> Result<RawMesh, Error> {
+        let mut mesh = {
+            let _stage = self.context.stage("read");
+            io::read(file)?
+        };
+        self.context.check()?;
+        let input = Input {
+            file: file.to_string_lossy().into_owned(),
+            vertices: mesh.points.len(),
+            faces: mesh.faces.len(),
+            edges: mesh.edges.len(),
+            cells: mesh.cells.len(),
+        };
+        self.record.set("input", input);
+        std::mem::take(&mut mesh.notes).into_iter().for_each(|note| self.warn(note));
+        Ok(mesh)
+    }
+
+    /// Reads a surface; polygons are fanned from their first corner.
+    pub fn read_triangles(&mut self, file: &Path) -> Result<SurfaceMesh, Error> {
+        self.read(file)?.into_surface()?.triangulated()
+    }
+
+    /// Writes a mesh file.
+    pub fn write_mesh(&mut self, file: &Path, mesh: &RawMesh, options: &io::WriteOptions) -> Result<(), Error> {
+        let _stage = self.context.stage("write");
+        self.context.check()?;
+        io::write(file, mesh, options)?.into_iter().for_each(|w| self.record.warnings.push(w));
+        Ok(())
+    }
+
+    /// Writes any other file, whole or not at all.
+    pub fn write_bytes(&mut self, file: &Path, bytes: &[u8]) -> Result<(), Error> {
+        let _stage = self.context.stage("write");
+        self.context.check()?;
+        io::write_atomically(file, bytes)
+    }
+
+    fn finish(&mut self) -> Result<(), Error> {
+        let record = self.record.to_json(&self.timings);
+        match &self.json {
+            Some(to) if to.as_os_str() == "-" => print(&record),
+            other => {
+                if let Some(file) = other {
+                    io::write_atomically(file, record.as_bytes())?;
+                }
+                let text: String = self.summary.iter().map(|line| format!("{line}\n")).collect();
+                if self.quiet { Ok(()) } else { print(&text) }
+            }
+        }
+    }
+}
+
+/// Results go to stdout; a reader that has gone away is no failure.
+fn print(text: &str) -> Result<(), Error> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::write(Path::new("stdout"), e)),
+        _ => Ok(()),
+    }
+}
+
+/// The record's `input`.
+#[derive(Serialize)]
+struct Input {
+    file: String,
+    vertices: usize,
+    faces: usize,
+    edges: usize,
+    cells: usize,
+}

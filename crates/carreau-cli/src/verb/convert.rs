@@ -1,0 +1,88 @@
+//! `convert`: any readable format to any writable one.
+
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::Error;
+use carreau::io::WriteOptions;
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Converts a mesh file to another format; the extensions decide
+#[derive(Args)]
+#[command(after_help = "Examples:\n  carreau convert part.stl -o part.ply\n  carreau convert mesh.msh --boundary -o skin.obj")]
+pub struct Convert {
+    /// The file to read
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Takes the boundary of a volume mesh, as a surface
+    #[arg(long)]
+    boundary: bool,
+    /// Writes text instead of binary, in formats that have both
+    #[arg(long)]
+    ascii: bool,
+    /// Cuts polygons into triangles, each fanned from its first corner
+    #[arg(long)]
+    triangulate: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    boundary: bool,
+    ascii: bool,
+    triangulate: bool,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Convert {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut options = Options::default();
+        if let Some(file) = &self.common.options {
+            options = options_from(file, "convert", &options)?;
+        }
+        options.boundary |= self.boundary;
+        options.ascii |= self.ascii;
+        options.triangulate |= self.triangulate;
+        options.common = self.common.over(options.common);
+        Session::run("convert", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.convert(session, &options)
+        })
+    }
+
+    fn convert(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mut mesh = session.read(&self.input)?;
+        if options.boundary {
+            mesh = mesh.boundary()?;
+        }
+        if options.triangulate {
+            mesh = mesh.into_surface()?.triangulated()?.into();
+        }
+        session.write_mesh(&self.output, &mesh, &WriteOptions { ascii: options.ascii })?;
+        session.record.set(
+            "output",
+            serde_json::json!({
+                "file": self.output.to_string_lossy(),
+                "vertices": mesh.points.len(),
+                "faces": mesh.faces.len(),
+                "cells": mesh.cells.len(),
+            }),
+        );
+        session.say(format!(
+            "{}: {} vertices, {} faces, {} cells",
+            self.output.display(),
+            mesh.points.len(),
+            mesh.faces.len(),
+            mesh.cells.len()
+        ));
+        Ok(())
+    }
+}

@@ -1,0 +1,32 @@
+//! The verbs, one file each.
+
+mod convert;
+mod patch;
+mod sample;
+mod shell;
+
+use crate::session::Failure;
+use clap::Subcommand;
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Verb {
+    Sample(sample::Sample),
+    Convert(convert::Convert),
+    Patch(patch::Patch),
+    Completions(shell::Completions),
+    Man(shell::Man),
+}
+
+impl Verb {
+    /// Does it.
+    pub fn run(&self) -> Result<(), Failure> {
+        match self {
+            Verb::Sample(verb) => verb.run(),
+            Verb::Convert(verb) => verb.run(),
+            Verb::Patch(verb) => verb.run(),
+            Verb::Completions(verb) => verb.run(),
+            Verb::Man(verb) => verb.run(),
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Stage 1: which pairs of triangles make a quad, and how good it is (paper §3.1, equation 1).
+//!
+//! ```text
+//!      c ───── b        half-edge h runs from a to b in the triangle (a, b, c);
+//!      │ t0  ╱ │        opposite(h) runs from b to a in the triangle (b, a, d);
+//!      │  h╱   │        the quad is (a, d, b, c), counter-clockwise.
+//!      │ ╱  t1 │
+//!      a ───── d
+//! ```
+//!
+//! Q = ¼ Σ |π/2 − αᵢ| over the corner angles, each αᵢ the *sum* of the triangle angles there, so that reflex corners
+//! count as what they are; a pair bent by more than ε_φ, or with Q > Q_max, is no candidate (the paper gives it Q = 2π).
+//! The filters always use equation 1; another coefficient (`--quality`, the paper's future work) changes the ranking.
+//!
+//! All sums are formed so that their last bit does not depend on the numbering of vertices and triangles, and ties
+//! are broken by position: relabelling the mesh does not change the result.
+
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{NONE, Triangles};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How candidates are ranked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// Equation 1: mean deviation of the corner angles from a right angle.
+    #[default]
+    Angles,
+    /// As equation 1, but the target at each vertex is a quarter (on a border: half) of the angle that the surface has
+    /// there, so that curved and cone-like places are not punished for the angle they lack.
+    Adapted,
+    /// One minus the smallest sine of the corner angles: the scaled Jacobian of a planar quad.
+    Jacobian,
+}
+
+/// Which pairs are acceptable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Filters {
+    pub quality: Quality,
+    pub q_max: f64,
+    pub dihedral: f64,
+    /// Relaxes the dihedral limit where the surrounding edges bend as much as the pair itself.
+    pub adapt_dihedral: bool,
+    pub convex_only: bool,
+}
+
+/// All acceptable pairs of triangles.
+pub(super) struct Candidates<'a> {
+    pub triangles: Triangles<'a>,
+    /// Ranking cost of the pair across every half-edge; infinite where there is none.
+    pub cost: Vec<f64>,
+    /// Place of the pair in `order`, for both its half-edges; [`NONE`] where there is none.
+    pub rank: Vec<u32>,
+    /// One half-edge of each pair, best first; it leaves the end point with the smaller coordinates.
+    pub order: Vec<u32>,
+    /// Half-edges that no patch may cross.
+    pub barrier: Vec<bool>,
+}
+
+/// Geometry of one triangle: its angles and unit normal; `None` for a triangle without area.
+type Shape = Option<([f64; 3], DVec3)>;
+
+fn shape(p: [DVec3; 3]) -> Shape {
+    // Scaled to edge length one: products of tiny or huge coordinates neither vanish nor overflow.
+    let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
+    let scale = edges.iter().map(|e| e.abs().max_element()).fold(0.0, f64::max);
+    if !(scale > 0.0 && scale.is_finite()) {
+        return None;
+    }
+    let edges = edges.map(|e| e / scale);
+    let angle = |out: DVec3, back: DVec3| out.cross(-back).length().atan2(out.dot(-back));
+    let normal = edges[0].cross(-edges[2]).try_normalize()?;
+    Some(([angle(edges[0], edges[2]), angle(edges[1], edges[0]), angle(edges[2], edges[1])], normal))
+}
+
+/// Angle between two unit vectors.
+fn between(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// Lexicographic order of positions.
+pub(super) fn by_position(a: DVec3, b: DVec3) -> Ordering {
+    a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+}
+
+impl<'a> Candidates<'a> {
+    /// Finds and ranks all acceptable pairs. `barrier` marks the half-edges that no quad and no patch may cross.
+    pub fn new(triangles: Triangles<'a>, filters: &Filters, barrier: Vec<bool>, context: &Context) -> Result<Self> {
+        context.check()?;
+        let shapes: Vec<Shape> = (0..triangles.len() as u32)
+            .into_par_iter()
+            .map(|t| shape([3 * t, 3 * t + 1, 3 * t + 2].map(|c| triangles.point(c))))
+            .collect();
+        context.check()?;
+        let targets = match filters.quality {
+            Quality::Adapted => Some(target_angles(triangles, &shapes)),
+            _ => None,
+        };
+        let rater = Rater { triangles, shapes: &shapes, targets: targets.as_deref(), filters };
+        let cost: Vec<f64> = (0..3 * triangles.len() as u32)
+            .into_par_iter()
+            .map(|h| if barrier[h as usize] { None } else { rater.cost(h) }.unwrap_or(f64::INFINITY))
+            .collect();
+        context.check()?;
+        let (order, rank) = ranking(triangles, &cost);
+        Ok(Candidates { triangles, cost, rank, order, barrier })
+    }
+
+    /// Sides of the quad across half-edge `h`, counter-clockwise from its start: inside half-edges.
+    #[inline]
+    pub fn sides(&self, h: u32) -> [u32; 4] {
+        let (t, o) = (self.triangles, self.triangles.opposite(h));
+        [t.next(o), t.previous(o), t.next(h), t.previous(h)]
+    }
+
+    /// The half-edge across `h`, unless a barrier or a border is in the way.
+    #[inline]
+    pub fn across(&self, h: u32) -> u32 {
+        if self.barrier[h as usize] { NONE } else { self.triangles.opposite(h) }
+    }
+}
+
+struct Rater<'a> {
+    triangles: Triangles<'a>,
+    shapes: &'a [Shape],
+    targets: Option<&'a [f64]>,
+    filters: &'a Filters,
+}
+
+impl Rater<'_> {
+    /// Ranking cost of the pair across `h`; `None` when it is not acceptable.
+    fn cost(&self, h: u32) -> Option<f64> {
+        let (t, f) = (self.triangles, self.filters);
+        let o = t.opposite(h);
+        if o == NONE || t.apex(h) == t.apex(o) {
+            return None;
+        }
+        let (angles0, normal0) = self.shapes[h as usize / 3]?;
+        let (angles1, normal1) = self.shapes[o as usize / 3]?;
+        let bend = between(normal0, normal1);
+        if bend > f.dihedral && !(f.adapt_dihedral && bend <= self.surrounding_bend(h, o)) {
+            return None;
+        }
+        let at = |angles: &[f64; 3], c: u32| angles[c as usize % 3];
+        let alpha = [
+            at(&angles0, h) + at(&angles1, t.next(o)), // a
+            at(&angles0, t.next(h)) + at(&angles1, o), // b
+            at(&angles1, t.previous(o)),               // d
+            at(&angles0, t.previous(h)),               // c
+        ];
+        let q = deviation(alpha, [FRAC_PI_2; 4]);
+        if q > f.q_max || (f.convex_only && alpha.iter().any(|&a| a > PI)) {
+            return None;
+        }
+        Some(match (f.quality, self.targets) {
+            (Quality::Adapted, Some(targets)) => {
+                let corners = [h, o, t.previous(o), t.previous(h)];
+                deviation(alpha, corners.map(|c| targets[t.vertex(c) as usize]))
+            }
+            (Quality::Jacobian, _) => 1.0 - alpha.iter().map(|a| a.sin()).fold(1.0, f64::min),
+            _ => q,
+        })
+    }
+
+    /// Limit for the bend across `h` on a surface that bends as its surroundings do: 1.5 times the mean bend of the
+    /// quad's own sides. A crease is sharper than that, a coarse sphere is not.
+    fn surrounding_bend(&self, h: u32, o: u32) -> f64 {
+        let t = self.triangles;
+        let bend = |side: u32| {
+            let other = t.opposite(side);
+            if other == NONE {
+                return None;
+            }
+            let (inside, outside) = (self.shapes[side as usize / 3]?, self.shapes[other as usize / 3]?);
+            Some(between(inside.1, outside.1))
+        };
+        let pair = |a: u32, b: u32| [bend(a), bend(b)].iter().flatten().fold((0.0, 0), |(s, n), x| (s + x, n + 1));
+        let (mine, theirs) = (pair(t.next(h), t.previous(h)), pair(t.next(o), t.previous(o)));
+        let (sum, n) = (mine.0 + theirs.0, mine.1 + theirs.1);
+        if n < 3 { 0.0 } else { 1.5 * sum / f64::from(n) }
+    }
+}
+
+/// ¼ Σ |target − α|, with a sum that does not depend on which triangle comes first.
+fn deviation(alpha: [f64; 4], target: [f64; 4]) -> f64 {
+    let d: [f64; 4] = std::array::from_fn(|k| (target[k] - alpha[k]).abs());
+    0.25 * ((d[0] + d[1]) + (d[2] + d[3]))
+}
+
+/// The angle a quad should have at every vertex: a quarter of the angle around it, half of it on a border.
+fn target_angles(triangles: Triangles, shapes: &[Shape]) -> Vec<f64> {
+    let n = triangles.points().len();
+    let (mut sum, mut border) = (vec![0.0; n], vec![false; n]);
+    for c in 0..3 * triangles.len() as u32 {
+        if let Some((angles, _)) = &shapes[c as usize / 3] {
+            sum[triangles.vertex(c) as usize] += angles[c as usize % 3];
+        }
+        if triangles.opposite(c) == NONE {
+            border[triangles.vertex(c) as usize] = true;
+            border[triangles.vertex(triangles.next(c)) as usize] = true;
+        }
+    }
+    sum.iter().zip(border).map(|(s, b)| if b { s / 2.0 } else { s / 4.0 }).collect()
+}
+
+/// One half-edge per pair, best first, and the place of every half-edge's pair.
+fn ranking(triangles: Triangles, cost: &[f64]) -> (Vec<u32>, Vec<u32>) {
+    let leads = |h: u32, o: u32| by_position(triangles.point(h), triangles.point(o)).then(h.cmp(&o)) == Ordering::Less;
+    let mut order: Vec<u32> = (0..cost.len() as u32)
+        .into_par_iter()
+        .filter(|&h| cost[h as usize].is_finite() && leads(h, triangles.opposite(h)))
+        .collect();
+    let middle = |h: u32| triangles.point(h) + triangles.point(triangles.opposite(h));
+    order.par_sort_unstable_by(|&a, &b| {
+        let by_cost = cost[a as usize].total_cmp(&cost[b as usize]);
+        by_cost.then_with(|| by_position(middle(a), middle(b))).then(a.cmp(&b))
+    });
+    let mut rank = vec![NONE; cost.len()];
+    for (k, &h) in order.iter().enumerate() {
+        rank[h as usize] = k as u32;
+        rank[triangles.opposite(h) as usize] = k as u32;
+    }
+    (order, rank)
+}
