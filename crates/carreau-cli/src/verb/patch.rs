@@ -1,0 +1,174 @@
+//! `patch`: quad patches on the given vertices, as a mesh or as CAD faces.
+
+use crate::choice::choice;
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::io::{self, WriteOptions};
+use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
+use carreau::{Error, mesh::SurfaceMesh};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Decomposes a triangle mesh into quad patches, on its own vertices
+///
+/// The output is a mesh (one quad per cell, then the triangles left over) or, by extension, an IGES or STEP file (one
+/// B-spline face per patch).
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau patch part.stl -o part.step\n  \
+    carreau patch scan.ply -o scan.obj --layout scan.json --picture scan.png\n  \
+    carreau patch part.obj -o part.step --fit bicubic --tolerance 0.1%\n  \
+    carreau patch scan.obj -o scan.igs --preset paper")]
+pub struct Patch {
+    /// The triangle mesh; polygons are fanned
+    input: PathBuf,
+    /// The file to write: a mesh, or .igs .iges .step .stp
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Writes the patches as grids of vertex and triangle ids (JSON)
+    #[arg(long, value_name = "FILE.json")]
+    layout: Option<PathBuf>,
+    /// Draws the patches (PNG)
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+    /// All options of the paper's pipeline, or the defaults
+    #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>(&["default", "paper"]))]
+    preset: Option<Preset>,
+    /// How patches are found [default: grow]
+    #[arg(long, value_name = "STRATEGY", value_parser = choice::<Strategy>(&["grow", "zones", "matching", "matching-cardinality"]))]
+    strategy: Option<Strategy>,
+    /// What happens where rows and columns contradict each other [default: keep-first]
+    #[arg(long, value_name = "POLICY", value_parser = choice::<Policy>(&["paper", "keep-first"]))]
+    policy: Option<Policy>,
+    /// Smallest patch, in cells; 1 keeps single quads [default: 2]
+    #[arg(long, value_name = "N")]
+    min_cells: Option<u32>,
+    /// Largest Q of equation 1, in degrees [default: 90]
+    #[arg(long, value_name = "DEG")]
+    q_max: Option<f64>,
+    /// Largest angle between the two triangles of a quad [default: 30]
+    #[arg(long, value_name = "DEG")]
+    dihedral: Option<f64>,
+    /// Accepts a larger angle where the surface around bends as much
+    #[arg(long)]
+    adapt_dihedral: bool,
+    /// Accepts no quad with a corner above 180 degrees
+    #[arg(long)]
+    convex_only: bool,
+    /// How candidate quads are ranked [default: angles]
+    #[arg(long, value_name = "MEASURE", value_parser = choice::<Quality>(&["angles", "adapted", "jacobian"]))]
+    quality: Option<Quality>,
+    /// How polygons are cut into rectangles [default: minimum]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Dissection>(&["greedy", "longest-row", "minimum"]))]
+    dissection: Option<Dissection>,
+    /// Joins patches along complete common sides [default: true]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
+    merge: Option<bool>,
+    /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16]
+    #[arg(long, value_name = "N")]
+    probes: Option<u32>,
+    /// Never crosses edges with at least this angle between the faces
+    #[arg(long, value_name = "DEG")]
+    feature_angle: Option<f64>,
+    /// Never crosses these edges: a file with two vertex ids per line
+    #[arg(long, value_name = "FILE")]
+    features: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Preset {
+    #[default]
+    Default,
+    Paper,
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+struct Options {
+    #[serde(flatten)]
+    patch: PatchOptions,
+    features: Option<PathBuf>,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Patch {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("patch", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.patch(session, &options)
+        })
+    }
+
+    /// Preset, then options file, then flags.
+    fn options(&self) -> Result<Options, Error> {
+        let preset = match self.preset {
+            Some(Preset::Paper) => PatchOptions::paper(),
+            _ => PatchOptions::default(),
+        };
+        let mut all = Options { patch: preset, ..Options::default() };
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "patch", &all)?;
+        }
+        let o = &mut all.patch;
+        o.strategy = self.strategy.unwrap_or(o.strategy);
+        o.policy = self.policy.unwrap_or(o.policy);
+        o.min_cells = self.min_cells.unwrap_or(o.min_cells);
+        o.q_max = self.q_max.unwrap_or(o.q_max);
+        o.dihedral = self.dihedral.unwrap_or(o.dihedral);
+        o.adapt_dihedral |= self.adapt_dihedral;
+        o.convex_only |= self.convex_only;
+        o.quality = self.quality.unwrap_or(o.quality);
+        o.dissection = self.dissection.unwrap_or(o.dissection);
+        o.merge = self.merge.unwrap_or(o.merge);
+        o.probes = self.probes.unwrap_or(o.probes);
+        o.feature_angle = self.feature_angle.or(o.feature_angle);
+        all.features = self.features.clone().or(all.features);
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read_triangles(&self.input)?;
+        let context = session.context.clone();
+        let result = context.install(|| patch::decompose(&mesh, &options.patch, &context))?;
+        self.write(session, &mesh, &result)?;
+        let f = &result.figures;
+        session.say(format!(
+            "{} patches hold {:.2} % of {} triangles ({} left over)",
+            f.patches,
+            100.0 * f.coverage,
+            mesh.face_count(),
+            result.leftover.len()
+        ));
+        session.say(format!("mean Q {:.2}°, {} cells with a corner above 150°", f.q_mean_deg, f.bad_cells));
+        Ok(())
+    }
+
+    fn write(&self, session: &mut Session, mesh: &SurfaceMesh, result: &PatchResult) -> Result<(), Error> {
+        let f = &result.figures;
+        session.record.set("patches", f.patches);
+        session.record.set("coverage", f.coverage);
+        session.record.set("patches_for", &f.patches_for);
+        session.record.set("quality", f);
+        session.record.set("faces", f.patches + result.leftover.len());
+        if let Some(file) = &self.layout {
+            let layout = json!({ "patches": result.patches, "leftover": result.leftover });
+            session.write_bytes(file, layout.to_string().as_bytes())?;
+        }
+        if let Some(file) = &self.output {
+            session.write_mesh(file, &quad_mesh(mesh, result), &WriteOptions::default())?;
+        }
+        let _ = io::FORMATS;
+        Ok(())
+    }
+}
