@@ -40,6 +40,8 @@ mod rectangles;
 #[cfg(test)]
 mod samples;
 mod statistics;
+#[cfg(test)]
+mod tests;
 mod validate;
 mod zones;
 
@@ -119,6 +121,9 @@ pub struct PatchOptions {
     pub probes: u32,
     /// Edges with at least this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
+    /// Edges that are never crossed, by their vertices.
+    #[serde(skip)]
+    pub feature_edges: Vec<[VertexId; 2]>,
 }
 
 impl Default for PatchOptions {
@@ -136,6 +141,7 @@ impl Default for PatchOptions {
             merge: true,
             probes: 16,
             feature_angle: None,
+            feature_edges: Vec::new(),
         }
     }
 }
