@@ -67,7 +67,7 @@ pub struct Patch {
     /// Joins patches along complete common sides [default: true]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
     merge: Option<bool>,
-    /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16]
+    /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16, fewer on large meshes]
     #[arg(long, value_name = "N")]
     probes: Option<u32>,
     /// Never crosses edges with at least this angle between the faces
@@ -130,7 +130,7 @@ impl Patch {
         o.quality = self.quality.unwrap_or(o.quality);
         o.dissection = self.dissection.unwrap_or(o.dissection);
         o.merge = self.merge.unwrap_or(o.merge);
-        o.probes = self.probes.unwrap_or(o.probes);
+        o.probes = self.probes.or(o.probes);
         o.feature_angle = self.feature_angle.or(o.feature_angle);
         all.features = self.features.clone().or(all.features);
         all.common = self.common.over(all.common);

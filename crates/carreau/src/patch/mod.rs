@@ -117,8 +117,8 @@ pub struct PatchOptions {
     /// Joins patches along complete common sides.
     pub merge: bool,
     /// How many rectangles [`Strategy::Grow`] tries through each triangle: more take longer and give larger patches.
-    /// Low 1, high 32; 0 tries every seed.
-    pub probes: u32,
+    /// Low 1, high 32; 0 tries every seed. By default 16, fewer on large meshes so that the time stays linear.
+    pub probes: Option<u32>,
     /// Edges with at least this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
     /// Edges that are never crossed, by their vertices.
@@ -139,7 +139,7 @@ impl Default for PatchOptions {
             quality: Quality::default(),
             dissection: Dissection::default(),
             merge: true,
-            probes: 16,
+            probes: None,
             feature_angle: None,
             feature_edges: Vec::new(),
         }
@@ -169,6 +169,16 @@ impl PatchOptions {
             return Err(Error::Options("min-cells is 0, a patch has at least one cell".into()));
         }
         Ok(())
+    }
+
+    /// Probes per triangle. Rectangles grow with the mesh, and their triangles leave the cache: sixteen probes on every
+    /// triangle are affordable up to some 200,000 triangles, and on a million four find nearly as much.
+    fn probes(&self, triangles: usize) -> u32 {
+        match self.probes {
+            None => (3_200_000 / triangles.max(1)).clamp(4, 16) as u32,
+            Some(0) => u32::MAX,
+            Some(n) => n,
+        }
     }
 
     fn filters(&self) -> Filters {
@@ -206,8 +216,9 @@ pub struct PatchResult {
 ///
 /// ```
 /// use carreau::{Context, patch, sample};
-/// let mesh = sample::cube_cylinders()?;
-/// let result = patch::decompose(&mesh, &patch::PatchOptions::default(), &Context::new())?;
+/// let context = Context::new();
+/// let mesh = sample::make("cube-cylinders", None, &context)?;
+/// let result = patch::decompose(&mesh, &patch::PatchOptions::default(), &context)?;
 /// assert!(result.figures.coverage > 0.95);
 /// # Ok::<(), carreau::Error>(())
 /// ```
@@ -233,7 +244,7 @@ fn find(candidates: &Candidates, options: &PatchOptions, context: &Context) -> R
     let quads = match options.strategy {
         Strategy::Grow => {
             let mut grower = Grower::new(candidates);
-            let probes = if options.probes == 0 { u32::MAX } else { options.probes };
+            let probes = options.probes(candidates.triangles.len());
             let patches = growth::cover(&mut grower, probes, options.min_cells as usize, context)?;
             return if options.merge { merge::merge(patches, candidates, context) } else { Ok(patches) };
         }

@@ -60,7 +60,7 @@ fn all_options() -> Vec<PatchOptions> {
         }
     }
     all.push(PatchOptions { quality: Quality::Adapted, convex_only: true, ..PatchOptions::default() });
-    all.push(PatchOptions { quality: Quality::Jacobian, adapt_dihedral: true, probes: 0, ..PatchOptions::default() });
+    all.push(PatchOptions { quality: Quality::Jacobian, adapt_dihedral: true, probes: Some(0), ..PatchOptions::default() });
     all
 }
 
