@@ -70,7 +70,8 @@ impl Bipartite {
 
     /// A matching with as many edges as possible.
     pub fn maximum_matching(&self) -> Matching {
-        let unmatched = Matching { left_mates: vec![NONE; self.lefts()], right_mates: vec![NONE; self.rights as usize] };
+        let unmatched =
+            Matching { left_mates: vec![NONE; self.lefts()], right_mates: vec![NONE; self.rights as usize] };
         let mut search = Search {
             graph: self,
             matching: unmatched,

@@ -1,9 +1,7 @@
-//! Numerical methods that the rooms share; they know no mesh.
+//! Numerical and combinatorial algorithms that know nothing of meshes.
 //!
-//! | module | method |
+//! | file | holds |
 //! |---|---|
-//! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
-//! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
+//! | `hopcroft_karp` | maximum matching, minimum vertex cover and maximum independent set of bipartite graphs |
 
-pub(crate) mod hopcroft_karp;
-pub mod matching;
+pub mod hopcroft_karp;

@@ -9,11 +9,11 @@
 //! an end, cannot both do so:
 //!
 //! ```text
-//!         ┏━━━┓           a ┄┄ b is a chord; so is a ┄┄ c. They share a, which only one of them needs to resolve.
-//!         ┃   ┃
-//!     ┏━━━a┄┄┄b━━━┓
-//!     ┃   ┊       ┃
-//!     ┗━━━c   ┏━━━┛
+//!         ┏━━━┓
+//!         ┃   ┃           a ┄┄ b and a ┄┄ c are chords (and so are b ┄┄ d, c ┄┄ d). Those two touch in a, which needs
+//!     ┏━━━a┄┄┄b━━━┓       to be resolved but once. a ┄┄ b and c ┄┄ d do not touch: cutting both resolves all four
+//!     ┃   ┊   ┊   ┃       vertices and leaves three rectangles.
+//!     ┗━━━c┄┄┄d━━━┛
 //!         ┃   ┃
 //!         ┗━━━┛
 //! ```
@@ -139,4 +139,226 @@ fn read_off(polygon: &Polygon, links: &Links) -> Result<Vec<Rectangle>> {
     }
     rectangles.sort_unstable_by_key(|r| (r.row, r.col));
     Ok(rectangles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::concave::Quadrant;
+    use super::super::rectangles::{CornerRule, greedy};
+    use super::super::samples::{
+        Random, any_polygon, block, drawing, grown, large, mirrored, place_cells, shuffled, small_random, turned,
+    };
+    use super::*;
+    use proptest::prelude::*;
+    use rustc_hash::FxHashMap;
+
+    fn dissect(polygon: &Polygon) -> Vec<Rectangle> {
+        let rectangles = minimum(polygon, &Context::new()).unwrap();
+        polygon.check_dissection(&rectangles).unwrap();
+        rectangles
+    }
+
+    /// The least number of rectangles by trying all dissections: some rectangle has the first free cell, in the order
+    /// of rows and columns, at its lower left.
+    fn brute_force(polygon: &Polygon) -> u32 {
+        fn fewest(covered: u32, all: u32, at: &[Vec<u32>], known: &mut FxHashMap<u32, u32>) -> u32 {
+            if covered == all {
+                return 0;
+            }
+            if let Some(&count) = known.get(&covered) {
+                return count;
+            }
+            let free = at[covered.trailing_ones() as usize].iter().filter(|&rectangle| rectangle & covered == 0);
+            let count = 1 + free.map(|&rectangle| fewest(covered | rectangle, all, at, known)).min().unwrap();
+            known.insert(covered, count);
+            count
+        }
+        let mut order: Vec<u32> = (0..polygon.cells.len() as u32).collect();
+        order.sort_by_key(|&id| (polygon.cells[id as usize].row, polygon.cells[id as usize].col));
+        let mut bit = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(rank, &id)| bit[id as usize] = 1u32 << rank);
+        let at: Vec<Vec<u32>> = order.iter().map(|&corner| rectangles_at(polygon, corner, &bit)).collect();
+        fewest(0, bit.iter().sum(), &at, &mut FxHashMap::default())
+    }
+
+    /// All rectangles with this lower left corner, as sets of bits.
+    fn rectangles_at(polygon: &Polygon, corner: u32, bit: &[u32]) -> Vec<u32> {
+        let next = |cell: u32, side: usize| polygon.cells[cell as usize].next[side];
+        let (mut found, mut below, mut first, mut widest) = (Vec::new(), vec![0], corner, usize::MAX);
+        while first != NONE {
+            let (mut cells, mut cell) = (0, first);
+            let mut sums = Vec::new();
+            while cell != NONE && sums.len() < widest && (first == corner || next(cell, BOTTOM) != NONE) {
+                cells |= bit[cell as usize];
+                sums.push(cells | below.get(sums.len()).unwrap_or(&0));
+                cell = next(cell, RIGHT);
+            }
+            widest = sums.len();
+            found.extend(&sums);
+            below = sums;
+            first = next(first, TOP);
+        }
+        found
+    }
+
+    /// What the formula N − L + χ is made of.
+    struct Count {
+        vertices: usize,
+        tips: usize,
+        chords: usize,
+        euler: i64,
+    }
+
+    impl Count {
+        fn of(polygon: &Polygon) -> Self {
+            let links = Links::of(polygon);
+            let vertices = sorted_vertices(polygon, &links);
+            let chords = Chords::find(&vertices, &links).independent(&links).len();
+            let quadrants = (0..links.len()).flat_map(|cell| (0..4).map(move |corner| Quadrant { cell, corner }));
+            let mut sectors: Vec<usize> = quadrants.map(|q| q.sector_id(&links)).collect();
+            sectors.sort_unstable();
+            sectors.dedup();
+            let joints = polygon.cells.iter().flat_map(|c| c.next).filter(|&n| n != NONE).count() / 2;
+            let euler = sectors.len() as i64 - (4 * links.len() as i64 - joints as i64) + i64::from(links.len());
+            let tips = vertices.iter().filter(|v| v.rays(&links).count() == 1).count();
+            Self { vertices: vertices.len(), tips, chords, euler }
+        }
+
+        fn rectangles(&self) -> i64 {
+            self.vertices as i64 - self.chords as i64 + self.euler
+        }
+    }
+
+    /// The number of holes (connected across sides and corners), or nothing if there are walls or diagonal contacts.
+    fn holes_if_plain(polygon: &Polygon) -> Option<i64> {
+        let (rows, cols) = polygon.cells.iter().fold((0..0, 0..0), |(r, c), cell| {
+            (r.start.min(cell.row - 1)..r.end.max(cell.row + 2), c.start.min(cell.col - 1)..c.end.max(cell.col + 2))
+        });
+        let inside: Vec<_> = polygon.cells.iter().map(|c| (c.row, c.col)).collect();
+        let has = |row, col| inside.contains(&(row, col));
+        let unwalled = place_cells(&inside, |_, _| false);
+        let has_walls = polygon.cells.iter().zip(&unwalled.cells).any(|(a, b)| a.next != b.next);
+        let diagonal = |&(r, c): &(i32, i32)| {
+            (has(r + 1, c + 1) && !has(r, c + 1) && !has(r + 1, c))
+                || (has(r + 1, c - 1) && !has(r, c - 1) && !has(r + 1, c))
+        };
+        if has_walls || inside.iter().any(diagonal) {
+            return None;
+        }
+        let mut outside: Vec<_> = rows.flat_map(|row| cols.clone().map(move |col| (row, col))).collect();
+        outside.retain(|&(row, col)| !has(row, col));
+        let mut parts = 0;
+        while let Some(start) = outside.pop() {
+            parts += 1;
+            let mut stack = vec![start];
+            while let Some((row, col)) = stack.pop() {
+                for place in [(row - 1, col), (row + 1, col), (row, col - 1), (row, col + 1)] {
+                    if let Some(i) = outside.iter().position(|&p| p == place) {
+                        stack.push(outside.swap_remove(i));
+                    }
+                }
+            }
+        }
+        Some(parts - 1)
+    }
+
+    #[test]
+    fn equals_brute_force() {
+        let mut random = Random(2011);
+        let (mut with_tips, mut with_holes, mut plain_with_holes, mut with_chords, mut better) = (0, 0, 0, 0, 0);
+        for case in 0..12_000 {
+            let p = small_random(&mut random, 12 + case % 13);
+            let count = dissect(&p).len();
+            assert_eq!(count as u32, brute_force(&p), "case {case}: {p:?}");
+
+            let formula = Count::of(&p);
+            assert_eq!(count as i64, formula.rectangles(), "case {case}: {p:?}");
+            if let Some(holes) = holes_if_plain(&p) {
+                assert_eq!(formula.euler, 1 - holes, "case {case}: {p:?}");
+                plain_with_holes += usize::from(holes > 0);
+            }
+            let extracted = greedy(&p, CornerRule::AnyWidth, &Context::new()).unwrap().len();
+            assert!(extracted >= count, "case {case}: {p:?}");
+
+            with_tips += usize::from(formula.tips > 0);
+            with_holes += usize::from(formula.euler < 1);
+            with_chords += usize::from(formula.chords > 0);
+            better += usize::from(extracted > count);
+        }
+        // The cases do contain what the test is about.
+        let seen = [with_tips, with_holes, plain_with_holes, with_chords, better];
+        assert!(seen.iter().zip([4000, 1500, 60, 3000, 1500]).all(|(seen, wanted)| *seen > wanted), "{seen:?}");
+    }
+
+    #[test]
+    fn turning_and_mirroring_do_not_change_the_number() {
+        let mut random = Random(3);
+        for case in 0..400 {
+            let p = if case % 4 > 0 { small_random(&mut random, 42) } else { grown(&mut random, 300, 5 * (case % 7)) };
+            let count = dissect(&p).len();
+            let (half, mirror) = (turned(&turned(&p)), mirrored(&p));
+            for q in [turned(&p), turned(&half), half, turned(&mirror), mirror] {
+                assert_eq!(dissect(&q).len(), count, "case {case}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_numbering_of_cells_does_not_matter() {
+        let shapes = |p: &Polygon| dissect(p).iter().map(|r| (r.row, r.col, r.rows, r.cols)).collect::<Vec<_>>();
+        let mut random = Random(4);
+        for _ in 0..300 {
+            let p = grown(&mut random, 80, 15);
+            assert_eq!(shapes(&p), shapes(&shuffled(&p, &mut random)));
+        }
+    }
+
+    #[test]
+    fn drawn_cases() {
+        let cases: [(&[&str], u32); 8] = [
+            (&["##", "#|#", "##"], 2),
+            (&["####", " -- ", "####"], 2),
+            (&[".#.", "###", ".#."], 3),
+            // Around a hole there are four chords, of which two do not touch.
+            (&["###", "#.#", "###"], 4),
+            // Two holes that touch diagonally, and a hole that touches the border so.
+            (&["####", "#.##", "##.#", "####"], 6),
+            (&["###", "#.#", "##."], 4),
+            // The chord between the two reentrant corners passes across the tip of the slit.
+            (&[".##.", "##|##"], 3),
+            // A slit that closes around a missing cell, and one that branches.
+            (&["####", " -  ", "#|.##", "####"], 4),
+        ];
+        for (lines, expected) in cases {
+            let p = drawing(lines);
+            assert_eq!((dissect(&p).len() as u32, brute_force(&p)), (expected, expected), "{lines:?}");
+        }
+        assert_eq!(dissect(&block(40, 30)).len(), 1);
+        assert!(dissect(&Polygon::default()).is_empty());
+    }
+
+    #[test]
+    fn large_polygons() {
+        for (name, polygon) in large() {
+            let rectangles = minimum(&polygon, &Context::new()).unwrap();
+            polygon.check_dissection(&rectangles).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_eq!(rectangles.len() as i64, Count::of(&polygon).rectangles(), "{name}");
+        }
+    }
+
+    #[test]
+    fn cancelled_runs_stop() {
+        let late = Context::new().with_deadline(std::time::Instant::now());
+        assert!(minimum(&block(1, 1), &late).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn parts_are_rectangles_and_as_many_as_the_formula_says(polygon in any_polygon()) {
+            let rectangles = minimum(&polygon, &Context::new()).unwrap();
+            polygon.check_dissection(&rectangles).unwrap();
+            prop_assert_eq!(rectangles.len() as i64, Count::of(&polygon).rectangles());
+            prop_assert!(greedy(&polygon, CornerRule::LongestRow, &Context::new()).unwrap().len() >= rectangles.len());
+        }
+    }
 }

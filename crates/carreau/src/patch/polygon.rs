@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn bad_dissections_are_found() {
-        let p = drawing(&["#|#", "###"]);
+        let p = drawing(&["#|#", "##"]);
         let find = |row, col| p.cells.iter().position(|c| (c.row, c.col) == (row, col)).unwrap() as u32;
         let at = |row, col, rows, cols| Rectangle { row, col, rows, cols, corner: find(row, col) };
         p.check_dissection(&[at(0, 0, 1, 2), at(1, 0, 1, 1), at(1, 1, 1, 1)]).unwrap();

@@ -1,6 +1,7 @@
 //! Polygons for the tests: drawn, random, and large ones of awkward shape.
 
 use super::polygon::{BOTTOM, Cell, LEFT, NONE, Polygon, RIGHT, TOP, opposite};
+use proptest::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// The generator SplitMix64 (Steele, Lea, Flood 2014).
@@ -114,18 +115,28 @@ pub fn block_with_walls(rows: i32, cols: i32, wall: impl FnMut((i32, i32), usize
     first_component(&place_cells(&places, wall))
 }
 
-/// A random polygon of at most `most` cells inside a random small box, with holes, slits and diagonal contacts.
+/// A random polygon of at most `most` cells inside a small box, with holes, slits and diagonal contacts.
 pub fn small_random(random: &mut Random, most: usize) -> Polygon {
-    let (rows, cols) = (1 + random.below(6) as i32, 1 + random.below(7) as i32);
-    let (gaps, walls) = ([0, 10, 20, 35][random.below(4)], [0, 5, 15, 30, 50][random.below(5)]);
-    let mut places: Vec<_> = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col))).collect();
-    places.retain(|_| !random.chance(gaps));
+    let rows = 1 + random.below(6).max(random.below(6));
+    let widest = (most / rows).clamp(1, 8);
+    let cols = 1 + random.below(widest).max(random.below(widest));
+    let (gaps, walls) = ([0, 8, 16, 24][random.below(4)], [0, 6, 12, 24, 36][random.below(5)]);
+    let mut places: Vec<_> = (0..rows as i32).flat_map(|row| (0..cols as i32).map(move |col| (row, col))).collect();
     random.shuffle(&mut places);
-    places.truncate(most);
-    if places.is_empty() {
-        places.push((0, 0));
-    }
+    let first = places[0];
+    places.retain(|&place| place == first || !random.chance(gaps));
     first_component(&place_cells(&places, |_, _| random.chance(walls)))
+}
+
+/// Any small polygon; shrinks towards few cells and few walls.
+pub fn any_polygon() -> impl Strategy<Value = Polygon> {
+    let bits = |percent: f64| prop::collection::vec(prop::bool::weighted(percent), 2 * 49);
+    (1..8i32, 1..8i32, bits(0.8), bits(0.15)).prop_map(|(rows, cols, cells, walls)| {
+        let mut places: Vec<_> = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col))).collect();
+        places.retain(|&(row, col)| (row, col) == (0, 0) || cells[(7 * row + col) as usize]);
+        let wall = |(row, col), side| walls[(7 * row + col) as usize + if side == TOP { 49 } else { 0 }];
+        first_component(&place_cells(&places, wall))
+    })
 }
 
 /// A blob that grows from one cell by adding random neighbours; holes appear by themselves.
