@@ -1,7 +1,9 @@
-//! Numerical and combinatorial algorithms that know nothing of meshes.
+//! Numerical methods that the rooms share; they know no mesh.
 //!
-//! | file | holds |
+//! | module | method |
 //! |---|---|
-//! | `hopcroft_karp` | maximum matching, minimum vertex cover and maximum independent set of bipartite graphs |
+//! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
+//! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
 
-pub mod hopcroft_karp;
+pub(crate) mod hopcroft_karp;
+pub mod matching;

@@ -29,12 +29,291 @@
 mod concave;
 mod dissection;
 mod grid;
+mod growth;
+mod merge;
+mod output;
+mod pairing;
 mod polygon;
+mod positions;
+mod quality;
 mod rectangles;
 #[cfg(test)]
 mod samples;
+mod statistics;
+#[cfg(test)]
+mod tests;
+mod validate;
+mod zones;
 
-pub use dissection::minimum;
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{FaceId, SurfaceMesh, Triangles, VertexId};
+use grid::Grid;
+use growth::Grower;
+use pairing::Preference;
+use quality::{Candidates, Filters};
+use rectangles::CornerRule;
+use serde::{Deserialize, Serialize};
+use zones::Quads;
+
 pub use grid::Patch;
-pub use polygon::{Cell, NONE, Polygon, Rectangle};
-pub use rectangles::{CornerRule, greedy};
+pub use output::quad_mesh;
+pub use polygon::Polygon;
+pub use positions::Policy;
+pub use quality::Quality;
+pub use statistics::{Figures, coverage, patches_needed};
+pub use validate::{Promises, validate};
+
+/// How patches are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// Rectangles grown directly on the triangles: the fewest patches.
+    #[default]
+    Grow,
+    /// The paper: greedy zones of quads, then rectangles in them.
+    Zones,
+    /// Quads by minimum-cost matching (best quads, few leftovers), then rectangles.
+    Matching,
+    /// Quads by maximum matching (fewest leftovers), then rectangles.
+    MatchingCardinality,
+}
+
+/// How a rectilinear polygon is cut into rectangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Dissection {
+    /// Largest rectangle first, as in the paper: all rectangles from each corner are tried.
+    Greedy,
+    /// Largest rectangle first, where each corner is tried only with its longest row: figure 8 taken to the letter.
+    LongestRow,
+    /// As few rectangles as possible.
+    #[default]
+    Minimum,
+}
+
+/// Options of [`decompose`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub struct PatchOptions {
+    /// How patches are found.
+    pub strategy: Strategy,
+    /// What happens where rows and columns contradict each other (not for [`Strategy::Grow`]).
+    pub policy: Policy,
+    /// Smallest number of cells of a patch; smaller ones stay triangles. 1 keeps single quads.
+    pub min_cells: u32,
+    /// Q_max of equation 1 in degrees, 0..=180; from 135 on it rejects no shape.
+    pub q_max: f64,
+    /// ε_φ: largest angle between the normals of the two triangles of a quad, in degrees.
+    pub dihedral: f64,
+    /// Accepts a larger angle where the surface around bends as much.
+    pub adapt_dihedral: bool,
+    /// Accepts no quad with a corner above 180°.
+    pub convex_only: bool,
+    /// How candidate quads are ranked.
+    pub quality: Quality,
+    /// How polygons are cut into rectangles (not for [`Strategy::Grow`]).
+    pub dissection: Dissection,
+    /// Joins patches along complete common sides.
+    pub merge: bool,
+    /// How many rectangles [`Strategy::Grow`] tries through each triangle: more take longer and give larger patches.
+    /// Low 1, high 32; 0 tries every seed. By default 16, fewer on large meshes so that the time stays linear.
+    pub probes: Option<u32>,
+    /// Edges with at least this angle between the face normals, in degrees, are never crossed.
+    pub feature_angle: Option<f64>,
+    /// Edges that are never crossed, by their vertices.
+    #[serde(skip)]
+    pub feature_edges: Vec<[VertexId; 2]>,
+}
+
+impl Default for PatchOptions {
+    fn default() -> Self {
+        PatchOptions {
+            strategy: Strategy::default(),
+            policy: Policy::default(),
+            min_cells: 2,
+            q_max: 90.0,
+            dihedral: 30.0,
+            adapt_dihedral: false,
+            convex_only: false,
+            quality: Quality::default(),
+            dissection: Dissection::default(),
+            merge: true,
+            probes: None,
+            feature_angle: None,
+            feature_edges: Vec::new(),
+        }
+    }
+}
+
+impl PatchOptions {
+    /// The paper's pipeline: zones, greedy rectangles, no merging.
+    pub fn paper() -> Self {
+        PatchOptions {
+            strategy: Strategy::Zones,
+            dissection: Dissection::Greedy,
+            merge: false,
+            ..PatchOptions::default()
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        let range = |name: &str, x: f64| {
+            let fits = (0.0..=180.0).contains(&x);
+            if fits { Ok(()) } else { Err(Error::Options(format!("{name} is {x}, it must be an angle in 0..180 degrees"))) }
+        };
+        range("q-max", self.q_max)?;
+        range("dihedral", self.dihedral)?;
+        range("feature-angle", self.feature_angle.unwrap_or(0.0))?;
+        if self.min_cells == 0 {
+            return Err(Error::Options("min-cells is 0, a patch has at least one cell".into()));
+        }
+        Ok(())
+    }
+
+    /// Probes per triangle. Rectangles grow with the mesh, and their triangles leave the cache: sixteen probes on every
+    /// triangle are affordable up to some 200,000 triangles, and on a million four find nearly as much.
+    fn probes(&self, triangles: usize) -> u32 {
+        match self.probes {
+            None => (3_200_000 / triangles.max(1)).clamp(4, 16) as u32,
+            Some(0) => u32::MAX,
+            Some(n) => n,
+        }
+    }
+
+    fn filters(&self) -> Filters {
+        Filters {
+            quality: self.quality,
+            q_max: self.q_max.to_radians(),
+            dihedral: self.dihedral.to_radians(),
+            adapt_dihedral: self.adapt_dihedral,
+            convex_only: self.convex_only,
+        }
+    }
+
+    fn promises(&self) -> Promises {
+        Promises {
+            q_max: self.q_max.to_radians(),
+            dihedral: if self.adapt_dihedral { f64::INFINITY } else { self.dihedral.to_radians() },
+            convex_only: self.convex_only,
+            min_cells: self.min_cells as usize,
+        }
+    }
+}
+
+/// A decomposition into patches.
+#[derive(Debug, Clone)]
+pub struct PatchResult {
+    /// The patches, largest first.
+    pub patches: Vec<Patch>,
+    /// Triangles that belong to no patch, in order.
+    pub leftover: Vec<FaceId>,
+    /// The figures of the layout.
+    pub figures: Figures,
+}
+
+/// Decomposes a triangle mesh into quad patches. Every result has passed [`validate`].
+///
+/// ```
+/// use carreau::{Context, patch, sample};
+/// let context = Context::new();
+/// let mesh = sample::make("cube-cylinders", None, &context)?;
+/// let result = patch::decompose(&mesh, &patch::PatchOptions::default(), &context)?;
+/// assert!(result.figures.coverage > 0.95);
+/// # Ok::<(), carreau::Error>(())
+/// ```
+pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) -> Result<PatchResult> {
+    options.check()?;
+    let Some(triangles) = Triangles::of(mesh) else {
+        return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));
+    };
+    if triangles.is_empty() {
+        return Err(Error::input("the mesh has no faces", "", "patches need triangles"));
+    }
+    let barrier = vec![false; 3 * triangles.len()];
+    let candidates = {
+        let _stage = context.stage("quality");
+        Candidates::new(triangles, &options.filters(), barrier, context)?
+    };
+    let patches = find(&candidates, options, context)?;
+    finish(mesh, patches, &candidates, options, context)
+}
+
+/// The patches that the chosen strategy finds.
+fn find(candidates: &Candidates, options: &PatchOptions, context: &Context) -> Result<Vec<Patch>> {
+    let quads = match options.strategy {
+        Strategy::Grow => {
+            let mut grower = Grower::new(candidates);
+            let probes = options.probes(candidates.triangles.len());
+            let patches = growth::cover(&mut grower, probes, options.min_cells as usize, context)?;
+            return if options.merge { merge::merge(patches, candidates, context) } else { Ok(patches) };
+        }
+        Strategy::Zones => zones::grow_zones(candidates, context)?,
+        Strategy::Matching => pairing::match_pairs(candidates, Preference::Quality, context)?,
+        Strategy::MatchingCardinality => pairing::match_pairs(candidates, Preference::Cardinality, context)?,
+    };
+    let (polygons, turns) = positions::lay_out(candidates, &quads, options.policy, context)?;
+    let patches = dissect(candidates, &quads, &polygons, &turns, options, context)?;
+    if options.merge { merge::merge_and_absorb(patches, candidates, options.min_cells as usize, context) } else { Ok(patches) }
+}
+
+/// Cuts polygons into rectangles and rectangles out of the mesh.
+fn dissect(
+    candidates: &Candidates,
+    quads: &Quads,
+    polygons: &[Polygon],
+    turns: &[u32],
+    options: &PatchOptions,
+    context: &Context,
+) -> Result<Vec<Patch>> {
+    let _stage = context.stage("dissection");
+    let mut patches = Vec::new();
+    for (k, polygon) in polygons.iter().enumerate() {
+        context.check_every(k)?;
+        let rectangles = match options.dissection {
+            Dissection::Greedy => rectangles::greedy(polygon, CornerRule::AnyWidth, context)?,
+            Dissection::LongestRow => rectangles::greedy(polygon, CornerRule::LongestRow, context)?,
+            Dissection::Minimum => dissection::minimum(polygon, context)?,
+        };
+        patches.extend(rectangles.iter().map(|rectangle| {
+            let mut grid = Grid::new(rectangle.rows, rectangle.cols);
+            let places = (0..rectangle.rows).flat_map(|r| (0..rectangle.cols).map(move |c| (r, c)));
+            for ((r, c), cell) in places.zip(polygon.cells_of(rectangle)) {
+                let quad = polygon.cells[cell as usize].quad as usize;
+                let (corners, pair) = quad_corners(candidates, quads.diagonal[quad], turns[quad]);
+                grid.set(r, c, corners, pair);
+            }
+            grid.finish()
+        }));
+    }
+    Ok(patches)
+}
+
+/// Corners of a quad from the bottom left, for its turn, and its two triangles.
+fn quad_corners(candidates: &Candidates, h: u32, turn: u32) -> ([VertexId; 4], [FaceId; 2]) {
+    let (t, o) = (candidates.triangles, candidates.triangles.opposite(h));
+    let own = [h, t.previous(o), o, t.previous(h)].map(|c| VertexId(t.vertex(c)));
+    (std::array::from_fn(|g| own[(g + 4 - turn as usize) % 4]), [FaceId(h / 3), FaceId(o / 3)])
+}
+
+/// Drops patches that are too small, sorts, checks and counts.
+fn finish(
+    mesh: &SurfaceMesh,
+    mut patches: Vec<Patch>,
+    candidates: &Candidates,
+    options: &PatchOptions,
+    context: &Context,
+) -> Result<PatchResult> {
+    let _stage = context.stage("validation");
+    context.check()?;
+    patches.retain(|p| p.cells() >= options.min_cells as usize);
+    // Largest first; equal ones in the order in which they were found, which does not depend on labels.
+    patches.sort_by_key(|p| std::cmp::Reverse(p.cells()));
+    let mut covered = vec![false; mesh.face_count()];
+    patches.iter().flat_map(|p| &p.triangles).for_each(|t| covered[t.index()] = true);
+    let leftover: Vec<FaceId> = (0..mesh.face_count()).filter(|&t| !covered[t]).map(FaceId::new).collect();
+    let _ = candidates;
+    validate(mesh, &patches, &leftover, &options.promises(), |_, _| false)?;
+    let figures = Figures::of(mesh, &patches);
+    Ok(PatchResult { patches, leftover, figures })
+}
