@@ -6,6 +6,13 @@
 
 mod atomic;
 mod binary;
+mod gmf;
+mod gmsh;
+mod medit;
+mod medit_sections;
+#[cfg(test)]
+mod round_trips;
+mod small_faces;
 mod text;
 
 use crate::error::{Error, Place, Result};
@@ -51,7 +58,11 @@ pub struct Format {
 }
 
 /// All mesh formats. CAD formats, which are only written, are in [`crate::io`] too but take another model.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[
+    Format { name: "Medit", extensions: &["mesh"], read: medit::read, write: medit::write },
+    Format { name: "Medit binary (GMF)", extensions: &["meshb"], read: gmf::read, write: gmf::write },
+    Format { name: "Gmsh", extensions: &["msh"], read: gmsh::read, write: gmsh::write },
+];
 
 /// The extension of a path in lower case.
 pub fn extension(path: &Path) -> String {
@@ -68,7 +79,8 @@ fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
         let found = extension(path);
-        let found = if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
+        let found =
+            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
         Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
     })
 }
