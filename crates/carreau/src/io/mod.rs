@@ -6,7 +6,13 @@
 
 mod atomic;
 mod binary;
+mod gltf;
+mod percent;
 mod text;
+mod vtk_arrays;
+mod vtk_cells;
+mod vtk_legacy;
+mod vtk_xml;
 
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
@@ -51,7 +57,13 @@ pub struct Format {
 }
 
 /// All mesh formats. CAD formats, which are only written, are in [`crate::io`] too but take another model.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[
+    Format { name: "VTK legacy", extensions: &["vtk"], read: vtk_legacy::read, write: vtk_legacy::write },
+    Format { name: "VTK XML unstructured grid", extensions: &["vtu"], read: vtk_xml::read, write: vtk_xml::write_vtu },
+    Format { name: "VTK XML polydata", extensions: &["vtp"], read: vtk_xml::read, write: vtk_xml::write_vtp },
+    Format { name: "glTF", extensions: &["gltf"], read: gltf::read, write: gltf::write_gltf },
+    Format { name: "GLB", extensions: &["glb"], read: gltf::read, write: gltf::write_glb },
+];
 
 /// The extension of a path in lower case.
 pub fn extension(path: &Path) -> String {
