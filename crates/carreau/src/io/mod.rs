@@ -13,7 +13,13 @@ mod medit_sections;
 #[cfg(test)]
 mod round_trips;
 mod small_faces;
+mod gltf;
+mod percent;
 mod text;
+mod vtk_arrays;
+mod vtk_cells;
+mod vtk_legacy;
+mod vtk_xml;
 
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
@@ -62,6 +68,11 @@ pub const FORMATS: &[Format] = &[
     Format { name: "Medit", extensions: &["mesh"], read: medit::read, write: medit::write },
     Format { name: "Medit binary (GMF)", extensions: &["meshb"], read: gmf::read, write: gmf::write },
     Format { name: "Gmsh", extensions: &["msh"], read: gmsh::read, write: gmsh::write },
+    Format { name: "VTK legacy", extensions: &["vtk"], read: vtk_legacy::read, write: vtk_legacy::write },
+    Format { name: "VTK XML unstructured grid", extensions: &["vtu"], read: vtk_xml::read, write: vtk_xml::write_vtu },
+    Format { name: "VTK XML polydata", extensions: &["vtp"], read: vtk_xml::read, write: vtk_xml::write_vtp },
+    Format { name: "glTF", extensions: &["gltf"], read: gltf::read, write: gltf::write_gltf },
+    Format { name: "GLB", extensions: &["glb"], read: gltf::read, write: gltf::write_glb },
 ];
 
 /// The extension of a path in lower case.

@@ -1,0 +1,44 @@
+//! glTF 2.0: `.gltf` (JSON, with its buffers embedded or beside it) and `.glb` (one binary file).
+//!
+//! After: *glTF 2.0 Specification*, Khronos Group (ISO/IEC 12113:2022).
+//!
+//! | file | holds |
+//! |---|---|
+//! | `schema` | the parts of the JSON that matter here |
+//! | `container` | GLB chunks and buffers: embedded, external, binary chunk |
+//! | `accessor` | typed arrays in buffers |
+//! | `scene` | nodes and their transforms |
+//! | `read` | primitives to one mesh |
+//! | `write` | the writer |
+//!
+//! All meshes of the default scene become one mesh, in world coordinates. Vertices are those of the accessors, in order
+//! and not welded; primitives of one mesh that use the same accessors share their vertices. Positions, `normal`, `uv` and
+//! `color` are kept; materials, skins, morph targets and animations are not. Texture coordinates are kept as they are:
+//! glTF counts the second from the top of the image.
+//!
+//! Colours of vertices are linear in glTF and sRGB (as in PLY and OBJ) in the column `color`; they are converted both ways.
+
+mod accessor;
+mod container;
+mod read;
+mod scene;
+mod schema;
+mod write;
+
+pub(super) use read::read;
+pub(super) use write::{write_glb, write_gltf};
+
+#[cfg(test)]
+mod tests;
+
+/// Component of an sRGB colour (0 to 255) as a share of the linear intensity (IEC 61966-2-1).
+fn linear_of_srgb(component: u8) -> f64 {
+    let c = f64::from(component) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The inverse of [`linear_of_srgb`], rounded.
+fn srgb_of_linear(linear: f64) -> u8 {
+    let c = if linear <= 0.0031308 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * c).round() as u8
+}
