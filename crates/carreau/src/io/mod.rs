@@ -6,6 +6,9 @@
 
 mod atomic;
 mod binary;
+pub mod cad;
+pub mod iges;
+pub mod step;
 mod text;
 
 use crate::error::{Error, Place, Result};
@@ -13,6 +16,7 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
+pub use cad::{CAD_EXTENSIONS, CadOptions, StepSchema, Unit, write_cad};
 
 /// The content of a file and where it came from.
 pub struct Source<'a> {
@@ -68,7 +72,8 @@ fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
         let found = extension(path);
-        let found = if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
+        let found =
+            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
         Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
     })
 }
