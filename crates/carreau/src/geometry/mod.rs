@@ -1,1 +1,4 @@
-//! geometry
+//! Geometry that knows no method: splines, boundary representations.
+
+pub mod brep;
+pub mod bspline;

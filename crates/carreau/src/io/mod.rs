@@ -15,6 +15,9 @@ mod round_trips;
 mod small_faces;
 mod gltf;
 mod percent;
+pub mod cad;
+pub mod iges;
+pub mod step;
 mod text;
 mod vtk_arrays;
 mod vtk_cells;
@@ -26,6 +29,7 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
+pub use cad::{CAD_EXTENSIONS, CadOptions, StepSchema, Unit, write_cad};
 
 /// The content of a file and where it came from.
 pub struct Source<'a> {

@@ -26,6 +26,7 @@
 //! - A polygon has walls as well as cells: quads may lie side by side in the layout without sharing a mesh edge, which
 //!   the paper does not mention.
 
+pub mod cad;
 mod concave;
 mod dissection;
 mod grid;

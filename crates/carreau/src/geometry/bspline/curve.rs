@@ -1,0 +1,233 @@
+//! B-spline curves in space.
+
+use super::knots::Knots;
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// A clamped B-spline curve: it begins at its first and ends at its last control point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BSplineCurve {
+    knots: Knots,
+    points: Vec<DVec3>,
+}
+
+impl BSplineCurve {
+    /// A curve with one control point per basis function.
+    pub fn new(knots: Knots, points: Vec<DVec3>) -> Result<Self> {
+        if knots.count() != points.len() {
+            return Err(Error::Bug(format!("{} control points on {} basis functions", points.len(), knots.count())));
+        }
+        Ok(BSplineCurve { knots, points })
+    }
+
+    /// A polyline with the parameters 0, 1, 2, … at its points (two at least).
+    pub fn polyline(points: Vec<DVec3>) -> Result<Self> {
+        Self::new(Knots::index(points.len().saturating_sub(1) as u32), points)
+    }
+
+    /// The knots.
+    pub fn knots(&self) -> &Knots {
+        &self.knots
+    }
+
+    /// The control points.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// The point at a parameter.
+    pub fn point(&self, t: f64) -> DVec3 {
+        let (first, n) = self.knots.basis(t);
+        (0..=self.knots.degree()).map(|j| n[j] * self.points[first + j]).sum()
+    }
+
+    /// Point, first and second derivative.
+    pub fn derivatives(&self, t: f64) -> [DVec3; 3] {
+        let (first, n) = self.knots.derivatives(t);
+        n.map(|row| (0..=self.knots.degree()).map(|j| row[j] * self.points[first + j]).sum())
+    }
+
+    /// The first and the last point.
+    pub fn ends(&self) -> [DVec3; 2] {
+        [self.points[0], self.points[self.points.len() - 1]]
+    }
+
+    /// The same curve run backwards, over the same domain.
+    pub fn reversed(&self) -> Self {
+        BSplineCurve { knots: self.knots.reversed(), points: self.points.iter().rev().copied().collect() }
+    }
+
+    /// The same curve over another parameter domain.
+    pub fn rescaled(self, domain: [f64; 2]) -> Self {
+        BSplineCurve { knots: self.knots.rescaled(domain), points: self.points }
+    }
+
+    /// A curve of degree 1 as one of degree 3 with triple knots: the same points at the same parameters. Curves of
+    /// another degree are returned as they are.
+    ///
+    /// ```text
+    /// P0 ────────── P1        P0 ── · ── · ── P1     · at 1/3 and 2/3
+    /// ```
+    pub fn elevated(&self) -> Result<Self> {
+        if self.knots.degree() != 1 {
+            return Ok(self.clone());
+        }
+        let mut points = vec![self.points[0]];
+        for w in self.points.windows(2) {
+            points.extend([w[0].lerp(w[1], 1.0 / 3.0), w[0].lerp(w[1], 2.0 / 3.0), w[1]]);
+        }
+        let breaks = self.knots.breaks();
+        let last = breaks.len() - 1;
+        let times = |k: usize| if k == 0 || k == last { 4 } else { 3 };
+        let values = breaks.iter().enumerate().flat_map(|(k, &t)| std::iter::repeat_n(t, times(k))).collect();
+        // Inner knots of a clamped curve of degree 1 are simple, so breaks and points correspond one to one.
+        Self::new(Knots::new(3, values)?, points)
+    }
+
+    /// Inserts the inner knot `t` once (eq. 5.15); the curve does not change.
+    pub fn insert(&mut self, t: f64) {
+        let (p, k, u) = (self.knots.degree(), self.knots.span(t), self.knots.values());
+        let mut points = Vec::with_capacity(self.points.len() + 1);
+        points.extend_from_slice(&self.points[..=k - p]);
+        for i in k - p + 1..=k {
+            let share = (t - u[i]) / (u[i + p] - u[i]);
+            points.push(if share >= 1.0 { self.points[i] } else { self.points[i - 1].lerp(self.points[i], share) });
+        }
+        points.extend_from_slice(&self.points[k..]);
+        self.knots = self.knots.with(t);
+        self.points = points;
+    }
+
+    /// The same curve on a knot vector that contains its own.
+    pub fn refined_to(&self, target: &Knots) -> Result<Self> {
+        let mut out = self.clone();
+        for (t, wanted) in target.distinct() {
+            for _ in out.knots.multiplicity(t)..wanted {
+                out.insert(t);
+            }
+        }
+        if out.knots != *target {
+            return Err(Error::Bug("a curve was refined to knots that do not contain its own".into()));
+        }
+        Ok(out)
+    }
+
+    /// Joins curves of the same degree end to end, over the union of their domains: each must begin where, and at the
+    /// parameter at which, the one before ends. The joints get knots of the degree's multiplicity.
+    pub fn joined(pieces: &[BSplineCurve]) -> Result<Self> {
+        let Some((first, rest)) = pieces.split_first() else {
+            return Err(Error::Bug("no curve to join".into()));
+        };
+        let degree = first.knots.degree();
+        let (mut values, mut points) = (first.knots.values().to_vec(), first.points.clone());
+        for piece in rest {
+            let touches = piece.points.first() == points.last() && piece.knots.values().first() == values.last();
+            if !touches || piece.knots.degree() != degree {
+                return Err(Error::Bug("curves that do not meet cannot be joined".into()));
+            }
+            values.pop();
+            values.extend_from_slice(&piece.knots.values()[degree + 1..]);
+            points.extend_from_slice(&piece.points[1..]);
+        }
+        Self::new(Knots::new(degree, values)?, points)
+    }
+
+    /// The parameter of a point of the curve near `target`, by Newton steps from `start` (eq. 6.3); never farther from
+    /// the target than the start is.
+    pub fn project(&self, target: DVec3, start: f64) -> f64 {
+        let [low, high] = self.knots.domain();
+        let (mut best, mut t) = ((f64::INFINITY, start), start);
+        for _ in 0..12 {
+            let [c, d, dd] = self.derivatives(t);
+            let r = c - target;
+            if r.length_squared() < best.0 {
+                best = (r.length_squared(), t);
+            }
+            let curved = d.length_squared() + r.dot(dd);
+            // Where the Hessian is not positive, the Gauss-Newton one is.
+            let step = r.dot(d) / if curved > 0.0 { curved } else { d.length_squared() };
+            let next = (t - step).clamp(low, high);
+            if !step.is_finite() || (next - t).abs() <= 1e-12 * (high - low) {
+                break;
+            }
+            t = next;
+        }
+        best.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn cubic() -> impl Strategy<Value = BSplineCurve> {
+        (prop::collection::vec(0.1f64..1.0, 1..6), any::<u64>()).prop_map(|(steps, seed)| {
+            let mut breaks = vec![0.0];
+            for s in steps {
+                breaks.push(breaks[breaks.len() - 1] + s);
+            }
+            let knots = Knots::from_breaks(3, &breaks, 1).unwrap();
+            let mut x = seed | 1;
+            let mut random = || {
+                x ^= x << 13;
+                x ^= x >> 7;
+                x ^= x << 17;
+                (x >> 11) as f64 / (1u64 << 53) as f64
+            };
+            let points = (0..knots.count()).map(|_| DVec3::new(random(), random(), random())).collect();
+            BSplineCurve::new(knots, points).unwrap()
+        })
+    }
+
+    fn same(a: &BSplineCurve, b: &BSplineCurve, tolerance: f64) -> bool {
+        let [low, high] = a.knots.domain();
+        (0..=50).map(|k| low + (high - low) * f64::from(k) / 50.0).all(|t| a.point(t).distance(b.point(t)) < tolerance)
+    }
+
+    proptest! {
+        #[test]
+        fn insertion_reversal_and_joining_keep_the_curve(c in cubic(), s in 0.01f64..0.99) {
+            let t = s * c.knots.domain()[1];
+            let mut split = c.clone();
+            for times in 1..=3 {
+                split.insert(t);
+                prop_assert_eq!(split.knots.multiplicity(t), times);
+                prop_assert!(same(&c, &split, 1e-12));
+            }
+            prop_assert!(split.points.iter().any(|p| p.distance(c.point(t)) < 1e-12));
+            prop_assert_eq!(split.ends(), c.ends());
+            let back = c.reversed();
+            let end = c.knots.domain()[1];
+            prop_assert!(back.point(end - t).distance(c.point(t)) < 1e-10);
+            let next = back.clone().rescaled([end, 2.0 * end]);
+            let both = BSplineCurve::joined(&[c.clone(), next]).unwrap();
+            prop_assert!(same(&c, &both, 1e-12));
+            prop_assert!(both.point(2.0 * end - t).distance(c.point(t)) < 1e-10);
+            let target = c.knots.union(&split.knots);
+            prop_assert!(same(&c, &c.refined_to(&target).unwrap(), 1e-12));
+            prop_assert!(split.refined_to(&c.knots).is_err());
+        }
+
+        #[test]
+        fn projection_finds_points_of_the_curve(c in cubic(), s in 0.0f64..=1.0) {
+            let end = c.knots.domain()[1];
+            let p = c.point(s * end);
+            let t = c.project(p, (s * end + 1e-3 * end).min(end));
+            prop_assert!(c.point(t).distance(p) <= c.point((s * end + 1e-3 * end).min(end)).distance(p));
+        }
+    }
+
+    #[test]
+    fn elevation_keeps_a_polyline_at_every_parameter() {
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 2.0, 0.0), DVec3::Z];
+        let line = BSplineCurve::polyline(points.clone()).unwrap();
+        let cubic = line.elevated().unwrap();
+        assert_eq!(cubic.knots.degree(), 3);
+        assert!(same(&line, &cubic, 1e-14));
+        for (k, p) in points.iter().enumerate() {
+            assert_eq!(line.point(k as f64), *p);
+            assert_eq!(cubic.points()[3 * k], *p);
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The faces to be: patches, cut until none touches itself, and leftover triangles.
+
+use crate::error::{Error, Result};
+use crate::mesh::{FaceId, SurfaceMesh};
+use crate::patch::Patch;
+
+/// One face to be.
+pub struct Piece {
+    /// Where it comes from.
+    pub source: Source,
+    /// Its border: the outer loop counter-clockwise, then holes clockwise.
+    pub loops: Vec<Outline>,
+}
+
+/// What a piece is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A rectangle of cells of a patch.
+    Block(Block),
+    /// A leftover triangle.
+    Triangle(FaceId),
+    /// A rectilinear polygon of cells, by its number.
+    Polygon(u32),
+}
+
+/// A rectangle of cells of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Block {
+    /// Index of the patch.
+    pub patch: u32,
+    /// First row and first column.
+    pub from: [u32; 2],
+    /// Number of rows and of columns.
+    pub size: [u32; 2],
+}
+
+/// One closed border of a piece.
+#[derive(Default)]
+pub struct Outline {
+    /// Mesh vertices in order; the first is not repeated.
+    pub vertices: Vec<u32>,
+    /// Whether the border turns there in the parameter plane; an edge never passes a corner.
+    pub corner: Vec<bool>,
+    /// Column and row of every vertex, counted from the piece's own first ones; empty for triangles.
+    pub at: Vec<[u32; 2]>,
+}
+
+impl Block {
+    /// The mesh vertex at a node of the block.
+    pub fn vertex(&self, patches: &[Patch], row: u32, col: u32) -> u32 {
+        patches[self.patch as usize].vertex(self.from[0] + row, self.from[1] + col).0
+    }
+
+    /// The border, counter-clockwise from the first node, as (row, column) of the block.
+    fn border(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let [m, n] = self.size;
+        let bottom = (0..n).map(|c| [0, c]);
+        let right = (0..m).map(move |r| [r, n]);
+        let top = (1..=n).rev().map(move |c| [m, c]);
+        let left = (1..=m).rev().map(|r| [r, 0]);
+        bottom.chain(right).chain(top).chain(left)
+    }
+
+    fn outline(&self, patches: &[Patch]) -> Outline {
+        let [m, n] = self.size;
+        let mut out = Outline::default();
+        for [r, c] in self.border() {
+            out.vertices.push(self.vertex(patches, r, c));
+            out.corner.push((r == 0 || r == m) && (c == 0 || c == n));
+            out.at.push([c, r]);
+        }
+        out
+    }
+
+    /// The two halves before and behind a line of nodes; `axis` 0 cuts between rows, 1 between columns.
+    fn cut(&self, axis: usize, at: u32) -> [Block; 2] {
+        let (mut low, mut high) = (*self, *self);
+        low.size[axis] = at;
+        high.from[axis] += at;
+        high.size[axis] -= at;
+        [low, high]
+    }
+}
+
+/// Fails where patches or leftover triangles do not fit the mesh; a cell with a repeated corner is refused, too.
+pub fn check(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId]) -> Result<()> {
+    let wrong = |what: &str, k: usize| Err(Error::input(what, format!("patch {k}"), ""));
+    for (k, patch) in patches.iter().enumerate() {
+        let nodes = (u64::from(patch.rows) + 1) * (u64::from(patch.cols) + 1);
+        if patch.rows == 0 || patch.cols == 0 || patch.vertices.len() as u64 != nodes {
+            return wrong("the number of vertices does not fit rows and columns", k);
+        }
+        if patch.vertices.iter().any(|v| v.index() >= mesh.vertex_count()) {
+            return wrong("a vertex does not exist", k);
+        }
+        let repeats = |[a, b, c, d]: [_; 4]| a == b || a == c || a == d || b == c || b == d || c == d;
+        if patch.cell_corners().any(repeats) {
+            return wrong("two corners of a cell are the same vertex", k);
+        }
+    }
+    match leftover.iter().find(|t| t.index() >= mesh.face_count() || mesh.face(**t).len() != 3) {
+        Some(t) => Err(Error::input("a leftover face does not exist or is not a triangle", format!("face {t}"), "")),
+        None => Ok(()),
+    }
+}
+
+/// All patches, cut where they touch themselves, and all leftover triangles.
+pub fn pieces(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId]) -> Vec<Piece> {
+    let mut cutter = Cutter { patches, seen: vec![0; mesh.vertex_count()], round: 0 };
+    let mut blocks = Vec::with_capacity(patches.len());
+    for (k, patch) in patches.iter().enumerate() {
+        cutter.cut(Block { patch: k as u32, from: [0, 0], size: [patch.rows, patch.cols] }, &mut blocks);
+    }
+    let block = |b: Block| Piece { source: Source::Block(b), loops: vec![b.outline(patches)] };
+    let triangle = |&t: &FaceId| Piece {
+        source: Source::Triangle(t),
+        loops: vec![Outline { vertices: mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() }],
+    };
+    blocks.into_iter().map(block).chain(leftover.iter().map(triangle)).collect()
+}
+
+/// Cuts blocks until the border of each passes every vertex once.
+///
+/// ```text
+///   a ── b ── c ── a            a ── b      b ── c ── a
+///   │    │    │    │     →      │    │      │    │    │      a closed strip
+///   d ── e ── f ── d            d ── e      e ── f ── d
+/// ```
+struct Cutter<'a> {
+    patches: &'a [Patch],
+    /// The round in which a vertex was last passed.
+    seen: Vec<u32>,
+    round: u32,
+}
+
+impl Cutter<'_> {
+    fn cut(&mut self, block: Block, out: &mut Vec<Block>) {
+        let mut open = vec![block];
+        while let Some(block) = open.pop() {
+            if self.repetitions(&block) == 0 {
+                out.push(block);
+            } else if let Some([low, high]) = self.best_cut(&block) {
+                open.extend([high, low]);
+            } else {
+                // A single cell: its corners differ, so this is not reached.
+                out.push(block);
+            }
+        }
+    }
+
+    /// How often the border passes a vertex again.
+    fn repetitions(&mut self, block: &Block) -> u32 {
+        self.round = self.round.wrapping_add(1);
+        let mut again = 0;
+        for [r, c] in block.border() {
+            let seen = &mut self.seen[block.vertex(self.patches, r, c) as usize];
+            again += u32::from(*seen == self.round);
+            *seen = self.round;
+        }
+        again
+    }
+
+    /// The cut with the fewest repetitions left; among equals the one nearest to the middle of the longer side.
+    fn best_cut(&mut self, block: &Block) -> Option<[Block; 2]> {
+        let mut cuts: Vec<(u64, usize, u32)> = Vec::new();
+        for axis in 0..2 {
+            let (n, across) = (block.size[axis], block.size[1 - axis]);
+            // Cells of the larger half: the smaller, the better balanced.
+            cuts.extend((1..n).map(|at| (u64::from(at.max(n - at)) * u64::from(across), axis, at)));
+        }
+        cuts.sort_unstable();
+        let mut best: Option<(u32, [Block; 2])> = None;
+        for (_, axis, at) in cuts {
+            let halves = block.cut(axis, at);
+            let left = self.repetitions(&halves[0]) + self.repetitions(&halves[1]);
+            if best.is_none_or(|(fewest, _)| left < fewest) {
+                best = Some((left, halves));
+            }
+            if left == 0 {
+                break;
+            }
+        }
+        best.map(|(_, halves)| halves)
+    }
+}
