@@ -208,7 +208,7 @@ fn version_for(sections: &Sections) -> Version {
     smallest_version(largest_count, file_size(sections, Version::V2))
 }
 
-/// The first version that can hold the largest count (and so every index) and the positions, version 1 apart, which would
+/// The first version that can hold the largest count (and so every index) and the positions. Version 1 apart: it would
 /// round the coordinates.
 fn smallest_version(largest_count: usize, size_in_version_2: usize) -> Version {
     let fits = |number: usize| i32::try_from(number).is_ok();

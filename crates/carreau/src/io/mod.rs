@@ -94,8 +94,7 @@ fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
         let found = extension(path);
-        let found =
-            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
+        let found = if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
         Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
     })
 }

@@ -142,6 +142,17 @@ proptest! {
         prop_assert_eq!(content(&back), content(&mesh));
     }
 
+    /// A file cut anywhere before its last keyword is refused, or what is missing is said.
+    #[test]
+    fn cut_files_are_noticed(mesh in mesh(), encoding in 0..ENCODINGS.len(), cut: prop::sample::Index) {
+        let (extension, ascii) = ENCODINGS[encoding];
+        let bytes = written(&mesh, extension, ascii).0;
+        let end = if extension == "meshb" { bytes.len() - 4 } else { bytes.trim_ascii_end().len() };
+        if let Ok(mesh) = read(extension, &bytes[..cut.index(end)]) {
+            prop_assert!(mesh.notes.iter().any(|note| note.contains("may be cut")), "{:?}", mesh.notes);
+        }
+    }
+
     /// Whatever happens to a file: an error or a mesh whose indices exist, never a panic.
     #[test]
     fn damaged_files_do_no_harm(mesh in mesh(), encoding in 0..ENCODINGS.len(), damage in vec(damage(), 1..4)) {

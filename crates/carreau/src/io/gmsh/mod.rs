@@ -16,9 +16,9 @@
 //!
 //! The reference of an element is its (first) physical tag: face label `ref`, `edge_tags`, `cells.tags`; of point
 //! elements, vertex label `ref`. Where elementary entities (the faces of a CAD model) divide the faces further than
-//! physical tags do, they are the face label `entity`. Physical names become names of the labels `ref` (surfaces), and of
-//! `vertex`, `edge` and `cell` (physical points, curves and volumes). Of elements of higher order the corners are kept;
-//! their other nodes stay as vertices that no element uses.
+//! physical tags do, they are the face label `entity`. Physical names become names of the labels `ref` (surfaces), and
+//! of `vertex`, `edge` and `cell` (physical points, curves and volumes). Of elements of higher order the corners are
+//! kept; their other nodes stay as vertices that no element uses.
 
 mod collector;
 mod elements;
@@ -88,7 +88,7 @@ fn version_readers(stream: &Stream, version: &[u8]) -> Result<Version> {
             entities: Some(version4::read_entities),
         }),
         other => Err(stream.error(format!(
-            "version {} of the MSH format is not read, only 2.2 and 4.1; `gmsh IN -save -format msh41 -o OUT` converts it",
+            "version {} of the MSH format is not read, 2.2 and 4.1 are; `gmsh IN -save -format msh41 -o OUT` converts it",
             shown(other)
         ))),
     }

@@ -40,23 +40,18 @@ impl<'a> Stream<'a> {
                 _ => return Err(stream.error("$MeshFormat is expected at the start of a .msh file")),
             }
         }
-        let Form::Text(text) = &mut stream.form else { return Ok((stream, b"")) };
-        let version = text.expect_word("the version of the format")?;
+        let version = stream.word().unwrap_or_default();
         if parse_float(version).is_none() {
-            return Err(text.error(format!("the version of the format is expected, found '{}'", shown(version))));
+            return Err(stream.error(format!("the version of the format is expected, found '{}'", shown(version))));
         }
-        let binary = match text.integer("the type of the file (0 text, 1 binary)")? {
-            0 => false,
-            1 => true,
+        let file_type = stream.int("the type of the file (0 text, 1 binary)")?;
+        let size = stream.int("the size of numbers")?;
+        match file_type {
+            0 => {}
+            1 => stream.form = binary_form(source, line_after(source, *stream.position()), size)?,
             other => {
-                return Err(text.error(format!("the type of the file is {other}, neither 0 (text) nor 1 (binary)")));
+                return Err(stream.error(format!("the type of the file is {other}, neither 0 (text) nor 1 (binary)")));
             }
-        };
-        let size = text.integer("the size of numbers")?;
-        if binary {
-            text.next_line();
-            let start = text.position;
-            stream.form = binary_form(source, start, size)?;
         }
         stream.close(b"MeshFormat")?;
         Ok((stream, version))
@@ -142,8 +137,7 @@ impl<'a> Stream<'a> {
     /// The numbers of a binary section start right behind the line.
     fn start_numbers(&mut self) {
         if let Form::Binary { cursor, .. } = &mut self.form {
-            let rest = self.source.bytes.get(cursor.position..).unwrap_or_default();
-            cursor.position += rest.iter().position(|&b| b == b'\n').map_or(rest.len(), |k| k + 1);
+            cursor.position = line_after(self.source, cursor.position);
         }
     }
 
@@ -203,7 +197,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Checks that `count` rows can follow, each of so many ints, size_ts and doubles; returns `count` as an array length.
+    /// Checks that `count` rows can follow; returns `count` as an array length.
     pub fn room_for(&self, count: i128, row: Row, what: &str) -> Result<usize> {
         let (room, size) = match &self.form {
             // A number takes a digit and a blank, but the last one needs no blank.
@@ -237,8 +231,14 @@ pub(super) struct Row {
     pub doubles: usize,
 }
 
+/// Where the next line starts.
+fn line_after(source: &Source, position: usize) -> usize {
+    let rest = source.bytes.get(position..).unwrap_or_default();
+    position + rest.iter().position(|&b| b == b'\n').map_or(rest.len(), |k| k + 1)
+}
+
 /// The integer 1 tells the byte order.
-fn binary_form<'a>(source: &'a Source<'a>, start: usize, size: i64) -> Result<Form<'a>> {
+fn binary_form<'a>(source: &'a Source<'a>, start: usize, size: i32) -> Result<Form<'a>> {
     let long = match size {
         4 => false,
         8 => true,

@@ -66,7 +66,6 @@ fn version_4_with_entities_and_parametric_nodes() {
     );
 }
 
-/// The order of corners is that of VTK: the eight corners of a cube come back as they were written.
 #[test]
 fn only_the_corners_of_higher_orders_are_kept() {
     for (head, element) in [

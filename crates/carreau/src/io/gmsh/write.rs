@@ -1,7 +1,8 @@
 //! Writes version 4.1: all nodes in one block, elements in one block per run of the same entity and type.
 //!
-//! Elements keep their order, which costs more than one block per entity where references alternate. Every reference number becomes an entity with that physical tag; where the faces have a label `entity` that numbers
-//! parts of one reference each, its numbers are the entities' own. Vertices with a reference become point elements.
+//! Elements keep their order, which costs more than one block per entity where references alternate. Every reference
+//! number becomes an entity with that physical tag; where the faces have a label `entity` that numbers parts of one
+//! reference each, its numbers are the entities' own. Vertices with a reference become point elements.
 
 use super::collector::NAMED_LABELS;
 use super::elements::Shape;
