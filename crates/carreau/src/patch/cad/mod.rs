@@ -2,6 +2,7 @@
 //!
 //! | file | stage |
 //! |---|---|
+//! | `scene` | the input is checked; triangles without area get some |
 //! | `piece` | patches are cut until none touches itself; leftovers are pieces, too |
 //! | `chain` | the borders of all pieces are cut at nodes into chains: the edges of the model |
 //! | `exact` | lines, polylines, planes and surfaces of degree (1, 1) through the mesh vertices |
@@ -14,6 +15,7 @@
 mod chain;
 mod exact;
 mod piece;
+mod scene;
 mod shell;
 
 use crate::context::Context;
@@ -23,6 +25,7 @@ use crate::mesh::{FaceId, SurfaceMesh};
 use crate::patch::Patch;
 use chain::{ChainUse, Chains};
 use piece::{Outline, Piece};
+use scene::Scene;
 
 /// A boundary representation of a mesh, and what is to be said about it.
 #[derive(Debug, Clone)]
@@ -55,16 +58,16 @@ struct PieceSurface {
 /// patches. Edges with more than two faces, or with two that are oriented differently, are not shared: their shells are
 /// open. Fails with [`crate::Error::Input`] where patches and leftovers do not fit the mesh.
 pub fn to_brep(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId], ctx: &Context) -> Result<CadModel> {
-    piece::check(mesh, patches, leftover)?;
-    let pieces = piece::pieces(mesh, patches, leftover);
+    let mut scene = Scene::new(mesh, patches, leftover)?;
+    let pieces = piece::pieces(&scene);
     let chains = chain::chains(&pieces, mesh.vertex_count());
     ctx.check()?;
-    let geometry = exact::geometry(mesh, patches, &pieces, &chains)?;
-    let shells = shell::shells(mesh, patches, &[], &pieces, &chains, ctx)?;
-    let mut brep = assemble(mesh, &pieces, &chains, geometry);
+    let geometry = exact::geometry(&scene, &pieces, &chains)?;
+    let shells = shell::shells(&scene, &pieces, &chains, ctx)?;
+    let mut brep = assemble(&scene, &pieces, &chains, geometry);
     (brep.shells, brep.solids) = (shells.shells, shells.solids);
     brep.check()?;
-    let mut warnings = Vec::new();
+    let mut warnings = std::mem::take(&mut scene.warnings);
     if shells.stray_voids > 0 {
         warnings.push(format!(
             "{} closed component(s) are inside out and in no solid: written as surfaces; orient the faces outwards \
@@ -76,15 +79,15 @@ pub fn to_brep(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId], ctx: 
 }
 
 /// Puts vertices, edges and faces together.
-fn assemble(mesh: &SurfaceMesh, pieces: &[Piece], chains: &Chains, geometry: Geometry) -> Brep {
+fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry) -> Brep {
     let mut brep = Brep::default();
-    let mut vertex_of = vec![u32::MAX; mesh.vertex_count()];
+    let mut vertex_of = vec![u32::MAX; scene.points.len()];
     for (path, curve) in chains.paths.iter().zip(geometry.curves) {
         let ends = [path[0], path[path.len() - 1]].map(|v| {
             let id = &mut vertex_of[v as usize];
             if *id == u32::MAX {
                 *id = brep.vertices.len() as u32;
-                brep.vertices.push(mesh.points()[v as usize]);
+                brep.vertices.push(scene.point(v));
             }
             *id
         });

@@ -110,6 +110,29 @@ impl Model {
     }
 }
 
+/// A tetrahedron with a vertex in the middle of an edge, or `height` beside it, which one of the two faces there does not
+/// have: a triangle without area, or a sliver, closes the gap.
+pub fn flat_triangle(height: f64) -> Model {
+    let mut m = Model::default();
+    let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let middle = DVec3::new(0.5, -height, 0.0);
+    for t in [[a, c, b], [a, b, middle], [a, middle, d], [middle, b, d], [b, c, d], [a, d, c]] {
+        m.triangle(t);
+    }
+    m
+}
+
+/// A tetrahedron with a very short edge; where its length is zero, the two triangles there have no area.
+pub fn short_edge(length: f64) -> Model {
+    let mut m = Model::default();
+    let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let twin = DVec3::NAN;
+    for t in [[a, c, b], [a, b, twin], [twin, b, d], [b, c, d], [twin, d, c], [a, twin, c]] {
+        m.triangle(t);
+    }
+    m.moved(|p| if p.is_nan() { DVec3::new(0.0, 0.0, length) } else { p })
+}
+
 /// A model by name: the ones that the tests go through.
 pub fn all() -> Vec<(&'static str, Model)> {
     let build = |f: &dyn Fn(&mut Model)| {

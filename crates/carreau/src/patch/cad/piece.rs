@@ -1,7 +1,7 @@
 //! The faces to be: patches, cut until none touches itself, and leftover triangles.
 
-use crate::error::{Error, Result};
-use crate::mesh::{FaceId, SurfaceMesh};
+use super::scene::Scene;
+use crate::mesh::FaceId;
 use crate::patch::Patch;
 
 /// One face to be.
@@ -82,31 +82,10 @@ impl Block {
     }
 }
 
-/// Fails where patches or leftover triangles do not fit the mesh; a cell with a repeated corner is refused, too.
-pub fn check(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId]) -> Result<()> {
-    let wrong = |what: &str, k: usize| Err(Error::input(what, format!("patch {k}"), ""));
-    for (k, patch) in patches.iter().enumerate() {
-        let nodes = (u64::from(patch.rows) + 1) * (u64::from(patch.cols) + 1);
-        if patch.rows == 0 || patch.cols == 0 || patch.vertices.len() as u64 != nodes {
-            return wrong("the number of vertices does not fit rows and columns", k);
-        }
-        if patch.vertices.iter().any(|v| v.index() >= mesh.vertex_count()) {
-            return wrong("a vertex does not exist", k);
-        }
-        let repeats = |[a, b, c, d]: [_; 4]| a == b || a == c || a == d || b == c || b == d || c == d;
-        if patch.cell_corners().any(repeats) {
-            return wrong("two corners of a cell are the same vertex", k);
-        }
-    }
-    match leftover.iter().find(|t| t.index() >= mesh.face_count() || mesh.face(**t).len() != 3) {
-        Some(t) => Err(Error::input("a leftover face does not exist or is not a triangle", format!("face {t}"), "")),
-        None => Ok(()),
-    }
-}
-
 /// All patches, cut where they touch themselves, and all leftover triangles.
-pub fn pieces(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId]) -> Vec<Piece> {
-    let mut cutter = Cutter { patches, seen: vec![0; mesh.vertex_count()], round: 0 };
+pub fn pieces(scene: &Scene) -> Vec<Piece> {
+    let patches = scene.patches;
+    let mut cutter = Cutter { patches, seen: vec![0; scene.points.len()], round: 0 };
     let mut blocks = Vec::with_capacity(patches.len());
     for (k, patch) in patches.iter().enumerate() {
         cutter.cut(Block { patch: k as u32, from: [0, 0], size: [patch.rows, patch.cols] }, &mut blocks);
@@ -114,9 +93,9 @@ pub fn pieces(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId]) -> Vec
     let block = |b: Block| Piece { source: Source::Block(b), loops: vec![b.outline(patches)] };
     let triangle = |&t: &FaceId| Piece {
         source: Source::Triangle(t),
-        loops: vec![Outline { vertices: mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() }],
+        loops: vec![Outline { vertices: scene.mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() }],
     };
-    blocks.into_iter().map(block).chain(leftover.iter().map(triangle)).collect()
+    blocks.into_iter().map(block).chain(scene.leftover.iter().map(triangle)).collect()
 }
 
 /// Cuts blocks until the border of each passes every vertex once.

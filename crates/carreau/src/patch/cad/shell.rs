@@ -2,11 +2,10 @@
 
 use super::chain::Chains;
 use super::piece::{Piece, Source};
+use super::scene::Scene;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::brep::{Shell, Solid};
-use crate::mesh::SurfaceMesh;
-use crate::patch::Patch;
 use glam::DVec3;
 
 /// Shells, solids, and the closed shells that are neither an outer shell nor a void of one.
@@ -37,9 +36,7 @@ struct Body {
 /// solid around it; where there is none, its faces are inside out as they are in the input, and it is left a surface.
 /// So is a closed shell without volume.
 pub fn shells(
-    mesh: &SurfaceMesh,
-    patches: &[Patch],
-    polygons: &[Vec<[u32; 4]>],
+    scene: &Scene,
     pieces: &[Piece],
     chains: &Chains,
     ctx: &Context,
@@ -48,8 +45,8 @@ pub fn shells(
     let (mut outer, mut inner) = (Vec::new(), Vec::new());
     for (k, shell) in shells.iter().enumerate().filter(|(_, s)| s.closed) {
         ctx.check_every(k)?;
-        let cells = shell.faces.iter().flat_map(|&f| corners(mesh, patches, polygons, &pieces[f as usize].source));
-        let body = Body::new(k as u32, cells.map(|c| c.map(|v| mesh.points()[v as usize])).collect());
+        let cells = shell.faces.iter().flat_map(|&f| corners(scene, &pieces[f as usize].source));
+        let body = Body::new(k as u32, cells.map(|c| c.map(|v| scene.point(v))).collect());
         match body.sign() {
             1 => outer.push(body),
             -1 => inner.push(body),
@@ -103,22 +100,17 @@ fn root(parent: &mut [u32], mut k: u32) -> u32 {
 }
 
 /// The cells of a piece; triangles repeat their last corner.
-fn corners<'a>(
-    mesh: &'a SurfaceMesh,
-    patches: &'a [Patch],
-    polygons: &'a [Vec<[u32; 4]>],
-    source: &Source,
-) -> Box<dyn Iterator<Item = [u32; 4]> + 'a> {
+fn corners<'a>(scene: &'a Scene, source: &Source) -> Box<dyn Iterator<Item = [u32; 4]> + 'a> {
     match *source {
         Source::Block(b) => Box::new((0..b.size[0]).flat_map(move |r| {
-            let at = move |r, c| b.vertex(patches, r, c);
+            let at = move |r, c| b.vertex(scene.patches, r, c);
             (0..b.size[1]).map(move |c| [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)])
         })),
         Source::Triangle(t) => {
-            let face = mesh.face(t);
+            let face = scene.mesh.face(t);
             Box::new(std::iter::once([face[0], face[1], face[2], face[2]]))
         }
-        Source::Polygon(k) => Box::new(polygons[k as usize].iter().copied()),
+        Source::Polygon(_) => Box::new(std::iter::empty()),
     }
 }
 
