@@ -1,1 +1,9 @@
-//! geometry
+//! Geometry that several rooms need: knows meshes, knows no room.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `normals` | normals of faces, vertices and corners; angles |
+//! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
+
+pub mod features;
+pub mod normals;
