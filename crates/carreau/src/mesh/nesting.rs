@@ -24,9 +24,7 @@ impl Shells {
         let mut is_shell = parts.closed.clone();
         let mut exclude = |f: usize| is_shell[parts.component[f] as usize] = false;
         (0..faces.len()).filter(|&f| ignore[f] || parts.turned[f]).for_each(&mut exclude);
-        for k in 0..parts.components {
-            is_shell[k] &= parts.orientable[k];
-        }
+        is_shell.iter_mut().zip(&parts.orientable).for_each(|(shell, &orientable)| *shell &= orientable);
         let mut count = 0;
         let number = |&shell: &bool| {
             count += u32::from(shell);

@@ -21,7 +21,7 @@
 use super::soup::Soup;
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::area::{area_vector, safe_length, triangle_area_vector};
+use crate::mesh::area::{safe_length, triangle_area_vector};
 use crate::mesh::disjoint_sets::DisjointSets;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::polygons::Polygons;
@@ -104,13 +104,18 @@ fn remove_repeats(soup: &mut Soup) -> usize {
 }
 
 /// Whether a triangle has no area: below the share of the squared diagonal, and flat in itself.
+///
+/// In units of its longest edge, so that a model too small for the squares of its lengths is not taken for flat.
 fn is_flat(p: [DVec3; 3], diagonal: f64) -> bool {
-    let area = safe_length(triangle_area_vector(p[0], p[1], p[2]));
     let l = edge_lengths(p);
     let longest = l[0].max(l[1]).max(l[2]);
+    if longest == 0.0 {
+        return true;
+    }
+    let [a, b, c] = p.map(|q| (q - p[0]) / longest);
+    let area = triangle_area_vector(a, b, c).length();
     let squares: f64 = l.iter().map(|x| (x / longest) * (x / longest)).sum();
-    let mean_ratio = 4.0 * 3f64.sqrt() * (area / longest / longest) / squares;
-    longest == 0.0 || area / diagonal / diagonal <= DEGENERATE_AREA && mean_ratio < FLAT
+    area * (longest / diagonal) * (longest / diagonal) <= DEGENERATE_AREA && 4.0 * 3f64.sqrt() * area / squares < FLAT
 }
 
 /// Lengths of the edges that leave each corner.
@@ -122,11 +127,8 @@ fn flat_faces(soup: &Soup, diagonal: f64) -> Vec<u32> {
     let flat = |face: &[u32]| match *face {
         [a, b, c] => is_flat([a, b, c].map(|v| soup.points[v as usize]), diagonal),
         _ => {
-            let p = |k: usize| soup.points[face[k % face.len()] as usize];
-            let perimeter: f64 = (0..face.len()).map(|k| safe_length(p(k + 1) - p(k))).sum();
-            let area = safe_length(area_vector(&soup.points, face));
-            perimeter == 0.0
-                || area / diagonal / diagonal <= DEGENERATE_AREA && area / perimeter / perimeter < FLAT / 20.0
+            let fan = |k: usize| [face[0], face[k], face[k + 1]].map(|v| soup.points[v as usize]);
+            (1..face.len() - 1).all(|k| is_flat(fan(k), diagonal))
         }
     };
     (0..soup.faces.len() as u32).filter(|&f| flat(soup.faces.face(f as usize))).collect()

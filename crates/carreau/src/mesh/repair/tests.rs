@@ -184,6 +184,14 @@ fn a_small_detail_of_a_large_model_is_not_degenerate() {
 }
 
 #[test]
+fn scale_does_not_make_faces_degenerate() {
+    for scale in [1e-310, 1e-160, 1e160] {
+        let mesh = moved(&torus(9, 7), |p| p * scale);
+        assert_eq!(repaired(&mesh).mesh.faces(), mesh.faces(), "{scale}");
+    }
+}
+
+#[test]
 fn one_of_several_equal_faces_stays() {
     let mesh = sphere(1);
     let mut faces = mesh.faces().clone();
