@@ -1,20 +1,10 @@
 //! Options that every verb has.
 
 use crate::choice::choice;
+use carreau::io::cad::Unit;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-
-/// Unit of length of the input, written into CAD files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Unit {
-    #[default]
-    Mm,
-    Cm,
-    M,
-    In,
-}
 
 /// Options that every verb has.
 #[derive(Args, Clone, Default)]
@@ -57,7 +47,7 @@ pub struct CommonValues {
 
 impl Default for CommonValues {
     fn default() -> Self {
-        CommonValues { threads: 0, seed: 0, deadline: None, unit: Unit::Mm }
+        CommonValues { threads: 0, seed: 0, deadline: None, unit: Unit::default() }
     }
 }
 

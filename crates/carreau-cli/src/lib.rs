@@ -12,8 +12,8 @@
 //! | `progress` | progress bar on a terminal |
 //! | `timings` | seconds per stage, from tracing spans |
 
-mod common;
 mod choice;
+mod common;
 mod progress;
 mod record;
 mod replay;

@@ -151,9 +151,12 @@ impl Session {
 
     /// Writes a mesh file.
     pub fn write_mesh(&mut self, file: &Path, mesh: &RawMesh, options: &io::WriteOptions) -> Result<(), Error> {
-        let _stage = self.context.stage("write");
         self.context.check()?;
-        io::write(file, mesh, options)?.into_iter().for_each(|w| self.record.warnings.push(w));
+        let warnings = {
+            let _stage = self.context.stage("write");
+            io::write(file, mesh, options)?
+        };
+        warnings.into_iter().for_each(|w| self.warn(w));
         Ok(())
     }
 

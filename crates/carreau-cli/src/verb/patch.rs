@@ -4,13 +4,14 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::io::{self, WriteOptions};
-use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
+use carreau::io::{WriteOptions, extension};
+use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
+use carreau::patch::{self, cad, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::{Error, mesh::SurfaceMesh};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Decomposes a triangle mesh into quad patches, on its own vertices
 ///
@@ -76,6 +77,9 @@ pub struct Patch {
     /// Never crosses these edges: a file with two vertex ids per line
     #[arg(long, value_name = "FILE")]
     features: Option<PathBuf>,
+    /// Application protocol of STEP files [default: ap214]
+    #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
+    schema: Option<StepSchema>,
     #[command(flatten)]
     common: Common,
 }
@@ -95,6 +99,7 @@ struct Options {
     #[serde(flatten)]
     patch: PatchOptions,
     features: Option<PathBuf>,
+    schema: StepSchema,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -132,6 +137,7 @@ impl Patch {
         o.merge = self.merge.unwrap_or(o.merge);
         o.probes = self.probes.or(o.probes);
         o.feature_angle = self.feature_angle.or(o.feature_angle);
+        all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
         all.common = self.common.over(all.common);
         Ok(all)
@@ -141,7 +147,7 @@ impl Patch {
         let mesh = session.read_triangles(&self.input)?;
         let context = session.context.clone();
         let result = context.install(|| patch::decompose(&mesh, &options.patch, &context))?;
-        self.write(session, &mesh, &result)?;
+        self.write(session, &mesh, &result, options)?;
         let f = &result.figures;
         session.say(format!(
             "{} patches hold {:.2} % of {} triangles ({} left over)",
@@ -154,21 +160,50 @@ impl Patch {
         Ok(())
     }
 
-    fn write(&self, session: &mut Session, mesh: &SurfaceMesh, result: &PatchResult) -> Result<(), Error> {
+    fn write(&self, session: &mut Session, mesh: &SurfaceMesh, result: &PatchResult, options: &Options) -> Result<(), Error> {
         let f = &result.figures;
         session.record.set("patches", f.patches);
         session.record.set("coverage", f.coverage);
         session.record.set("patches_for", &f.patches_for);
         session.record.set("quality", f);
-        session.record.set("faces", f.patches + result.leftover.len());
         if let Some(file) = &self.layout {
             let layout = json!({ "patches": result.patches, "leftover": result.leftover });
             session.write_bytes(file, layout.to_string().as_bytes())?;
         }
-        if let Some(file) = &self.output {
-            session.write_mesh(file, &quad_mesh(mesh, result), &WriteOptions::default())?;
+        match &self.output {
+            Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => self.write_cad(session, file, mesh, result, options),
+            Some(file) => {
+                session.record.set("faces", f.cells + result.leftover.len());
+                session.write_mesh(file, &quad_mesh(mesh, result), &WriteOptions::default())
+            }
+            None => Ok(()),
         }
-        let _ = io::FORMATS;
+    }
+
+    fn write_cad(
+        &self,
+        session: &mut Session,
+        file: &Path,
+        mesh: &SurfaceMesh,
+        result: &PatchResult,
+        options: &Options,
+    ) -> Result<(), Error> {
+        let context = session.context.clone();
+        let model = cad::to_brep(mesh, &result.patches, &result.leftover, &context)?;
+        let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let cad = CadOptions { unit: options.common.unit, schema: options.schema, name, ..CadOptions::default() };
+        let mut bytes = Vec::new();
+        write_cad(file, &model.brep, &cad, &mut bytes)?;
+        model.warnings.into_iter().for_each(|w| session.warn(w));
+        session.record.set("faces", model.brep.faces.len());
+        session.write_bytes(file, &bytes)?;
+        session.say(format!(
+            "{}: {} faces, {} shells, {} solids",
+            file.display(),
+            model.brep.faces.len(),
+            model.brep.shells.len(),
+            model.brep.solids.len()
+        ));
         Ok(())
     }
 }

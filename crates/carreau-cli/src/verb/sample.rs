@@ -19,7 +19,7 @@ pub struct Sample {
     /// Lists the models
     #[arg(long)]
     list: bool,
-    /// Fineness: about the number of edges around the model; the default is the model's own
+    /// Edges of about 1/N of the bounding-box diagonal; the default is the model's own
     #[arg(long, value_name = "N")]
     resolution: Option<u32>,
     /// The file to write

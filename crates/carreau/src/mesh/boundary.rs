@@ -5,7 +5,6 @@ use super::polygons::Polygons;
 use super::raw::RawMesh;
 use super::triangles::NONE;
 use crate::error::{Error, Result};
-use glam::DVec3;
 
 /// Faces of the cells, outward for cells of positive volume, in VTK corner order; see [`super::Cells`].
 const TET: &[&[usize]] = &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
@@ -111,6 +110,7 @@ impl RawMesh {
 mod tests {
     use super::*;
     use crate::mesh::{Cells, Column, SurfaceMesh};
+    use glam::DVec3;
 
     /// Corners of the unit cube in hexahedron order.
     fn cube() -> Vec<DVec3> {

@@ -67,6 +67,17 @@ impl HalfEdges {
         HalfEdges { sorted, bucket }
     }
 
+    /// The edge between two vertices, if some face has it.
+    pub fn find(&self, a: u32, b: u32) -> Option<EdgeGroup<'_>> {
+        let (small, large) = (a.min(b), a.max(b));
+        let start = *self.bucket.get(small as usize)? as usize;
+        let end = *self.bucket.get(small as usize + 1)? as usize;
+        let bucket = &self.sorted[start..end];
+        let from = bucket.partition_point(|key| key >> 32 < u64::from(large));
+        let to = bucket.partition_point(|key| key >> 32 <= u64::from(large));
+        (from < to).then(|| EdgeGroup { ends: [small, large], half_edges: &bucket[from..to] })
+    }
+
     /// All undirected edges in order.
     pub fn groups(&self) -> impl Iterator<Item = EdgeGroup<'_>> {
         self.bucket.windows(2).enumerate().flat_map(move |(small, w)| {

@@ -12,19 +12,33 @@
 //! | `topology` | components, loops, genus, defects with their places |
 //! | `repair` | weld, drop, orient, split |
 
+mod area;
 mod attributes;
 mod boundary;
+mod connectivity;
+mod disjoint_sets;
+mod duplicates;
 mod half_edges;
 mod id;
+mod nesting;
 mod polygons;
 mod raw;
+mod repair;
 mod surface;
 mod triangles;
+#[cfg(test)]
+pub(crate) mod test_models;
+mod topology;
+mod weld;
 
+pub use area::{area_vector, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
+pub use repair::{RepairOptions, RepairReport, Repaired, repair};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use triangles::{NONE, Triangles};
+pub use topology::{BoundaryLoop, Places, Topology};
+pub use weld::{first_at_same_position, leaders_within};

@@ -21,7 +21,10 @@ impl Polygons {
 
     /// Triangles as polygons.
     pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
-        Polygons { offsets: (0..=triangles.len() as u32).map(|k| 3 * k).collect(), corners: triangles.as_flattened().to_vec() }
+        Polygons {
+            offsets: (0..=triangles.len() as u32).map(|k| 3 * k).collect(),
+            corners: triangles.as_flattened().to_vec(),
+        }
     }
 
     /// Room for that many more faces and corners. Pass only numbers already checked against the size of the data.
@@ -73,6 +76,29 @@ impl Polygons {
     /// The vertex indices of all faces, one after the other.
     pub fn corners(&self) -> &[u32] {
         &self.corners
+    }
+
+    /// The same, for renumbering vertices; faces keep their sizes.
+    pub fn corners_mut(&mut self) -> &mut [u32] {
+        &mut self.corners
+    }
+
+    /// The face of every corner.
+    pub fn face_of_corners(&self) -> Vec<u32> {
+        let mut face_of = vec![0; self.corners.len()];
+        for (f, w) in self.offsets.windows(2).enumerate() {
+            face_of[w[0] as usize..w[1] as usize].fill(f as u32);
+        }
+        face_of
+    }
+
+    /// The next corner of the same face, for every corner.
+    pub fn next_corners(&self) -> Vec<u32> {
+        let mut next: Vec<u32> = (1..=self.corners.len() as u32).collect();
+        for w in self.offsets.windows(2).filter(|w| w[0] < w[1]) {
+            next[w[1] as usize - 1] = w[0];
+        }
+        next
     }
 
     /// Whether every face is a triangle.

@@ -56,6 +56,11 @@ impl Patch {
         (0..rows).flat_map(move |r| (0..cols).map(move |c| (r, c)))
     }
 
+    /// The corners of all cells, row by row.
+    pub fn cell_corners(&self) -> impl Iterator<Item = [VertexId; 4]> + '_ {
+        self.cell_places().map(|(r, c)| self.cell(r, c))
+    }
+
     /// The vertices along a side, counter-clockwise: 0 bottom, 1 right, 2 top, 3 left.
     pub fn side_vertices(&self, side: usize) -> Vec<VertexId> {
         let (m, n) = (self.rows, self.cols);

@@ -1,0 +1,191 @@
+//! Feature edges: where a surface must not be smoothed over.
+//!
+//! Features are the sharp edges, the borders, the edges tagged in the file and those the user lists. Edges without a
+//! regular neighbour on the other side (non-manifold, inconsistently oriented) always count.
+
+use super::normals::{angle_between, face_normals};
+use crate::error::{Error, Result};
+use crate::mesh::{CornerId, Side, SurfaceMesh, VertexId};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// An edge is sharp when its angle exceeds the limit by more than this, so that edges exactly at the limit are not
+/// divided by rounding.
+const MARGIN_DEG: f64 = 1e-6;
+
+/// What makes an edge a feature.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FeatureOptions {
+    /// Edges whose face normals differ by more than this, in degrees; `None`: no edge is sharp.
+    pub angle_deg: Option<f64>,
+    /// Borders.
+    pub borders: bool,
+    /// Edges tagged in the file.
+    pub tags: bool,
+    /// Further edges, by their end points.
+    pub edges: Vec<[VertexId; 2]>,
+}
+
+impl Default for FeatureOptions {
+    fn default() -> Self {
+        FeatureOptions { angle_deg: Some(35.0), borders: true, tags: true, edges: Vec::new() }
+    }
+}
+
+/// The feature edges of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Features {
+    /// For every corner whether the half-edge that leaves it lies on a feature; the half-edges of an edge agree.
+    pub corners: Vec<bool>,
+    /// Listed and tagged edges that the mesh does not have.
+    pub missing: Vec<[VertexId; 2]>,
+}
+
+impl Features {
+    /// Whether the half-edge that leaves this corner lies on a feature.
+    #[inline]
+    pub fn contains(&self, c: CornerId) -> bool {
+        self.corners[c.index()]
+    }
+
+    /// Every feature edge once, as the corner that its first half-edge leaves from, in order.
+    pub fn edges<'a>(&'a self, mesh: &'a SurfaceMesh) -> impl Iterator<Item = CornerId> + 'a {
+        let first = |group: crate::mesh::EdgeGroup| group.corners().next();
+        let half_edges = mesh.half_edges();
+        let firsts: Vec<u32> = half_edges.groups().filter_map(first).collect();
+        firsts.into_iter().map(CornerId).filter(|&c| self.contains(c))
+    }
+}
+
+/// Finds the feature edges of a mesh.
+///
+/// # Errors
+/// [`Error::Options`] for an angle outside 0 to 180.
+pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Features> {
+    if let Some(angle) = options.angle_deg.filter(|a| !(0.0..=180.0).contains(a)) {
+        return Err(Error::Options(format!("the feature angle must be between 0 and 180 degrees, not {angle}")));
+    }
+    let normals = face_normals(mesh);
+    let limit = options.angle_deg.map(|a| (a + MARGIN_DEG).to_radians());
+    let is_feature = |c: CornerId| match mesh.side(c) {
+        Side::Inner(o) => limit.is_some_and(|limit| turn(mesh, &normals, c, o) > limit),
+        Side::Border => options.borders,
+        Side::Inconsistent | Side::NonManifold => true,
+    };
+    let mut corners: Vec<bool> = (0..mesh.corner_count()).map(CornerId::new).map(is_feature).collect();
+
+    let tagged = mesh.tagged_edges.iter().filter(|_| options.tags).map(|e| e.ends);
+    let half_edges = mesh.half_edges();
+    let mut missing = Vec::new();
+    for ends in tagged.chain(options.edges.iter().copied()) {
+        match half_edges.find(ends[0].0, ends[1].0) {
+            Some(edge) => edge.corners().for_each(|c| corners[c as usize] = true),
+            None => missing.push(ends),
+        }
+    }
+    Ok(Features { corners, missing })
+}
+
+/// Angle between the normals on both sides of a half-edge; zero where a face has no area. Taken in the order of the
+/// corners, so that both half-edges get the same number.
+fn turn(mesh: &SurfaceMesh, normals: &[DVec3], c: CornerId, o: CornerId) -> f64 {
+    let [a, b] = [c.min(o), c.max(o)].map(|c| normals[mesh.face_of(c).index()]);
+    angle_between(a, b)
+}
+
+/// Signed angle between the normals on both sides of a regular inner edge, in radians: 0 where the surface is flat,
+/// positive where it is convex, negative where it is concave. `None` on borders and irregular edges.
+///
+/// The angle through the material, which CAD calls dihedral, is π minus this.
+pub fn dihedral_turn(mesh: &SurfaceMesh, face_normals: &[DVec3], c: CornerId) -> Option<f64> {
+    let o = mesh.opposite(c)?;
+    let along = mesh.point(mesh.vertex(mesh.next(c))) - mesh.point(mesh.vertex(c));
+    let [own, other] = [c, o].map(|c| face_normals[mesh.face_of(c).index()]);
+    let angle = turn(mesh, face_normals, c, o);
+    Some(if own.cross(other).dot(along) < 0.0 { -angle } else { angle })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TaggedEdge;
+    use crate::mesh::test_models::*;
+    use proptest::prelude::*;
+
+    fn with_angle(angle: f64) -> FeatureOptions {
+        FeatureOptions { angle_deg: Some(angle), ..FeatureOptions::default() }
+    }
+
+    fn count(mesh: &SurfaceMesh, options: &FeatureOptions) -> usize {
+        let features = feature_edges(mesh, options).unwrap();
+        for c in (0..mesh.corner_count()).map(CornerId::new) {
+            assert!(mesh.opposite(c).is_none_or(|o| features.contains(o) == features.contains(c)));
+        }
+        features.edges(mesh).count()
+    }
+
+    /// A roof: two rectangles that meet at the angle.
+    fn roof(turn_deg: f64) -> SurfaceMesh {
+        let (sin, cos) = turn_deg.to_radians().sin_cos();
+        let p = [DVec3::ZERO, DVec3::Y, DVec3::NEG_X, DVec3::new(-1., 1., 0.), DVec3::new(cos, 0., -sin)];
+        let far = DVec3::new(cos, 1.0, -sin);
+        triangles(&[&p[..], &[far]].concat(), &[[2, 0, 1], [2, 1, 3], [0, 4, 5], [0, 5, 1]])
+    }
+
+    #[test]
+    fn a_cube_has_twelve_sharp_edges_and_no_sharp_diagonal() {
+        let mesh = cube(DVec3::ZERO, 3.0).triangulated().unwrap();
+        assert_eq!(count(&mesh, &with_angle(35.0)), 12);
+        assert_eq!(count(&mesh, &with_angle(90.0)), 0);
+        assert_eq!(count(&mesh, &with_angle(89.9)), 12);
+        assert_eq!(count(&mesh, &FeatureOptions { angle_deg: None, ..FeatureOptions::default() }), 0);
+    }
+
+    #[test]
+    fn borders_tags_lists_and_irregular_edges_count_as_asked() {
+        let mut mesh = grid(3);
+        let none = FeatureOptions { angle_deg: None, borders: false, tags: false, edges: Vec::new() };
+        assert_eq!(count(&mesh, &none), 0);
+        assert_eq!(count(&mesh, &FeatureOptions { borders: true, ..none.clone() }), 12);
+        let inner = [VertexId(5), VertexId(6)];
+        mesh.tagged_edges = vec![TaggedEdge { ends: inner, tag: 1 }];
+        assert_eq!(count(&mesh, &none), 0);
+        assert_eq!(count(&mesh, &FeatureOptions { tags: true, ..none.clone() }), 1);
+        let listed = FeatureOptions { edges: vec![[inner[1], inner[0]], [VertexId(0), VertexId(900)]], ..none.clone() };
+        assert_eq!(count(&mesh, &listed), 1);
+        assert_eq!(feature_edges(&mesh, &listed).unwrap().missing, [[VertexId(0), VertexId(900)]]);
+        assert_eq!(count(&cubes_sharing_an_edge(), &none), 1);
+        assert_eq!(count(&strip(9, 1), &none), 1);
+    }
+
+    #[test]
+    fn angles_out_of_range_are_refused() {
+        for wrong in [-1.0, 181.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(feature_edges(&grid(1), &with_angle(wrong)), Err(Error::Options(_))));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_turn_is_measured_with_its_sign(angle in -179.9f64..179.9) {
+            let mesh = roof(angle);
+            let normals = face_normals(&mesh);
+            for (c, _) in mesh.faces().corners().iter().enumerate() {
+                let Some(found) = dihedral_turn(&mesh, &normals, CornerId::new(c)) else { continue };
+                let ridge = [c, mesh.next(CornerId::new(c)).index()].iter().all(|&c| mesh.faces().corners()[c] < 2);
+                let expected = if ridge { angle } else { 0.0 };
+                prop_assert!((found.to_degrees() - expected).abs() < 1e-9, "{} {}", found.to_degrees(), expected);
+            }
+        }
+
+        #[test]
+        fn tiny_turns_are_measured_exactly(exponent in -12.0f64..0.0) {
+            let angle = 10f64.powf(exponent);
+            let mesh = roof(angle);
+            let ridge = (0..12).map(CornerId).find(|&c| mesh.vertex(c).0 == 0 && mesh.vertex(mesh.next(c)).0 == 1);
+            let found = dihedral_turn(&mesh, &face_normals(&mesh), ridge.unwrap()).unwrap().to_degrees();
+            prop_assert!((found / angle - 1.0).abs() < 1e-3, "{} {}", found, angle);
+        }
+    }
+}

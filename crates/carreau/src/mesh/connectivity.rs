@@ -1,0 +1,151 @@
+//! How faces hang together: through which edges, in which sense, around which vertices.
+//!
+//! Works on bare polygons, so that [`super::repair`] can ask between its steps. Faces marked in `ignore` (those that use
+//! a vertex twice, which have no place in a surface) are left out of everything and form components of their own.
+
+use super::disjoint_sets::{DisjointSets, SignedSets};
+use super::half_edges::HalfEdges;
+use super::polygons::Polygons;
+
+/// Components of faces that share edges, the irregular edges, and which faces to turn.
+pub(crate) struct Connectivity {
+    /// Number of undirected edges.
+    pub edges: usize,
+    /// Half-edges without a partner, by the corner they leave from, in order of their edges.
+    pub boundary: Vec<u32>,
+    /// Edges with more than two faces.
+    pub nonmanifold: Vec<[u32; 2]>,
+    /// Edges that their two faces run along in the same direction.
+    pub inconsistent: Vec<[u32; 2]>,
+    /// Component of every face; faces are linked through every edge they share, non-manifold ones included.
+    pub component: Vec<u32>,
+    /// Number of components.
+    pub components: usize,
+    /// Whether all edges of a component have exactly two faces.
+    pub closed: Vec<bool>,
+    /// Whether the faces of a component can be turned so that neighbours agree. Non-manifold edges ask nothing.
+    pub orientable: Vec<bool>,
+    /// The faces to turn: the smaller part of each set of faces linked by regular edges; of two equal parts, the one
+    /// without the set's first face.
+    pub turned: Vec<bool>,
+}
+
+impl Connectivity {
+    /// Examines faces whose half-edges are already grouped.
+    pub fn of(faces: &Polygons, half_edges: &HalfEdges, ignore: &[bool]) -> Self {
+        let face_of = faces.face_of_corners();
+        let start = faces.corners();
+        let (mut edges, mut boundary, mut nonmanifold, mut inconsistent) = (0, Vec::new(), Vec::new(), Vec::new());
+        let mut linked = DisjointSets::new(faces.len());
+        let mut senses = SignedSets::new(faces.len());
+        let mut contradictions = Vec::new();
+        let mut open_faces = Vec::new();
+        let mut sides: Vec<u32> = Vec::new();
+        for edge in half_edges.groups() {
+            sides.clear();
+            sides.extend(edge.corners().filter(|&c| !ignore[face_of[c as usize] as usize]));
+            edges += usize::from(!sides.is_empty());
+            for pair in sides.windows(2) {
+                linked.union(face_of[pair[0] as usize], face_of[pair[1] as usize]);
+            }
+            match sides[..] {
+                [] => {}
+                [c] => {
+                    boundary.push(c);
+                    open_faces.push(face_of[c as usize]);
+                }
+                [c, d] => {
+                    let same_direction = start[c as usize] == start[d as usize];
+                    if same_direction {
+                        inconsistent.push(edge.ends);
+                    }
+                    let face = face_of[c as usize];
+                    if !senses.relate(face, face_of[d as usize], same_direction) {
+                        contradictions.push(face);
+                    }
+                }
+                [c, ..] => {
+                    nonmanifold.push(edge.ends);
+                    open_faces.push(face_of[c as usize]);
+                }
+            }
+        }
+        let (component, components) = linked.labels();
+        let unless = |faces: &[u32]| {
+            let mut good = vec![true; components];
+            faces.iter().for_each(|&f| good[component[f as usize] as usize] = false);
+            good
+        };
+        let (closed, orientable) = (unless(&open_faces), unless(&contradictions));
+        let turned = smaller_parts(&mut senses, faces.len());
+        Connectivity { edges, boundary, nonmanifold, inconsistent, component, components, closed, orientable, turned }
+    }
+}
+
+/// Marks, in every set, the smaller of the two parts that differ in sense.
+fn smaller_parts(senses: &mut SignedSets, n: usize) -> Vec<bool> {
+    let mut differing = vec![0u32; n];
+    let mut size = vec![0u32; n];
+    for f in 0..n as u32 {
+        let (leader, differs) = senses.find(f);
+        size[leader as usize] += 1;
+        differing[leader as usize] += u32::from(differs);
+    }
+    let turn = |f| {
+        let (leader, differs) = senses.find(f);
+        let most_differ = 2 * u64::from(differing[leader as usize]) > u64::from(size[leader as usize]);
+        differs != most_differ
+    };
+    (0..n as u32).map(turn).collect()
+}
+
+/// The umbrella of every corner: the corners of one vertex whose faces are linked by edges at that vertex.
+///
+/// ```text
+///   ╲ │ ╱        ╲     ╱
+///    ╲│╱          ╲   ╱      left: one umbrella
+/// ────•────    ────╲ ╱────   right: two, a bow-tie
+///    ╱│╲            •
+///   ╱ │ ╲       ───╱ ╲───
+/// ```
+///
+/// An umbrella is named by its smallest corner. Edges with more than `most` faces do not link: 2 cuts the surface along
+/// its non-manifold edges, `usize::MAX` does not cut. Corners of ignored faces are left alone.
+pub(crate) fn umbrellas(faces: &Polygons, half_edges: &HalfEdges, ignore: &[bool], most: usize) -> Vec<u32> {
+    let (face_of, next) = (faces.face_of_corners(), faces.next_corners());
+    let start = faces.corners();
+    let mut sets = DisjointSets::new(start.len());
+    let mut sides: Vec<u32> = Vec::new();
+    for edge in half_edges.groups() {
+        sides.clear();
+        sides.extend(edge.corners().filter(|&c| !ignore[face_of[c as usize] as usize]));
+        if sides.len() > most {
+            continue;
+        }
+        // The corners of a side at the edge's smaller and larger vertex.
+        let ends = |c: u32| {
+            let n = next[c as usize];
+            if start[c as usize] == edge.ends[0] { [c, n] } else { [n, c] }
+        };
+        for pair in sides.windows(2) {
+            let (a, b) = (ends(pair[0]), ends(pair[1]));
+            sets.union(a[0], b[0]);
+            sets.union(a[1], b[1]);
+        }
+    }
+    sets.leaders()
+}
+
+/// Which faces use a vertex more than once.
+pub(crate) fn faces_with_repeats(faces: &Polygons, vertices: usize) -> Vec<bool> {
+    let mut seen_in = vec![u32::MAX; vertices];
+    let repeats = |(face, f): (&[u32], u32)| {
+        let mut found = false;
+        for &v in face {
+            found |= seen_in[v as usize] == f;
+            seen_in[v as usize] = f;
+        }
+        found
+    };
+    faces.iter().zip(0u32..).map(repeats).collect()
+}
