@@ -7,7 +7,8 @@ use crate::session::{Failure, Session};
 use carreau::io::{WriteOptions, extension};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::patch::{self, cad, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
-use carreau::{Error, mesh::SurfaceMesh};
+use carreau::mesh::{SurfaceMesh, VertexId};
+use carreau::{Error, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -77,6 +78,9 @@ pub struct Patch {
     /// Never crosses these edges: a file with two vertex ids per line
     #[arg(long, value_name = "FILE")]
     features: Option<PathBuf>,
+    /// Crosses edges tagged in the file, too
+    #[arg(long)]
+    ignore_tags: bool,
     /// Application protocol of STEP files [default: ap214]
     #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
     schema: Option<StepSchema>,
@@ -137,6 +141,7 @@ impl Patch {
         o.merge = self.merge.unwrap_or(o.merge);
         o.probes = self.probes.or(o.probes);
         o.feature_angle = self.feature_angle.or(o.feature_angle);
+        o.tagged_edges &= !self.ignore_tags;
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
         all.common = self.common.over(all.common);
@@ -146,7 +151,11 @@ impl Patch {
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mesh = session.read_triangles(&self.input)?;
         let context = session.context.clone();
-        let result = context.install(|| patch::decompose(&mesh, &options.patch, &context))?;
+        let mut limits = options.patch.clone();
+        if let Some(file) = &options.features {
+            limits.feature_edges = read_edges(file)?;
+        }
+        let result = context.install(|| patch::decompose(&mesh, &limits, &context))?;
         self.write(session, &mesh, &result, options)?;
         let f = &result.figures;
         session.say(format!(
@@ -206,4 +215,20 @@ impl Patch {
         ));
         Ok(())
     }
+}
+
+/// Edges listed in a text file, two vertex ids per line; `#` starts a comment.
+fn read_edges(file: &Path) -> Result<Vec<[VertexId; 2]>, Error> {
+    let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, Place::File, e.to_string()))?;
+    let lines = text.lines().zip(1..).map(|(line, number)| (line.split('#').next().unwrap_or("").trim(), number));
+    lines
+        .filter(|(line, _)| !line.is_empty())
+        .map(|(line, number)| {
+            let ids: Vec<u32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+            match ids[..] {
+                [a, b] => Ok([VertexId(a), VertexId(b)]),
+                _ => Err(Error::read(file, Place::Line(number), format!("two vertex ids are expected, found '{line}'"))),
+            }
+        })
+        .collect()
 }

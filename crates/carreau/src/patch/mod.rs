@@ -48,12 +48,14 @@ mod zones;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{FaceId, SurfaceMesh, Triangles, VertexId};
+use crate::geometry::features::{FeatureOptions, feature_edges};
+use crate::mesh::{CornerId, FaceId, SurfaceMesh, Triangles, VertexId};
 use grid::Grid;
 use growth::Grower;
 use pairing::Preference;
 use quality::{Candidates, Filters};
 use rectangles::CornerRule;
+use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 use zones::Quads;
 
@@ -125,6 +127,8 @@ pub struct PatchOptions {
     /// Edges that are never crossed, by their vertices.
     #[serde(skip)]
     pub feature_edges: Vec<[VertexId; 2]>,
+    /// Edges tagged in the file are never crossed.
+    pub tagged_edges: bool,
 }
 
 impl Default for PatchOptions {
@@ -143,6 +147,7 @@ impl Default for PatchOptions {
             probes: None,
             feature_angle: None,
             feature_edges: Vec::new(),
+            tagged_edges: true,
         }
     }
 }
@@ -231,13 +236,32 @@ pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) 
     if triangles.is_empty() {
         return Err(Error::input("the mesh has no faces", "", "patches need triangles"));
     }
-    let barrier = vec![false; 3 * triangles.len()];
+    let barrier = barriers(mesh, options)?;
     let candidates = {
         let _stage = context.stage("quality");
         Candidates::new(triangles, &options.filters(), barrier, context)?
     };
     let patches = find(&candidates, options, context)?;
-    finish(mesh, patches, &candidates, options, context)
+    finish(mesh, patches, &candidates.barrier, options, context)
+}
+
+/// Whether each half-edge lies on an edge that no patch may cross.
+fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec<bool>> {
+    let limits = FeatureOptions {
+        angle_deg: options.feature_angle,
+        borders: false,
+        tags: options.tagged_edges,
+        edges: options.feature_edges.clone(),
+    };
+    if limits.angle_deg.is_none() && limits.edges.is_empty() && !(limits.tags && !mesh.tagged_edges.is_empty()) {
+        return Ok(vec![false; mesh.corner_count()]);
+    }
+    let features = feature_edges(mesh, &limits)?;
+    let wanted = &options.feature_edges;
+    match features.missing.iter().find(|edge| wanted.contains(edge) || wanted.contains(&[edge[1], edge[0]])) {
+        Some([a, b]) => Err(Error::input("the mesh has no such feature edge", format!("vertices {a} {b}"), "ids are 0-based")),
+        None => Ok(features.corners),
+    }
 }
 
 /// The patches that the chosen strategy finds.
@@ -301,7 +325,7 @@ fn quad_corners(candidates: &Candidates, h: u32, turn: u32) -> ([VertexId; 4], [
 fn finish(
     mesh: &SurfaceMesh,
     mut patches: Vec<Patch>,
-    candidates: &Candidates,
+    barrier: &[bool],
     options: &PatchOptions,
     context: &Context,
 ) -> Result<PatchResult> {
@@ -313,8 +337,10 @@ fn finish(
     let mut covered = vec![false; mesh.face_count()];
     patches.iter().flat_map(|p| &p.triangles).for_each(|t| covered[t.index()] = true);
     let leftover: Vec<FaceId> = (0..mesh.face_count()).filter(|&t| !covered[t]).map(FaceId::new).collect();
-    let _ = candidates;
-    validate(mesh, &patches, &leftover, &options.promises(), |_, _| false)?;
+    let ends = |c: u32| [mesh.vertex(CornerId(c)), mesh.vertex(mesh.next(CornerId(c)))];
+    let sorted = |[a, b]: [VertexId; 2]| (a.min(b), a.max(b));
+    let barred: FxHashSet<_> = (0..).zip(barrier).filter(|(_, barred)| **barred).map(|(c, _)| sorted(ends(c))).collect();
+    validate(mesh, &patches, &leftover, &options.promises(), |a, b| barred.contains(&sorted([a, b])))?;
     let figures = Figures::of(mesh, &patches);
     Ok(PatchResult { patches, leftover, figures })
 }

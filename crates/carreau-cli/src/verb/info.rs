@@ -1,0 +1,126 @@
+//! `info`: what is in a file, and what is wrong with it.
+
+use crate::common::{Common, CommonValues};
+use crate::session::{Failure, Session};
+use carreau::Error;
+use carreau::geometry::quality::SurfaceQuality;
+use carreau::mesh::{Column, Columns, RawMesh, SurfaceMesh, Topology};
+use clap::Args;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+
+/// Counts, topology, defects with their places, and quality of a mesh file
+#[derive(Args)]
+#[command(after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology")]
+pub struct Info {
+    /// The file to look at
+    input: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Info {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let values = self.common.over(CommonValues::default());
+        Session::run("info", &self.common, &values, Some(&self.input), |session| {
+            session.record.set("options", &values);
+            let raw = session.read(&self.input)?;
+            describe_content(session, &raw);
+            // A volume mesh is looked at through its boundary.
+            let surface = if raw.cells.is_empty() { raw } else { raw.boundary()? }.into_surface()?;
+            session.context.check()?;
+            describe_surface(session, &surface)
+        })
+    }
+}
+
+/// Name and kind of every column.
+fn columns(columns: &Columns) -> Map<String, Value> {
+    let kind = |column: &Column| match column {
+        Column::Scalar(_) => "scalar",
+        Column::Vector2(_) => "vector2",
+        Column::Vector3(_) => "vector3",
+        Column::Label(_) => "label",
+        Column::Color(_) => "color",
+        _ => "other",
+    };
+    columns.iter().map(|(name, column)| (name.clone(), json!(kind(column)))).collect()
+}
+
+fn describe_content(session: &mut Session, raw: &RawMesh) {
+    let cells = &raw.cells;
+    session.say(format!("{} vertices, {} faces, {} marked edges", raw.points.len(), raw.faces.len(), raw.edges.len()));
+    if !cells.is_empty() {
+        let counts = json!({
+            "tetrahedra": cells.tets.len(), "hexahedra": cells.hexes.len(),
+            "wedges": cells.wedges.len(), "pyramids": cells.pyramids.len(),
+        });
+        session.say(format!("volume mesh: {counts}; what follows is about its boundary"));
+        session.record.set("cells", counts);
+    }
+    let attributes = &raw.attributes;
+    let all = [("vertex", &attributes.vertex), ("face", &attributes.face), ("corner", &attributes.corner)];
+    for (element, list) in all.iter().filter(|(_, list)| !list.is_empty()) {
+        let names: Vec<&str> = list.keys().map(String::as_str).collect();
+        session.say(format!("{element} attributes: {}", names.join(", ")));
+    }
+    let attributes: Map<String, Value> = all.map(|(element, list)| (element.into(), json!(columns(list)))).into_iter().collect();
+    session.record.set("attributes", attributes);
+}
+
+fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Error> {
+    let topology = {
+        let _stage = session.context.stage("topology");
+        Topology::of(mesh)
+    };
+    session.context.check()?;
+    let quality = {
+        let _stage = session.context.stage("quality");
+        SurfaceQuality::of(mesh)
+    };
+    let t = &topology;
+    session.say(format!("{} triangles, {} quads, {} polygons; {} edges", t.triangles, t.quads, t.polygons, t.edges));
+    let genus = t.genus.map(|g| format!(", genus {g}")).unwrap_or_default();
+    session.say(format!("{} components, Euler number {}{genus}", t.components, t.euler));
+    let words = [
+        (t.closed, "closed", "open"),
+        (t.manifold, "manifold", "not manifold"),
+        (t.orientable, "orientable", "not orientable"),
+        (t.consistently_oriented, "consistently oriented", "not consistently oriented"),
+    ];
+    session.say(words.map(|(holds, yes, no)| if holds { yes } else { no }).join(", "));
+    let (low, high) = mesh.bounds();
+    session.say(format!("bounds ({}, {}, {}) to ({}, {}, {})", low.x, low.y, low.z, high.x, high.y, high.z));
+    if let Some(volume) = t.volume {
+        session.say(format!("volume {volume}"));
+    }
+    describe_defects(session, t);
+    session.record.set("bounds", json!([low.to_array(), high.to_array()]));
+    session.record.set("diagonal", mesh.diagonal());
+    session.record.set("topology", topology);
+    session.record.set("quality", quality);
+    Ok(())
+}
+
+/// One line per kind of defect that there is, with its first places.
+fn describe_defects(session: &mut Session, t: &Topology) {
+    let places = serde_json::to_value(&t.places).unwrap_or_default();
+    let defects = [
+        ("boundary loops", t.boundary_loops, "boundary_loops"),
+        ("boundary edges", t.boundary_edges, "boundary_edges"),
+        ("non-manifold edges", t.nonmanifold_edges, "nonmanifold_edges"),
+        ("non-manifold vertices", t.nonmanifold_vertices, "nonmanifold_vertices"),
+        ("inconsistently oriented edges", t.inconsistent_edges, "inconsistent_edges"),
+        ("degenerate faces", t.degenerate_faces, "degenerate_faces"),
+        ("duplicate faces", t.duplicate_faces, "duplicate_faces"),
+        ("coincident vertices", t.coincident_vertices, "coincident_vertices"),
+        ("unreferenced vertices", t.unreferenced_vertices, "unreferenced_vertices"),
+        ("inverted components", t.inverted_components, "inverted_components"),
+    ];
+    for (name, count, key) in defects.iter().filter(|(_, count, _)| *count > 0) {
+        let shown: Vec<String> = places[key].as_array().into_iter().flatten().take(3).map(Value::to_string).collect();
+        let dots = if *count > shown.len() { ", …" } else { "" };
+        session.say(format!("{count} {name}: {}{dots}", shown.join(", ")));
+    }
+}

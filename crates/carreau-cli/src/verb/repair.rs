@@ -1,0 +1,99 @@
+//! `repair`: makes a surface sound and says what it did.
+
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::io::WriteOptions;
+use carreau::mesh::{RawMesh, RepairOptions, repair};
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Welds, drops, orients and splits until the surface is sound; says what it did
+#[derive(Args)]
+#[command(after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply")]
+pub struct Repair {
+    /// The mesh to repair
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Merges vertices closer than this; 0 merges those at equal positions [default: 0]
+    #[arg(long, value_name = "LENGTH", conflicts_with = "no_weld")]
+    weld: Option<Length>,
+    /// Merges no vertices
+    #[arg(long)]
+    no_weld: bool,
+    /// Keeps faces without area
+    #[arg(long)]
+    keep_degenerate: bool,
+    /// Keeps faces on the same vertices
+    #[arg(long)]
+    keep_duplicates: bool,
+    /// Keeps the sense of every face
+    #[arg(long)]
+    no_orient: bool,
+    /// Keeps non-manifold edges and vertices
+    #[arg(long)]
+    no_split: bool,
+    /// Keeps vertices that no face uses
+    #[arg(long)]
+    keep_unreferenced: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    repair: RepairOptions,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Repair {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("repair", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            let mesh = session.read(&self.input)?.into_surface()?;
+            let context = session.context.clone();
+            let done = context.install(|| repair(&mesh, &options.repair, &context))?;
+            let sentences = done.report.sentences();
+            if sentences.is_empty() {
+                session.say("nothing to repair");
+            }
+            for sentence in sentences {
+                session.say(sentence.clone());
+                session.record.warnings.push(sentence);
+            }
+            let out = RawMesh::from(done.mesh);
+            session.write_mesh(&self.output, &out, &WriteOptions::default())?;
+            session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
+            session.record.set("repair", done.report);
+            session.say(format!("{}: {} vertices, {} faces", self.output.display(), out.points.len(), out.faces.len()));
+            Ok(())
+        })
+    }
+
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "repair", &all)?;
+        }
+        let o = &mut all.repair;
+        o.weld = if self.no_weld { None } else { self.weld.or(o.weld) };
+        o.degenerate &= !self.keep_degenerate;
+        o.duplicates &= !self.keep_duplicates;
+        o.orient &= !self.no_orient;
+        o.outward &= !self.no_orient;
+        o.split &= !self.no_split;
+        o.unreferenced &= !self.keep_unreferenced;
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+}
