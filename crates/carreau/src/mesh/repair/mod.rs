@@ -31,7 +31,7 @@ use soup::Soup;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct RepairOptions {
     /// Weld vertices nearer than this; 0: at exactly equal positions; `None`: not at all.
     pub weld: Option<Length>,
