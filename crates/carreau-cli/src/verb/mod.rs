@@ -1,7 +1,9 @@
 //! The verbs, one file each.
 
 mod convert;
+mod info;
 mod patch;
+mod repair;
 mod sample;
 mod shell;
 
@@ -12,7 +14,9 @@ use clap::Subcommand;
 #[derive(Subcommand)]
 pub enum Verb {
     Sample(sample::Sample),
+    Info(info::Info),
     Convert(convert::Convert),
+    Repair(repair::Repair),
     Patch(patch::Patch),
     Completions(shell::Completions),
     Man(shell::Man),
@@ -23,6 +27,8 @@ impl Verb {
     pub fn run(&self) -> Result<(), Failure> {
         match self {
             Verb::Sample(verb) => verb.run(),
+            Verb::Info(verb) => verb.run(),
+            Verb::Repair(verb) => verb.run(),
             Verb::Convert(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

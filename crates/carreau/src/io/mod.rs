@@ -6,18 +6,26 @@
 
 mod atomic;
 mod binary;
+pub mod cad;
+mod gltf;
 mod gmf;
 mod gmsh;
+pub mod iges;
+mod limits;
 mod medit;
 mod medit_sections;
+mod names;
+mod obj;
+mod off;
+mod percent;
+mod ply;
 #[cfg(test)]
 mod round_trips;
 mod small_faces;
-mod gltf;
-mod percent;
-pub mod cad;
-pub mod iges;
 pub mod step;
+mod stl;
+#[cfg(test)]
+mod surface_tests;
 mod text;
 mod vtk_arrays;
 mod vtk_cells;
@@ -69,6 +77,10 @@ pub struct Format {
 
 /// All mesh formats. CAD formats, which are only written, are in [`crate::io`] too but take another model.
 pub const FORMATS: &[Format] = &[
+    Format { name: "OBJ", extensions: &["obj"], read: obj::read, write: obj::write },
+    Format { name: "OFF", extensions: &["off"], read: off::read, write: off::write },
+    Format { name: "PLY", extensions: &["ply"], read: ply::read, write: ply::write },
+    Format { name: "STL", extensions: &["stl"], read: stl::read, write: stl::write },
     Format { name: "Medit", extensions: &["mesh"], read: medit::read, write: medit::write },
     Format { name: "Medit binary (GMF)", extensions: &["meshb"], read: gmf::read, write: gmf::write },
     Format { name: "Gmsh", extensions: &["msh"], read: gmsh::read, write: gmsh::write },
@@ -94,7 +106,8 @@ fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
         let found = extension(path);
-        let found = if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
+        let found =
+            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
         Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
     })
 }
