@@ -6,8 +6,17 @@
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
 //! | `bspline` | B-spline curves and surfaces |
 //! | `brep` | boundary representation: what CAD files hold |
+//! | `summary` | minimum, mean, percentiles, histogram |
+//! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
+//! | `search_tree` | closest point, neighbourhood and rays over triangles |
+//! | `winding` | inside or outside, for broken surfaces too |
+//! | `distance` | two-sided distance and normal deviation of two surfaces |
 
 pub mod brep;
 pub mod bspline;
 pub mod features;
 pub mod normals;
+pub mod quality;
+pub mod search_tree;
+pub mod summary;
+pub mod winding;
