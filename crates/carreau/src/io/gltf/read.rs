@@ -1,6 +1,7 @@
 //! The reader: the primitives of all meshes at their places become one mesh.
 
 use super::super::Source;
+use super::super::text::shown;
 use super::super::vtk_cells::strip_triangles;
 use super::accessor::Accessors;
 use super::container::{Buffers, Container};
@@ -139,6 +140,7 @@ impl<'a> Builder<'a> {
         let draco = primitive.extensions.keys().find(|name| name.contains("draco"));
         match draco {
             Some(name) if self.accessors.accessor(position)?.buffer_view.is_none() => {
+                let name = shown(name.as_bytes());
                 Err(self.error(format!("the mesh is compressed by the extension {name}, which is not supported")))
             }
             _ => Ok(()),
