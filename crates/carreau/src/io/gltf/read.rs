@@ -246,8 +246,9 @@ impl<'a> Builder<'a> {
         if size <= bytes.saturating_mul(EXPANSION).min(u32::MAX as usize / 3) {
             return Ok(());
         }
-        Err(self
-            .error(format!("used many times, the meshes of {bytes} bytes make up more than {size} points and corners")))
+        Err(self.error(format!(
+            "used many times, the meshes of {bytes} bytes make up {size} points and corners, which is too many"
+        )))
     }
 
     fn finish(self) -> RawMesh {
