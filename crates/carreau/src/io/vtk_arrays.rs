@@ -237,9 +237,9 @@ impl Numbers<'_> {
         }
         match self {
             Numbers::F64(v) => lines(v, width, out, push_float),
-            Numbers::I64(v) => lines(v, width, out, |out, x| push_integer(out, x)),
-            Numbers::I32(v) => lines(v, width, out, |out, x| push_integer(out, x)),
-            Numbers::U8(v) => lines(v, width, out, |out, x| push_integer(out, x)),
+            Numbers::I64(v) => lines(v, width, out, push_integer),
+            Numbers::I32(v) => lines(v, width, out, push_integer),
+            Numbers::U8(v) => lines(v, width, out, push_integer),
         }
     }
 }

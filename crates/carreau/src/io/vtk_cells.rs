@@ -14,6 +14,7 @@
 //!             0───1               0───1
 //! ```
 
+use super::text::shown;
 use super::vtk_arrays::Array;
 use crate::error::{Error, Result};
 use crate::mesh::{Cells, Column, Columns, Polygons, RawMesh, gather_columns};
@@ -206,11 +207,11 @@ impl CellReader {
             }
         }
         mesh.edge_tags.resize(self.edges.cell.len(), 0);
-        for (name, column) in &on_cells {
-            if name != TAGS && has_values(&column.gather(&beside_faces)) {
-                mesh.notes
-                    .push(format!("the values of '{name}' are kept on faces only, not on lines and volume cells"));
-            }
+        let lost = on_cells.iter().filter(|(name, column)| *name != TAGS && has_values(&column.gather(&beside_faces)));
+        let lost: Vec<String> = lost.map(|(name, _)| shown(name.as_bytes())).collect();
+        if !lost.is_empty() {
+            let lost = lost.join(", ");
+            mesh.notes.push(format!("cell data are kept on faces only, not on lines and volume cells: {lost}"));
         }
         if !self.face_cell.is_empty() {
             mesh.attributes.face = gather_columns(&on_cells, &self.face_cell);
@@ -243,16 +244,17 @@ fn columns(
     let mut columns = Columns::new();
     for (name, array) in arrays {
         let rows = array.rows();
+        let shown_name = shown(name.as_bytes());
         if rows != Some(count) {
             let rows = rows.map_or("an incomplete number of".to_string(), |n| n.to_string());
-            notes.push(format!("the array '{name}' is left out: it has {rows} entries for {count} {of}"));
+            notes.push(format!("the array '{shown_name}' on {of} is left out: it has {rows} entries for {count} {of}"));
             continue;
         }
         match array.into_column() {
             Ok(column) => {
                 columns.insert(name, column);
             }
-            Err(why) => notes.push(format!("the array '{name}' is left out: {why}")),
+            Err(why) => notes.push(format!("the array '{shown_name}' on {of} is left out: {why}")),
         }
     }
     columns

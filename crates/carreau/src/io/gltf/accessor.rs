@@ -162,9 +162,8 @@ impl<'a> Accessors<'a> {
             return Err(self.error(index, format!("buffer view {view} does not exist, there are {}", views.len())));
         };
         if let Some(name) = buffer_view.extensions.keys().find(|name| name.ends_with("meshopt_compression")) {
-            return Err(
-                self.error(index, format!("its data are compressed by the extension {name}, which is not supported"))
-            );
+            let name = shown(name.as_bytes());
+            return Err(self.error(index, format!("the extension {name} compresses its data, which is not supported")));
         }
         let size = N * component.size();
         let stride = buffer_view.byte_stride.unwrap_or(size);

@@ -9,6 +9,7 @@ use base64::Engine;
 use base64::engine::general_purpose::GeneralPurposeConfig;
 use base64::engine::{DecodePaddingMode, GeneralPurpose};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
@@ -106,19 +107,16 @@ impl<'a> Buffers<'a> {
         let bytes: &[u8] = match buffer.uri.as_deref() {
             None if index == 0 && self.binary.is_some() => self.binary.unwrap_or_default(),
             None => return Err(failed(format!("buffer {index} has neither an address nor a binary chunk"))),
-            Some(uri) if uri.starts_with("data:") => {
-                if !self.embedded.contains_key(&index) {
-                    self.embedded
-                        .insert(index, decode_data_uri(uri).map_err(|e| failed(format!("buffer {index}: {e}")))?);
+            Some(uri) if uri.starts_with("data:") => match self.embedded.entry(index) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    new.insert(decode_data_uri(uri).map_err(|e| failed(format!("buffer {index}: {e}")))?)
                 }
-                &self.embedded[&index]
-            }
-            Some(uri) => {
-                if !self.external.contains_key(uri) {
-                    self.external.insert(uri, load_beside(self.source.path, uri, buffer.byte_length)?);
-                }
-                &self.external[uri]
-            }
+            },
+            Some(uri) => match self.external.entry(uri) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(load_beside(self.source.path, uri, buffer.byte_length)?),
+            },
         };
         bytes.get(..buffer.byte_length).ok_or_else(|| {
             let found = bytes.len();

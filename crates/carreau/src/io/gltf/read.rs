@@ -1,6 +1,7 @@
 //! The reader: the primitives of all meshes at their places become one mesh.
 
 use super::super::Source;
+use super::super::text::shown;
 use super::super::vtk_cells::strip_triangles;
 use super::accessor::Accessors;
 use super::container::{Buffers, Container};
@@ -67,6 +68,8 @@ struct Builder<'a> {
     normals: Optional<[f64; 3]>,
     uvs: Optional<[f64; 2]>,
     colors: Optional<[u8; 4]>,
+    /// Corners of all primitives so far.
+    corners: usize,
     left_out: BTreeSet<&'static str>,
 }
 
@@ -80,6 +83,7 @@ impl<'a> Builder<'a> {
             normals: Optional::default(),
             uvs: Optional::default(),
             colors: Optional::default(),
+            corners: 0,
             left_out: BTreeSet::new(),
         }
     }
@@ -124,13 +128,14 @@ impl<'a> Builder<'a> {
                 Some(indices) => self.accessors.indices(indices)?,
                 None => (0..count).collect(),
             };
+            self.corners += corners.len();
+            self.check_size()?;
             if let Some(&beyond) = corners.iter().find(|&&v| v >= count) {
                 return Err(self.error(format!("mesh {}: index {beyond}, there are {count} vertices", instance.mesh)));
             }
             let corners: Vec<u32> = corners.into_iter().map(|v| first + v).collect();
             let mirrored = instance.transform.is_some_and(|m| m.determinant() < 0.0);
             self.elements(mode, &corners, mirrored)?;
-            self.check_size()?;
         }
         Ok(())
     }
@@ -139,6 +144,7 @@ impl<'a> Builder<'a> {
         let draco = primitive.extensions.keys().find(|name| name.contains("draco"));
         match draco {
             Some(name) if self.accessors.accessor(position)?.buffer_view.is_none() => {
+                let name = shown(name.as_bytes());
                 Err(self.error(format!("the mesh is compressed by the extension {name}, which is not supported")))
             }
             _ => Ok(()),
@@ -233,14 +239,16 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
+    /// Bounds the work, and the corners of faces to 32 bits: strips and fans have up to three for each of theirs.
     fn check_size(&self) -> Result<()> {
-        let size = self.mesh.points.len() + self.mesh.faces.corners().len() + 2 * self.mesh.edges.len();
+        let size = self.mesh.points.len() + self.corners;
         let bytes = self.source.bytes.len() + self.accessors.buffers.external_size();
-        if size <= bytes.saturating_mul(EXPANSION).min(u32::MAX as usize) {
+        if size <= bytes.saturating_mul(EXPANSION).min(u32::MAX as usize / 3) {
             return Ok(());
         }
-        Err(self
-            .error(format!("used many times, the meshes of {bytes} bytes make up more than {size} points and corners")))
+        Err(self.error(format!(
+            "used many times, the meshes of {bytes} bytes make up {size} points and corners, which is too many"
+        )))
     }
 
     fn finish(self) -> RawMesh {

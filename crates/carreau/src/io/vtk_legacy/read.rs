@@ -383,8 +383,13 @@ impl Content {
     fn keep(&mut self, name: Option<&[u8]>, array: Option<Array>) {
         let name = percent::decode(name.unwrap_or_default());
         match (self.data_of, array) {
-            (_, None) => self.notes.push(format!("the array '{name}' is left out: it holds texts")),
-            (DataOf::All, _) => self.notes.push(format!("the field '{name}' is left out: it is on no points or cells")),
+            (_, None) => {
+                self.notes.push(format!("the array '{}' is left out: it holds texts", shown(name.as_bytes())));
+            }
+            (DataOf::All, _) => {
+                let name = shown(name.as_bytes());
+                self.notes.push(format!("the field '{name}' is left out: it is on no points or cells"));
+            }
             (DataOf::Points(_), Some(array)) => self.point_data.push((name, array)),
             (DataOf::Cells(_), Some(array)) => self.cell_data.push((name, array)),
         }

@@ -179,4 +179,9 @@ fn what_does_not_fit_is_said() {
     mesh.attributes.corner.insert("uv".into(), Column::Vector2(vec![[0.0; 2]; 12]));
     let warnings = write(&mesh, &WriteOptions::default(), &mut Vec::new()).unwrap();
     assert!(warnings.len() == 1 && warnings[0].contains("uv"));
+    mesh.attributes.corner.clear();
+    mesh.attributes.vertex.insert("size".into(), Column::Scalar(vec![f64::NAN; 8]));
+    let warnings = |ascii| write(&mesh, &WriteOptions { ascii }, &mut Vec::new()).unwrap();
+    assert!(warnings(false).is_empty());
+    assert!(warnings(true)[0].contains("not finite"));
 }

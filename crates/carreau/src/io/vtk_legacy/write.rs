@@ -31,7 +31,19 @@ pub fn write(mesh: &RawMesh, options: &WriteOptions, out: &mut Vec<u8>) -> Resul
     }
     file.data("POINT_DATA", mesh.points.len(), &mesh.attributes.vertex);
     file.data("CELL_DATA", table.kinds.len(), &table.data);
-    Ok(warnings(mesh))
+    let mut warnings = warnings(mesh);
+    if options.ascii {
+        warnings.extend(not_finite(&mesh.attributes.vertex).chain(not_finite(&table.data)));
+    }
+    Ok(warnings)
+}
+
+/// Columns that VTK's own reader stumbles over in text.
+fn not_finite(columns: &Columns) -> impl Iterator<Item = String> {
+    let stumbles = |column| matches!(numbers(column).0, Numbers::F64(v) if v.iter().any(|x| !x.is_finite()));
+    columns.iter().filter(move |(_, column)| stumbles(column)).map(|(name, _)| {
+        format!("'{name}' has values that are not finite: VTK reads them from binary files but not from text")
+    })
 }
 
 /// Cells as rows 'number of corners, corners'.

@@ -28,7 +28,8 @@ pub fn read(source: &Source) -> Result<RawMesh> {
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(&text, options).map_err(|e| {
         let line = e.pos().row;
-        source.error(Place::Line(u64::from(line)), format!("no well-formed XML: {e}"))
+        let what = e.to_string().replace(char::is_control, "?");
+        source.error(Place::Line(u64::from(line)), format!("no well-formed XML: {what}"))
     })?;
     Reader::new(source, &document, appended)?.mesh()
 }
@@ -127,6 +128,7 @@ impl<'a> Reader<'a> {
             self.notes.push("the field data are left out: they are on no points or cells".to_string());
         }
         for name in point_data.broken.iter().chain(&cell_data.broken) {
+            let name = shown(name.as_bytes());
             self.notes
                 .push(format!("the array '{name}' is left out: the pieces have it in different forms, or not all"));
         }
@@ -200,11 +202,11 @@ impl<'a> Reader<'a> {
         for node in nodes.filter(|node| node.has_tag_name("DataArray") || node.has_tag_name("Array")) {
             let name = node.attribute("Name").unwrap_or_default().to_string();
             if number_type(node).is_none() {
-                self.notes.push(format!("the array '{name}' is left out: it holds no numbers"));
+                self.notes.push(format!("the array '{}' is left out: it holds no numbers", shown(name.as_bytes())));
                 continue;
             }
             if !seen.insert(name.clone()) {
-                self.notes.push(format!("a second array '{name}' is left out"));
+                self.notes.push(format!("a second array '{}' is left out", shown(name.as_bytes())));
                 continue;
             }
             let array = Array { width: self.width(node)?, values: self.values(node)? };
