@@ -37,7 +37,7 @@ pub struct Common {
 
 /// The common options that belong to a record: what replays a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[serde(default)]
 pub struct CommonValues {
     pub threads: usize,
     pub seed: u64,

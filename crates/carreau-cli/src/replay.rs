@@ -23,7 +23,8 @@ pub fn options_from<T: Serialize + DeserializeOwned>(file: &Path, verb: &str, ba
         _ => Map::new(),
     };
     for (name, value) in given {
-        match all.get_mut(&name) {
+        // Names as on the command line are understood, too.
+        match all.get_mut(&name.replace('-', "_")) {
             Some(place) => *place = value,
             None => return Err(wrong(format!("there is no option '{name}'"))),
         }

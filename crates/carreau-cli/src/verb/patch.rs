@@ -98,7 +98,7 @@ enum Preset {
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[serde(default)]
 struct Options {
     #[serde(flatten)]
     patch: PatchOptions,

@@ -97,7 +97,7 @@ pub enum Dissection {
 
 /// Options of [`decompose`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[serde(default)]
 pub struct PatchOptions {
     /// How patches are found.
     pub strategy: Strategy,
