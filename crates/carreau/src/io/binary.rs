@@ -55,21 +55,29 @@ impl<'a> Cursor<'a> {
     /// The next `n` bytes.
     #[inline]
     pub fn take(&mut self, n: usize) -> Result<&'a [u8]> {
-        let end = self.position.checked_add(n).filter(|&e| e <= self.source.bytes.len());
-        match end {
-            Some(end) => {
-                let bytes = &self.source.bytes[self.position..end];
-                self.position = end;
+        match self.source.bytes.get(self.position..).and_then(|rest| rest.get(..n)) {
+            Some(bytes) => {
+                self.position += n;
                 Ok(bytes)
             }
-            None => Err(self.error(format!("{n} bytes are expected here, the file ends after {}", self.remaining()))),
+            None => Err(self.ends_before(n)),
         }
     }
 
+    #[inline]
     fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
-        let mut out = [0; N];
-        out.copy_from_slice(self.take(N)?);
-        Ok(out)
+        match self.source.bytes.get(self.position..).and_then(|rest| rest.first_chunk()) {
+            Some(bytes) => {
+                self.position += N;
+                Ok(*bytes)
+            }
+            None => Err(self.ends_before(N)),
+        }
+    }
+
+    #[cold]
+    fn ends_before(&self, n: usize) -> Error {
+        self.error(format!("{n} bytes are expected here, the file ends after {}", self.remaining()))
     }
 
     /// Checks that `count` records of `size` bytes can follow; returns `count` as an array length.

@@ -6,6 +6,14 @@
 
 mod atomic;
 mod binary;
+mod limits;
+mod names;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+#[cfg(test)]
+mod surface_tests;
 mod text;
 
 use crate::error::{Error, Place, Result};
@@ -51,7 +59,12 @@ pub struct Format {
 }
 
 /// All mesh formats. CAD formats, which are only written, are in [`crate::io`] too but take another model.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[
+    Format { name: "OBJ", extensions: &["obj"], read: obj::read, write: obj::write },
+    Format { name: "OFF", extensions: &["off"], read: off::read, write: off::write },
+    Format { name: "PLY", extensions: &["ply"], read: ply::read, write: ply::write },
+    Format { name: "STL", extensions: &["stl"], read: stl::read, write: stl::write },
+];
 
 /// The extension of a path in lower case.
 pub fn extension(path: &Path) -> String {
@@ -68,7 +81,8 @@ fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
         let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
         let found = extension(path);
-        let found = if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
+        let found =
+            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
         Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
     })
 }

@@ -4,12 +4,16 @@ use super::Source;
 use crate::error::{Error, Place, Result};
 
 /// Walks through a text file word by word or line by line. Lines end with LF, CR LF or CR alone.
+#[derive(Clone)]
 pub struct Scanner<'a> {
     source: &'a Source<'a>,
     /// Byte offset of the next character.
     pub position: usize,
     line: u64,
     comment: Option<u8>,
+    continued: bool,
+    /// The bytes that end a word: blanks, line ends, the comment character.
+    ends_word: [bool; 256],
 }
 
 #[allow(dead_code)] // one scanner for all text formats
@@ -18,7 +22,14 @@ impl<'a> Scanner<'a> {
     /// rest of its line are blank.
     pub fn new(source: &'a Source<'a>, comment: Option<u8>) -> Self {
         let position = if source.bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        Scanner { source, position, line: 1, comment }
+        let ends_word = std::array::from_fn(|b| is_blank(b as u8) || comment == Some(b as u8));
+        Scanner { source, position, line: 1, comment, continued: false, ends_word }
+    }
+
+    /// A backslash at the end of a line joins the next line to it.
+    pub fn with_continuation(mut self) -> Self {
+        self.continued = true;
+        self
     }
 
     /// An error at the current line.
@@ -37,6 +48,7 @@ impl<'a> Scanner<'a> {
     }
 
     /// Moves past blanks and comments, over line ends too when `across_lines`.
+    #[inline]
     fn skip_blank(&mut self, across_lines: bool) {
         let bytes = self.source.bytes;
         while let Some(&b) = bytes.get(self.position) {
@@ -48,6 +60,13 @@ impl<'a> Scanner<'a> {
                     self.end_line(b);
                 }
                 b' ' | b'\t' | 0x0b | 0x0c => self.position += 1,
+                b'\\' if self.continued => match bytes.get(self.position + 1) {
+                    Some(&end @ (b'\n' | b'\r')) => {
+                        self.position += 1;
+                        self.end_line(end);
+                    }
+                    _ => return,
+                },
                 _ if Some(b) == self.comment => {
                     let rest = &bytes[self.position..];
                     self.position += rest.iter().position(|&c| c == b'\n' || c == b'\r').unwrap_or(rest.len());
@@ -65,12 +84,14 @@ impl<'a> Scanner<'a> {
         }
     }
 
+    #[inline]
     fn bare_word(&mut self) -> Option<&'a [u8]> {
         let rest = &self.source.bytes[self.position..];
-        let end = rest
-            .iter()
-            .position(|&b| b.is_ascii_whitespace() || b == 0x0b || Some(b) == self.comment)
-            .unwrap_or(rest.len());
+        let mut end = rest.iter().position(|&b| self.ends_word[usize::from(b)]).unwrap_or(rest.len());
+        let line_ends = matches!(rest.get(end), Some(b'\n' | b'\r'));
+        if self.continued && line_ends && rest[..end].ends_with(b"\\") {
+            end -= 1;
+        }
         self.position += end;
         (end > 0).then(|| &rest[..end])
     }
@@ -85,6 +106,35 @@ impl<'a> Scanner<'a> {
     pub fn word_on_line(&mut self) -> Option<&'a [u8]> {
         self.skip_blank(false);
         self.bare_word()
+    }
+
+    /// The rest of the line without blanks at its ends: a name that may contain blanks. A comment begins only behind a
+    /// blank here, since `Material#25` is a name.
+    pub fn rest_of_line(&mut self) -> &'a [u8] {
+        self.skip_blank(false);
+        let rest = &self.source.bytes[self.position..];
+        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        self.position += end;
+        let comment = rest[..end].windows(2).position(|w| is_blank(w[0]) && Some(w[1]) == self.comment);
+        let mut name = &rest[..comment.unwrap_or(end)];
+        while let [start @ .., last] = name
+            && is_blank(*last)
+        {
+            name = start;
+        }
+        name
+    }
+
+    /// The numbers on the rest of the line, into `out`; returns how many there are (those beyond `out` are not read).
+    pub fn floats_on_line(&mut self, out: &mut [f64], what: &str) -> Result<usize> {
+        for (k, value) in out.iter_mut().enumerate() {
+            let Some(word) = self.word_on_line() else { return Ok(k) };
+            match parse_float(word) {
+                Some(x) => *value = x,
+                None => return Err(self.error(format!("{what} is expected, found '{}'", shown(word)))),
+            }
+        }
+        Ok(out.len())
     }
 
     /// The next word without moving on.
@@ -149,6 +199,12 @@ impl<'a> Scanner<'a> {
             _ => Err(self.error(format!("{what} {k} does not exist, there are {limit} (counted from {base})"))),
         }
     }
+}
+
+/// Blanks and line ends: everything that separates words.
+#[inline]
+fn is_blank(b: u8) -> bool {
+    matches!(b, b' ' | b'\t'..=b'\r')
 }
 
 /// A word as it may be shown in a message: short, printable.
@@ -222,6 +278,32 @@ mod tests {
         }
         let want = [("a", 1), ("b", 1), ("c", 2), ("d", 3), ("e", 5)].map(|(w, l)| (w.to_string(), l));
         assert_eq!(seen, want);
+    }
+
+    #[test]
+    fn a_backslash_joins_lines() {
+        let source = Source { path: Path::new("t"), bytes: b"a b\\\n \\\r\nc\\d\ne" };
+        let mut s = Scanner::new(&source, None).with_continuation();
+        let mut line = Vec::new();
+        while let Some(w) = s.word_on_line() {
+            line.push(shown(w));
+        }
+        assert_eq!(line, ["a", "b", "c\\d"]);
+        assert_eq!(s.line_number(), 3);
+        assert!(s.next_line());
+        assert_eq!(s.word(), Some(&b"e"[..]));
+    }
+
+    #[test]
+    fn names_keep_blanks_and_inner_comment_marks() {
+        let source = Source { path: Path::new("t"), bytes: b"g  a b#1 \t# x\ng\ng #c" };
+        let mut s = Scanner::new(&source, Some(b'#'));
+        let mut names = Vec::new();
+        while s.word_on_line().is_some() {
+            names.push(shown(s.rest_of_line()));
+            s.next_line();
+        }
+        assert_eq!(names, ["a b#1", "", ""]);
     }
 
     #[test]

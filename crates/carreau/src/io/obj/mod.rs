@@ -1,0 +1,27 @@
+//! Wavefront OBJ, read and written.
+//!
+//! | in the file | in the mesh |
+//! |---|---|
+//! | `v x y z`, `v x y z w` | points; weights mean nothing to polygons |
+//! | `v x y z r g b` (a custom of many programs) | vertex column `color`, where every vertex has one |
+//! | `f` | faces, with their polygons; relative indices and vertices that come later are understood |
+//! | `vt`, `vn` | corner columns `uv` and `normal`, where every corner has one; vertices are never split |
+//! | `g`, `o`, `usemtl` | face columns `group`, `object`, `material`: labels in the order of first use, words in `names` |
+//! | `l` | edges |
+//!
+//! Other statements describe curves, points, shading and materials and are passed over.
+//!
+//! The format: "Object Files (.obj)", appendix B1 of the Wavefront Advanced Visualizer manual. Beyond it, names may
+//! contain blanks, since exporters write such.
+
+mod read;
+mod write;
+
+pub(super) use read::read;
+pub(super) use write::write;
+
+/// The statement and the face column of each kind of name.
+const NAMES: [(&str, &str); 3] = [("o", "object"), ("g", "group"), ("usemtl", "material")];
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,401 @@
+//! The reader: statement by statement, in one pass.
+
+use super::super::Source;
+use super::super::names::FaceNames;
+use super::super::text::{Scanner, parse_integer, shown};
+use super::NAMES;
+use crate::error::{Place, Result};
+use crate::mesh::{Column, RawMesh};
+use glam::DVec3;
+
+/// Statements that are passed over; they show that a file is OBJ at all.
+const OTHER_STATEMENTS: &[&[u8]] = &[
+    b"p",
+    b"s",
+    b"vp",
+    b"mg",
+    b"mtllib",
+    b"maplib",
+    b"usemap",
+    b"lod",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"shadow_obj",
+    b"trace_obj",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"ctech",
+    b"stech",
+    b"call",
+    b"csh",
+];
+
+pub fn read(source: &Source) -> Result<RawMesh> {
+    if source.bytes.contains(&0) {
+        return Err(source.error(Place::File, "this does not look like OBJ: the file is binary"));
+    }
+    let mut reader = Reader::new(source);
+    loop {
+        if let Some(keyword) = reader.scanner.word_on_line() {
+            reader.statement(keyword)?;
+        }
+        if !reader.scanner.next_line() {
+            return reader.finish();
+        }
+    }
+}
+
+/// What has been read so far.
+struct Reader<'a> {
+    source: &'a Source<'a>,
+    scanner: Scanner<'a>,
+    mesh: RawMesh,
+    colors: Colors,
+    uvs: CornerValues<2>,
+    normals: CornerValues<3>,
+    /// In the order of [`NAMES`].
+    names: [FaceNames; 3],
+    /// The vertices that faces use: they may come later in the file.
+    vertices: Largest,
+    short_faces: LeftOut,
+    /// Corners of the current face.
+    face: Vec<Corner>,
+    /// Line of the first statement that is none of OBJ, and whether there was one that is.
+    unknown: Option<u64>,
+    any_known: bool,
+}
+
+/// A corner as the file gives it.
+#[derive(Clone, Copy)]
+struct Corner {
+    vertex: u32,
+    uv: Reference,
+    normal: Reference,
+}
+
+/// What an index of the file refers to.
+#[derive(Clone, Copy)]
+enum Reference {
+    /// The index is not given.
+    None,
+    /// The index is 0, or counts back to before the first element.
+    Nothing,
+    /// This element, counted from 0; whether it exists is known at the end of the file.
+    To(u32),
+}
+
+impl Reference {
+    /// 1 is the first element, -1 the last of the `count` so far.
+    fn new(index: Option<i64>, count: usize) -> Self {
+        let Some(index) = index else { return Reference::None };
+        let position = if index < 0 { index.saturating_add_unsigned(count as u64) } else { index - 1 };
+        match u32::try_from(position) {
+            Ok(position) if position < u32::MAX => Reference::To(position),
+            _ => Reference::Nothing,
+        }
+    }
+}
+
+/// The largest index in use, and its line.
+#[derive(Default)]
+struct Largest {
+    index: Option<u32>,
+    line: u64,
+}
+
+impl Largest {
+    #[inline]
+    fn see(&mut self, index: u32, line: u64) {
+        if self.index.is_none_or(|i| index > i) {
+            *self = Largest { index: Some(index), line };
+        }
+    }
+
+    /// The index, where there are not so many elements.
+    fn beyond(&self, count: usize) -> Option<u32> {
+        self.index.filter(|&i| i as usize >= count)
+    }
+}
+
+/// How often something was left out, and the line where it first was.
+#[derive(Default)]
+struct LeftOut {
+    count: u64,
+    first_line: u64,
+}
+
+impl LeftOut {
+    fn count(&mut self, line: u64) {
+        if self.count == 0 {
+            self.first_line = line;
+        }
+        self.count += 1;
+    }
+}
+
+impl<'a> Reader<'a> {
+    fn new(source: &'a Source<'a>) -> Self {
+        Reader {
+            source,
+            scanner: Scanner::new(source, Some(b'#')).with_continuation(),
+            mesh: RawMesh::default(),
+            colors: Colors::default(),
+            uvs: CornerValues::default(),
+            normals: CornerValues::default(),
+            names: [FaceNames::new(""), FaceNames::new("default"), FaceNames::new("")],
+            vertices: Largest::default(),
+            short_faces: LeftOut::default(),
+            face: Vec::new(),
+            unknown: None,
+            any_known: false,
+        }
+    }
+
+    fn statement(&mut self, keyword: &[u8]) -> Result<()> {
+        match keyword {
+            b"v" => self.vertex()?,
+            b"f" => self.polygon()?,
+            b"vn" => self.normals.read(&mut self.scanner, 3, "normal")?,
+            b"vt" => self.uvs.read(&mut self.scanner, 1, "texture coordinate")?,
+            b"l" => self.polyline()?,
+            b"o" => self.name(0),
+            b"g" => self.name(1),
+            b"usemtl" => self.name(2),
+            other => {
+                if !OTHER_STATEMENTS.contains(&other) {
+                    self.unknown.get_or_insert(self.scanner.line_number());
+                    self.pass_over();
+                    return Ok(());
+                }
+                self.pass_over();
+            }
+        }
+        self.any_known = true;
+        Ok(())
+    }
+
+    /// Skips a statement with its continuation lines.
+    fn pass_over(&mut self) {
+        while self.scanner.word_on_line().is_some() {}
+    }
+
+    fn vertex(&mut self) -> Result<()> {
+        let mut values = [0.0; 6];
+        let count = self.scanner.floats_on_line(&mut values, "a coordinate")?;
+        let [x, y, z, r, g, b] = values;
+        if count < 3 {
+            return Err(self.scanner.error(format!("a vertex has {count} coordinates, 3 are expected")));
+        }
+        self.mesh.points.push(DVec3::new(x, y, z));
+        if count == 6 {
+            self.colors.push([r, g, b], self.mesh.points.len());
+        }
+        Ok(())
+    }
+
+    fn polygon(&mut self) -> Result<()> {
+        self.corners()?;
+        let line = self.scanner.line_number();
+        if self.face.len() < 3 {
+            self.short_faces.count(line);
+            return Ok(());
+        }
+        self.mesh.faces.push_iter(self.face.iter().map(|c| c.vertex));
+        for corner in &self.face {
+            self.vertices.see(corner.vertex, line);
+            self.uvs.corner(corner.uv, line);
+            self.normals.corner(corner.normal, line);
+        }
+        self.names.iter_mut().for_each(FaceNames::face);
+        Ok(())
+    }
+
+    fn polyline(&mut self) -> Result<()> {
+        self.corners()?;
+        for pair in self.face.array_windows::<2>() {
+            let ends = [pair[0].vertex, pair[1].vertex];
+            ends.iter().for_each(|&v| self.vertices.see(v, self.scanner.line_number()));
+            self.mesh.edges.push(ends);
+            self.mesh.edge_tags.push(0);
+        }
+        Ok(())
+    }
+
+    /// The corners on the rest of the line, into `face`: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corners(&mut self) -> Result<()> {
+        self.face.clear();
+        while let Some(word) = self.scanner.word_on_line() {
+            let Some([vertex, uv, normal]) = split_corner(word) else {
+                let what = format!("a corner (1, 1/2, 1//3 or 1/2/3) is expected, found '{}'", shown(word));
+                return Err(self.scanner.error(what));
+            };
+            let Reference::To(vertex) = Reference::new(vertex, self.mesh.points.len()) else {
+                return Err(self.scanner.error(format!(
+                    "there is no vertex '{}': indices count from 1, or from -1 backwards over the {} vertices so far",
+                    shown(word),
+                    self.mesh.points.len()
+                )));
+            };
+            let uv = Reference::new(uv, self.uvs.values.len());
+            let normal = Reference::new(normal, self.normals.values.len());
+            self.face.push(Corner { vertex, uv, normal });
+        }
+        Ok(())
+    }
+
+    fn name(&mut self, kind: usize) {
+        let name = self.scanner.rest_of_line();
+        self.names[kind].name(name.strip_suffix(b"\\").unwrap_or(name), self.mesh.faces.len());
+    }
+
+    fn finish(self) -> Result<RawMesh> {
+        let mut mesh = self.mesh;
+        if let (false, Some(line)) = (self.any_known, self.unknown) {
+            let what = "this does not look like OBJ: no line of the file has a statement of the format";
+            return Err(self.source.error(Place::Line(line), what));
+        }
+        if let Some(vertex) = self.vertices.beyond(mesh.points.len()) {
+            let what = format!("there is no vertex {}, the file has {}", u64::from(vertex) + 1, mesh.points.len());
+            return Err(self.source.error(Place::Line(self.vertices.line), what));
+        }
+        let LeftOut { count, first_line } = self.short_faces;
+        if count > 0 {
+            mesh.notes
+                .push(format!("left out {count} faces with fewer than 3 corners, the first at line {first_line}"));
+        }
+        if let Some(colors) = self.colors.finish(mesh.points.len(), &mut mesh.notes) {
+            mesh.attributes.vertex.insert("color".into(), Column::Color(colors));
+        }
+        let corners = mesh.faces.corners().len();
+        if let Some(values) = self.uvs.finish(corners, "texture coordinates", &mut mesh.notes) {
+            mesh.attributes.corner.insert("uv".into(), Column::Vector2(values));
+        }
+        if let Some(values) = self.normals.finish(corners, "normals", &mut mesh.notes) {
+            mesh.attributes.corner.insert("normal".into(), Column::Vector3(values));
+        }
+        for (names, (_, column)) in self.names.into_iter().zip(NAMES) {
+            names.store(column, &mut mesh.attributes);
+        }
+        Ok(mesh)
+    }
+}
+
+/// Splits `1/2/3` into its numbers; `None` where something else stands there.
+#[inline]
+fn split_corner(word: &[u8]) -> Option<[Option<i64>; 3]> {
+    if let Some(vertex) = parse_integer(word) {
+        return Some([Some(vertex), None, None]);
+    }
+    let mut out = [None; 3];
+    for (k, part) in word.split(|&b| b == b'/').enumerate() {
+        let slot = out.get_mut(k)?;
+        if !part.is_empty() {
+            *slot = Some(parse_integer(part)?);
+        }
+    }
+    out[0].is_some().then_some(out)
+}
+
+/// Vertex colours, kept while every vertex has one.
+#[derive(Default)]
+struct Colors {
+    values: Vec<[f64; 3]>,
+    count: usize,
+}
+
+impl Colors {
+    /// The colour of the last of `vertices` vertices.
+    fn push(&mut self, color: [f64; 3], vertices: usize) {
+        if color.iter().all(|x| x.is_finite()) {
+            self.count += 1;
+            if self.count == vertices {
+                self.values.push(color);
+            }
+        }
+    }
+
+    /// Files give shares of 1, or of 255: then some value is larger than 1.
+    fn finish(self, vertices: usize, notes: &mut Vec<String>) -> Option<Vec<[u8; 4]>> {
+        if self.count < vertices {
+            if self.count > 0 {
+                notes.push(format!("left out the colours: only {} of {vertices} vertices have one", self.count));
+            }
+            return None;
+        }
+        let full = if self.values.iter().flatten().any(|&x| x > 1.0) { 255.0 } else { 1.0 };
+        // `as` saturates, which suits values out of range.
+        let byte = |x: f64| (x / full * 255.0).round() as u8;
+        (vertices > 0).then(|| self.values.iter().map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect())
+    }
+}
+
+/// Texture coordinates or normals, and which of them each corner uses.
+#[derive(Default)]
+struct CornerValues<const N: usize> {
+    values: Vec<[f64; N]>,
+    /// Of every corner so far, while all have one.
+    indices: Vec<u32>,
+    corners_with: u64,
+    corners_without: u64,
+    largest: Largest,
+    wrong: LeftOut,
+}
+
+impl<const N: usize> CornerValues<N> {
+    /// One `vt` or `vn` statement; numbers beyond the `least` that must be there are 0 by default.
+    fn read(&mut self, scanner: &mut Scanner, least: usize, what: &str) -> Result<()> {
+        let mut value = [0.0; N];
+        let count = scanner.floats_on_line(&mut value, "a number")?;
+        if count < least {
+            return Err(scanner.error(format!("a {what} has {count} numbers, {least} are expected")));
+        }
+        self.values.push(value);
+        Ok(())
+    }
+
+    /// What one corner of a face uses.
+    #[inline]
+    fn corner(&mut self, reference: Reference, line: u64) {
+        match reference {
+            Reference::None => self.corners_without += 1,
+            Reference::Nothing => self.wrong.count(line),
+            Reference::To(index) => {
+                self.corners_with += 1;
+                self.largest.see(index, line);
+                if self.corners_without == 0 {
+                    self.indices.push(index);
+                }
+            }
+        }
+    }
+
+    /// The value of every corner; `None`, with a note, where not all corners have one that exists: a wrong index costs
+    /// no more than the column, since the surface does not depend on it.
+    fn finish(mut self, corners: usize, what: &str, notes: &mut Vec<String>) -> Option<Vec<[f64; N]>> {
+        if self.largest.beyond(self.values.len()).is_some() {
+            self.wrong.count(self.largest.line);
+        }
+        if self.wrong.count > 0 {
+            notes.push(format!("left out the {what}: line {} uses one that does not exist", self.wrong.first_line));
+            return None;
+        }
+        if self.corners_with > 0 && self.corners_without > 0 {
+            notes.push(format!("left out the {what}: {} of {corners} corners have none", self.corners_without));
+            return None;
+        }
+        (self.corners_with > 0).then(|| self.indices.iter().map(|&i| self.values[i as usize]).collect())
+    }
+}
