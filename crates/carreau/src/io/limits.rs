@@ -3,8 +3,10 @@
 use crate::error::{Error, Result};
 use crate::mesh::{Column, Columns, Polygons, RawMesh, gather_columns};
 
-/// Refuses volume meshes, and columns that are not as long as what they describe.
+/// Refuses volume meshes, and what no reader or method makes: indices of nothing, columns of another length than what
+/// they describe. Writers index freely after it.
 pub(super) fn require_surface(mesh: &RawMesh, format: &str) -> Result<()> {
+    mesh.check()?;
     if !mesh.cells.is_empty() {
         return Err(Error::input(
             format!("{format} holds surfaces, this is a volume mesh ({} cells)", mesh.cells.len()),
@@ -39,7 +41,7 @@ pub(super) fn columns_left_out(
 
 /// The warning of a format without lines, where the mesh has some.
 pub(super) fn edges_left_out(format: &str, mesh: &RawMesh) -> Option<String> {
-    (!mesh.edges.is_empty()).then(|| format!("{format} has no place for lines: left out {} edges", mesh.edges.len()))
+    (!mesh.edges.is_empty()).then(|| format!("{format} has no place for lines: left out all {}", mesh.edges.len()))
 }
 
 /// Removes the faces with fewer than three corners that a file listed, with their attributes, and notes it.
@@ -47,10 +49,9 @@ pub(super) fn drop_short_faces(mesh: &mut RawMesh) {
     let short = |f: &[u32]| f.len() < 3;
     let Some(first) = mesh.faces.iter().position(short) else { return };
     let kept: Vec<u32> = (0u32..).zip(mesh.faces.iter()).filter(|(_, f)| !short(f)).map(|(k, _)| k).collect();
-    mesh.notes.push(format!(
-        "left out {} faces with fewer than 3 corners, the first is face {first}",
-        mesh.faces.len() - kept.len()
-    ));
+    let (dropped, all) = (mesh.faces.len() - kept.len(), mesh.faces.len());
+    mesh.notes
+        .push(format!("left out {dropped} of {all} faces: they have fewer than 3 corners, the first is face {first}"));
     mesh.attributes.face = gather_columns(&mesh.attributes.face, &kept);
     mesh.faces = kept.iter().map(|&k| mesh.faces.face(k as usize)).collect::<Polygons>();
 }

@@ -139,7 +139,7 @@ fn read_lines(scanner: &mut Scanner, keyword: Keyword, vertices: usize, faces: u
         values[0] = scanner.float("a coordinate")?;
         let count = 1 + scanner.floats_on_line(&mut values[1..], "a number")?;
         if count < 3 {
-            return Err(scanner.error(format!("a vertex has {count} coordinates, 3 are expected")));
+            return Err(scanner.error(format!("a vertex has only {count} of 3 coordinates")));
         }
         body.push_vertex(&values[..count], keyword);
         scanner.next_line();
@@ -278,11 +278,8 @@ impl Body {
         let mut mesh = self.mesh;
         let vertices = mesh.points.len();
         if self.overlong > 0 {
-            let note = format!(
-                "left out the numbers behind the coordinates of {} vertices: the keyword does not tell what they are",
-                self.overlong
-            );
-            mesh.notes.push(note);
+            let what = "the keyword does not tell what the numbers behind the coordinates are: left out those of";
+            mesh.notes.push(format!("{what} {} of {vertices} vertices", self.overlong));
         }
         if let Some(colors) = self.colors.finish(vertices, "vertices", &mut mesh.notes) {
             mesh.attributes.vertex.insert("color".into(), colors);
@@ -596,7 +593,7 @@ mod tests {
             (SQUARE.replace("3 0 2 3", "3 0 2 -1"), "line 8: vertex '-1' does not exist"),
             (SQUARE.replace("3 0 2 3", "3 0 2"), "line 8: a face with 3 corners ends after 2"),
             (SQUARE.replace("3 0 2 3", "999 0 2 3"), "line 8: the number of corners is 999"),
-            (SQUARE.replace("1 1 0", "1 1"), "line 5: a vertex has 2 coordinates"),
+            (SQUARE.replace("1 1 0", "1 1"), "line 5: a vertex has only 2 of 3 coordinates"),
             (SQUARE.replace("1 1 0", "1 0,5 0"), "line 5: a number is expected, found '0,5'"),
             (SQUARE.replace("1 1 0", "1 1 inf"), "not finite"),
             (SQUARE[..SQUARE.len() - 8].into(), "the file ends"),

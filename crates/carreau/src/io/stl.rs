@@ -122,7 +122,7 @@ fn read_text(source: &Source) -> Result<RawMesh> {
             corners.push(welder.id(position.map(|x| (x + 0.0).to_bits()), DVec3::from_array(position)));
         } else if is(word, "facet") || is(word, "endfacet") {
             if !matches!(corners.len(), 0 | 3) {
-                return Err(scanner.error(format!("a facet has {} corners, 3 are expected", corners.len())));
+                return Err(scanner.error(format!("a facet must have 3 corners, this one has {}", corners.len())));
             }
             if !corners.is_empty() {
                 mesh.faces.push(&corners);
@@ -242,13 +242,16 @@ fn normal(corners: [DVec3; 3]) -> DVec3 {
 }
 
 fn warnings(mesh: &RawMesh, ascii: bool) -> Vec<String> {
+    let all = mesh.faces.len();
     let polygons = mesh.faces.iter().filter(|f| f.len() > 3).count();
-    let polygons =
-        (polygons > 0).then(|| format!("STL has triangles only: fanned {polygons} polygons from their first corners"));
+    let polygons = (polygons > 0)
+        .then(|| format!("STL has triangles only: fanned {polygons} of {all} faces from their first corners"));
     let mut used = vec![false; mesh.points.len()];
     mesh.faces.corners().iter().for_each(|&v| used[v as usize] = true);
     let unused = used.iter().filter(|&&u| !u).count();
-    let unused = (unused > 0).then(|| format!("STL has no place for vertices without faces: left out {unused}"));
+    let all = mesh.points.len();
+    let unused = (unused > 0)
+        .then(|| format!("STL has no place for vertices without faces: left out {unused} of {all} vertices"));
     let columns = &mesh.attributes;
     let vertex = columns_left_out("STL", "vertex", &columns.vertex, |_, _| false);
     let face = columns_left_out("STL", "face", &columns.face, |name, column| {
@@ -343,8 +346,11 @@ mod tests {
             (binary(b"", 1, &[[A, B, [f32::NAN, 0.0, 0.0]]]), "not finite"),
             (b"solid".to_vec(), "does not look like STL"),
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".repeat(5).into_bytes(), "does not look like STL"),
-            (text.replace("vertex 1 0 0\n", "").into_bytes(), "line 7: a facet has 2 corners"),
-            (text.replace("endloop", "vertex 5 5 5").into_bytes(), "line 8: a facet has 4 corners"),
+            (text.replace("vertex 1 0 0\n", "").into_bytes(), "line 7: a facet must have 3 corners, this one has 2"),
+            (
+                text.replace("endloop", "vertex 5 5 5").into_bytes(),
+                "line 8: a facet must have 3 corners, this one has 4",
+            ),
             (text.replace("vertex 1 0 0", "vertex 1 0").into_bytes(), "line 6: z is expected, found 'vertex'"),
             (text.replace("vertex 1 0 0", "vertex 1 0,5 0").into_bytes(), "line 5: y is expected, found '0,5'"),
             (text[..text.find("endfacet").unwrap()].into(), "the file ends within a facet"),
@@ -360,12 +366,12 @@ mod tests {
         let mut mesh = RawMesh { points: vec![DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y], ..RawMesh::default() };
         mesh.faces.push(&[0, 1, 2, 3]);
         let write = |mesh: &RawMesh| write(mesh, &WriteOptions::default(), &mut Vec::new());
-        assert!(matches!(&write(&mesh).unwrap()[..], [w] if w.contains("fanned 1 polygons")));
+        assert!(matches!(&write(&mesh).unwrap()[..], [w] if w.contains("fanned 1 of 1 faces")));
         mesh.points[1].x = 0.1;
         mesh.points.push(DVec3::ONE);
         let warnings = write(&mesh).unwrap();
         assert!(warnings.iter().any(|w| w.contains("rounded 1 of 5 vertices")), "{warnings:?}");
-        assert!(warnings.iter().any(|w| w.contains("left out 1")), "{warnings:?}");
+        assert!(warnings.iter().any(|w| w.contains("left out 1 of 5 vertices")), "{warnings:?}");
         mesh.points[1].x = 1e300;
         assert!(matches!(write(&mesh), Err(Error::Input { place, .. }) if place == "vertex 1"));
     }

@@ -112,7 +112,7 @@ fn add_names(attributes: &mut Attributes, column: &str, words: &[String]) {
     attributes.face.insert(column.into(), Column::Label(labels));
 }
 
-fn insert<'a>(columns: &'a mut BTreeMap<String, Column>, name: &str, column: Option<Column>) {
+fn insert(columns: &mut BTreeMap<String, Column>, name: &str, column: Option<Column>) {
     if let Some(column) = column.filter(|c| !c.is_empty()) {
         columns.insert(name.into(), column);
     }
@@ -333,9 +333,9 @@ fn warnings_name_what_is_left_out() {
     mesh.attributes.corner.insert("angle".into(), Column::Scalar(vec![1.0; 3]));
     for (name, words) in [
         ("a.obj", &["'curvature'", "'area'", "'angle'", "tags"][..]),
-        ("a.off", &["'curvature'", "'area'", "'angle'", "1 edges"]),
+        ("a.off", &["'curvature'", "'area'", "'angle'", "lines"]),
         ("a.ply", &["'angle'"]),
-        ("a.stl", &["'curvature'", "'area'", "'angle'", "1 edges"]),
+        ("a.stl", &["'curvature'", "'area'", "'angle'", "lines"]),
     ] {
         let warnings = write_as(name, &mesh, true).1;
         assert_eq!(warnings.len(), words.len(), "{warnings:?}");

@@ -197,7 +197,7 @@ impl<'a> Reader<'a> {
         let count = self.scanner.floats_on_line(&mut values, "a coordinate")?;
         let [x, y, z, r, g, b] = values;
         if count < 3 {
-            return Err(self.scanner.error(format!("a vertex has {count} coordinates, 3 are expected")));
+            return Err(self.scanner.error(format!("a vertex has only {count} of 3 coordinates")));
         }
         self.mesh.points.push(DVec3::new(x, y, z));
         if count == 6 {
@@ -273,8 +273,10 @@ impl<'a> Reader<'a> {
         }
         let LeftOut { count, first_line } = self.short_faces;
         if count > 0 {
-            mesh.notes
-                .push(format!("left out {count} faces with fewer than 3 corners, the first at line {first_line}"));
+            let all = mesh.faces.len() as u64 + count;
+            mesh.notes.push(format!(
+                "left out {count} of {all} faces: they have fewer than 3 corners, the first at line {first_line}"
+            ));
         }
         if let Some(colors) = self.colors.finish(mesh.points.len(), &mut mesh.notes) {
             mesh.attributes.vertex.insert("color".into(), Column::Color(colors));
@@ -360,7 +362,7 @@ impl<const N: usize> CornerValues<N> {
         let mut value = [0.0; N];
         let count = scanner.floats_on_line(&mut value, "a number")?;
         if count < least {
-            return Err(scanner.error(format!("a {what} has {count} numbers, {least} are expected")));
+            return Err(scanner.error(format!("a {what} has only {count} of {least} numbers")));
         }
         self.values.push(value);
         Ok(())

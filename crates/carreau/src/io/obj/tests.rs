@@ -60,7 +60,7 @@ fn short_faces_are_left_out_and_noted() {
     let mesh = read_square("f 1 2 3\nf\nf 1\nf 1 2\nf 1 1 1\ng a\n");
     assert_eq!(faces_of(&mesh), [[0, 1, 2], [0, 0, 0]]);
     assert_eq!(mesh.notes.len(), 1);
-    assert!(mesh.notes[0].contains("3 faces") && mesh.notes[0].contains("line 6"), "{:?}", mesh.notes);
+    assert!(mesh.notes[0].contains("3 of 5 faces") && mesh.notes[0].contains("line 6"), "{:?}", mesh.notes);
 }
 
 #[test]
@@ -147,9 +147,9 @@ fn what_is_wrong_is_told_with_its_line() {
         ("f 1 2 3/1/1/1\n", "line 5: a corner"),
         ("l 1 9\n", "line 5: there is no vertex 9"),
         ("\nv 0,5 0 0\n", "line 6: a coordinate is expected, found '0,5'"),
-        ("v 1 2\n", "line 5: a vertex has 2 coordinates"),
-        ("v ", "line 5: a vertex has 0 coordinates"),
-        ("vn 1 2\n", "line 5: a normal has 2 numbers"),
+        ("v 1 2\n", "line 5: a vertex has only 2 of 3"),
+        ("v ", "line 5: a vertex has only 0 of 3"),
+        ("vn 1 2\n", "line 5: a normal has only 2 of 3"),
         ("v 1e400 0 0\n", "not finite"),
         ("v nan 0 0\n", "not finite"),
     ] {

@@ -1,5 +1,5 @@
-use super::super::surface_tests::{error_of, faces_of, read_as};
 use super::super::WriteOptions;
+use super::super::surface_tests::{error_of, faces_of, read_as};
 use crate::mesh::{Column, RawMesh};
 use glam::DVec3;
 use proptest::prelude::*;
@@ -237,7 +237,10 @@ fn what_is_wrong_is_told_with_its_place() {
         (file(TRIANGLE, "0 0 0\n1 0 0\n0 1 0\n3 0 1\n"), "the file ends"),
         (file(TRIANGLE, "0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n"), "not finite"),
         (file(TRIANGLE, "").replace("format ascii 1.0", binary), "3 rows of element 'vertex' are announced"),
-        (file(TRIANGLE, &("\0".repeat(36) + "\x03")).replace("format ascii 1.0", binary), "3 values of 'vertex_indices'"),
+        (
+            file(TRIANGLE, &("\0".repeat(36) + "\x03")).replace("format ascii 1.0", binary),
+            "3 values of 'vertex_indices'",
+        ),
     ] {
         let message = error_of("a.ply", &text);
         assert!(message.contains(what), "{text}: {message}");
