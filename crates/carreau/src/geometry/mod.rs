@@ -4,6 +4,16 @@
 //! |---|---|
 //! | `normals` | normals of faces, vertices and corners; angles |
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
+//! | `summary` | minimum, mean, percentiles, histogram |
+//! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
+//! | `search_tree` | closest point, neighbourhood and rays over triangles |
+//! | `winding` | inside or outside, for broken surfaces too |
+//! | `distance` | two-sided distance and normal deviation of two surfaces |
 
+pub mod distance;
 pub mod features;
 pub mod normals;
+pub mod quality;
+pub mod search_tree;
+pub mod summary;
+pub mod winding;

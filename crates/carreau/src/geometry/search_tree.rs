@@ -1,0 +1,514 @@
+//! A static tree of bounding boxes over triangles: closest point, neighbourhood, rays.
+//!
+//! Median split on the longest side of the centroids' box. Because the median decides, the shape of the tree follows
+//! from the number of triangles alone: a node needs nothing but its box, children are found by arithmetic, and the two
+//! halves can be built in parallel into their own parts of one array. Ties are broken by triangle id, so the tree is the
+//! same for any number of threads.
+//!
+//! Nodes in preorder; a node over `leaves` leaves is followed by its left child over the first half (rounded up), whose
+//! subtree has `2 · left − 1` nodes, and then by its right child:
+//!
+//! ```text
+//!             0 (5 leaves)
+//!        ┌────┴─────┐
+//!        1 (3)      6 (2)
+//!      ┌─┴─┐      ┌─┴─┐
+//!      2   5      7   8
+//!     ┌┴┐
+//!     3 4
+//! ```
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Triangles per leaf.
+const LEAF: usize = 4;
+/// Subtrees with fewer triangles are built by one thread.
+const SERIAL: usize = 8192;
+/// Deeper than any tree over 2³² triangles.
+const DEPTH: usize = 64;
+
+/// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
+pub struct TriangleTree {
+    boxes: Vec<Box3>,
+    /// Corners of the triangles, in the order of the leaves.
+    corners: Vec<[DVec3; 3]>,
+    /// Their ids, in the same order.
+    ids: Vec<u32>,
+}
+
+/// The point of the triangles that is closest to a given one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest {
+    /// Id of the triangle; the smallest of several at the same distance.
+    pub triangle: u32,
+    /// Where.
+    pub point: DVec3,
+    /// Squared distance.
+    pub distance_squared: f64,
+}
+
+impl Closest {
+    /// The distance.
+    pub fn distance(&self) -> f64 {
+        self.distance_squared.sqrt()
+    }
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Id of the triangle.
+    pub triangle: u32,
+    /// Distance along the ray, in lengths of its direction.
+    pub t: f64,
+    /// The ray meets the front, against the normal.
+    pub front: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Box3 {
+    low: DVec3,
+    high: DVec3,
+}
+
+/// A node during a descent.
+#[derive(Clone, Copy)]
+struct Node {
+    index: usize,
+    first_leaf: usize,
+    leaves: usize,
+}
+
+impl Node {
+    fn children(self) -> [Node; 2] {
+        let left = self.leaves.div_ceil(2);
+        [
+            Node { index: self.index + 1, first_leaf: self.first_leaf, leaves: left },
+            Node { index: self.index + 2 * left, first_leaf: self.first_leaf + left, leaves: self.leaves - left },
+        ]
+    }
+}
+
+impl TriangleTree {
+    /// Builds the tree; triangle `k` has id `k`.
+    ///
+    /// # Panics
+    /// If a triangle uses a point that does not exist; meshes guarantee that it does.
+    pub fn new(points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let corners_of = |&t: &[u32; 3]| t.map(|v| points[v as usize]);
+        let centre = |(id, t): (usize, &[u32; 3])| (corners_of(t).iter().sum::<DVec3>() / 3.0, id as u32);
+        let mut items: Vec<(DVec3, u32)> = triangles.par_iter().enumerate().map(centre).collect();
+        let leaves = triangles.len().div_ceil(LEAF);
+        let mut boxes = vec![Box3::EMPTY; (2 * leaves).saturating_sub(1)];
+        if leaves > 0 {
+            build(&mut boxes, &mut items, leaves, &|id| corners_of(&triangles[id as usize]));
+        }
+        let ids: Vec<u32> = items.into_iter().map(|(_, id)| id).collect();
+        let corners = ids.par_iter().map(|&id| corners_of(&triangles[id as usize])).collect();
+        TriangleTree { boxes, corners, ids }
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// The closest point; `None` only for an empty tree.
+    pub fn closest(&self, p: DVec3) -> Option<Closest> {
+        self.closest_within(p, f64::INFINITY)
+    }
+
+    /// The closest point that is not farther than `radius`, if there is one.
+    pub fn closest_within(&self, p: DVec3, radius: f64) -> Option<Closest> {
+        let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: radius * radius };
+        let mut stack = Stack::new();
+        self.root().into_iter().for_each(|root| stack.push(root, self.boxes[0].distance_squared(p)));
+        while let Some((node, bound)) = stack.pop() {
+            if bound > best.distance_squared {
+                continue;
+            }
+            if node.leaves > 1 {
+                let [a, b] = node.children().map(|child| (child, self.boxes[child.index].distance_squared(p)));
+                let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
+                stack.push(far.0, far.1);
+                stack.push(near.0, near.1);
+                continue;
+            }
+            for k in self.leaf(node) {
+                let point = closest_on_triangle(p, self.corners[k]);
+                let found = Closest { triangle: self.ids[k], point, distance_squared: p.distance_squared(point) };
+                if (found.distance_squared, found.triangle) < (best.distance_squared, best.triangle) {
+                    best = found;
+                }
+            }
+        }
+        (best.triangle != u32::MAX).then_some(best)
+    }
+
+    /// Calls `visit` for every triangle whose closest point is not farther than `radius`, in no particular but always
+    /// the same order.
+    pub fn within(&self, p: DVec3, radius: f64, mut visit: impl FnMut(Closest)) {
+        let limit = radius * radius;
+        self.descend(
+            |b| b.distance_squared(p) <= limit,
+            |k| {
+                let point = closest_on_triangle(p, self.corners[k]);
+                let distance_squared = p.distance_squared(point);
+                if distance_squared <= limit {
+                    visit(Closest { triangle: self.ids[k], point, distance_squared });
+                }
+            },
+        );
+    }
+
+    /// Calls `visit` for every triangle that the ray meets up to `t_max`, in no particular but always the same order.
+    ///
+    /// A ray through an edge or a vertex meets at least one of the triangles there. Triangles that it only grazes, lying
+    /// in their plane, are not met.
+    pub fn along_ray(&self, origin: DVec3, direction: DVec3, t_max: f64, mut visit: impl FnMut(Hit)) {
+        let ray = Ray::new(origin, direction);
+        self.descend(
+            |b| b.meets_ray(origin, direction.recip(), t_max),
+            |k| {
+                if let Some((t, front)) = ray.meets(self.corners[k])
+                    && t <= t_max
+                {
+                    visit(Hit { triangle: self.ids[k], t, front });
+                }
+            },
+        );
+    }
+
+    /// The first triangle along a ray; the smallest id of several at the same place.
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let mut first: Option<Hit> = None;
+        self.along_ray(origin, direction, f64::INFINITY, |hit| {
+            if first.is_none_or(|known| (hit.t, hit.triangle) < (known.t, known.triangle)) {
+                first = Some(hit);
+            }
+        });
+        first
+    }
+
+    /// Corners of all triangles in the order of the leaves: neighbours in it are neighbours in space.
+    pub(super) fn corners_in_order(&self) -> &[[DVec3; 3]] {
+        &self.corners
+    }
+
+    /// Visits the triangles, by position, of all leaves that are entered.
+    fn descend(&self, enter: impl Fn(&Box3) -> bool, mut visit: impl FnMut(usize)) {
+        let mut stack = Stack::new();
+        self.root().into_iter().for_each(|root| stack.push(root, 0.0));
+        while let Some((node, _)) = stack.pop() {
+            if !enter(&self.boxes[node.index]) {
+                continue;
+            }
+            if node.leaves > 1 {
+                let [left, right] = node.children();
+                stack.push(right, 0.0);
+                stack.push(left, 0.0);
+            } else {
+                self.leaf(node).for_each(&mut visit);
+            }
+        }
+    }
+
+    fn root(&self) -> Option<Node> {
+        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.len().div_ceil(LEAF) })
+    }
+
+    fn leaf(&self, node: Node) -> std::ops::Range<usize> {
+        node.first_leaf * LEAF..((node.first_leaf + 1) * LEAF).min(self.len())
+    }
+}
+
+/// Sorts the items into leaves and fills the boxes of a subtree; returns its box.
+fn build(
+    boxes: &mut [Box3],
+    items: &mut [(DVec3, u32)],
+    leaves: usize,
+    corners: &(impl Fn(u32) -> [DVec3; 3] + Sync),
+) -> Box3 {
+    boxes[0] = if leaves == 1 {
+        items.iter().flat_map(|&(_, id)| corners(id)).fold(Box3::EMPTY, Box3::with)
+    } else {
+        let left = leaves.div_ceil(2);
+        let axis = longest_axis(items);
+        items.select_nth_unstable_by(left * LEAF, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+        let serial = items.len() < SERIAL;
+        let (left_items, right_items) = items.split_at_mut(left * LEAF);
+        let (left_boxes, right_boxes) = boxes[1..].split_at_mut(2 * left - 1);
+        let mut build_left = || build(left_boxes, left_items, left, corners);
+        let mut build_right = || build(right_boxes, right_items, leaves - left, corners);
+        let (a, b) = if serial { (build_left(), build_right()) } else { rayon::join(build_left, build_right) };
+        a.with(b.low).with(b.high)
+    };
+    boxes[0]
+}
+
+fn longest_axis(items: &[(DVec3, u32)]) -> usize {
+    let all = items.iter().fold(Box3::EMPTY, |b, &(centre, _)| b.with(centre));
+    (all.high - all.low).max_position()
+}
+
+impl Box3 {
+    const EMPTY: Box3 = Box3 { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    fn with(self, p: DVec3) -> Box3 {
+        Box3 { low: self.low.min(p), high: self.high.max(p) }
+    }
+
+    #[inline]
+    fn distance_squared(&self, p: DVec3) -> f64 {
+        p.distance_squared(p.clamp(self.low, self.high))
+    }
+
+    /// The slab test; the order of the arguments of min and max drops the NaN of 0 · ∞.
+    #[inline]
+    fn meets_ray(&self, origin: DVec3, inverse: DVec3, t_max: f64) -> bool {
+        let (mut enter, mut leave) = (0f64, t_max);
+        for k in 0..3 {
+            let (a, b) = ((self.low[k] - origin[k]) * inverse[k], (self.high[k] - origin[k]) * inverse[k]);
+            // A box is widened by a few rounding errors: it must not be missed where its triangle is met.
+            let slack = 4.0 * f64::EPSILON * a.abs().max(b.abs());
+            enter = (a.min(b) - slack).max(enter);
+            leave = (a.max(b) + slack).min(leave);
+        }
+        enter <= leave
+    }
+}
+
+/// Nodes still to visit, with a bound each.
+struct Stack {
+    nodes: [(Node, f64); DEPTH],
+    len: usize,
+}
+
+impl Stack {
+    fn new() -> Self {
+        Stack { nodes: [(Node { index: 0, first_leaf: 0, leaves: 0 }, 0.0); DEPTH], len: 0 }
+    }
+
+    #[inline]
+    fn push(&mut self, node: Node, bound: f64) {
+        self.nodes[self.len] = (node, bound);
+        self.len += 1;
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<(Node, f64)> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.nodes[self.len])
+    }
+}
+
+/// The point of a triangle that is closest to `p`. Triangles without area are treated as their edges.
+///
+/// If the projection falls outside, the closest point lies on an edge that `p` is outside of: only those are tried.
+/// Inside, the point is a weighted mean of the corners, so that it lies in the triangle whatever the rounding.
+#[inline]
+pub fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let (ap, bp, cp) = (p - a, p - b, p - c);
+    let normal = ca.cross(ab);
+    // Twice the areas between the projection and each edge, times the length of the normal.
+    let (w_c, w_a, w_b) = (ab.cross(ap).dot(normal), bc.cross(bp).dot(normal), ca.cross(cp).dot(normal));
+    let longest = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());
+    let needle = normal.length_squared() <= 1e-24 * longest * longest;
+    if w_a > 0.0 && w_b > 0.0 && w_c > 0.0 && !needle {
+        return (a * w_a + b * w_b + c * w_c) / (w_a + w_b + w_c);
+    }
+    let mut best = (f64::INFINITY, a);
+    let mut offer = |weight: f64, q: DVec3, along: DVec3, qp: DVec3| {
+        if weight <= 0.0 || needle {
+            let point = closest_on_segment(q, along, qp);
+            let distance = p.distance_squared(point);
+            if distance < best.0 {
+                best = (distance, point);
+            }
+        }
+    };
+    offer(w_c, a, ab, ap);
+    offer(w_a, b, bc, bp);
+    offer(w_b, c, ca, cp);
+    best.1
+}
+
+/// The closest point of the segment from `q` along `along` to `q + qp`.
+#[inline]
+fn closest_on_segment(q: DVec3, along: DVec3, qp: DVec3) -> DVec3 {
+    let length_squared = along.length_squared();
+    let t = if length_squared > 0.0 { (along.dot(qp) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
+    q + t * along
+}
+
+/// A ray in coordinates where it starts at the origin and runs along z with unit speed (Woop, Benthin, Wald, "Watertight
+/// Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2013).
+///
+/// A corner has the same coordinates in all its triangles, and the sign of a difference of two rounded products is never
+/// the opposite of the exact one: no ray slips between neighbours.
+struct Ray {
+    origin: DVec3,
+    /// The axes that take the part of x, y and z.
+    axes: [usize; 3],
+    /// Slopes of the ray against the z axis, and the inverse of its speed along it.
+    shear: DVec3,
+}
+
+impl Ray {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let z = direction.abs().max_position();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        // A reflection keeps the sense of the triangles where the axis points against the ray.
+        if direction[z] < 0.0 {
+            (x, y) = (y, x);
+        }
+        let shear = DVec3::new(direction[x], direction[y], 1.0) / direction[z];
+        Ray { origin, axes: [x, y, z], shear }
+    }
+
+    /// Distance along the ray and whether it meets the front.
+    #[inline]
+    fn meets(&self, corners: [DVec3; 3]) -> Option<(f64, bool)> {
+        let [x, y, z] = self.axes;
+        let [a, b, c] = corners.map(|p| p - self.origin);
+        let flat = |p: DVec3| (p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z]);
+        let (a2, b2, c2) = (flat(a), flat(b), flat(c));
+        let side = |p: (f64, f64), q: (f64, f64)| p.0 * q.1 - p.1 * q.0;
+        let (u, v, w) = (side(b2, c2), side(c2, a2), side(a2, b2));
+        let back = u >= 0.0 && v >= 0.0 && w >= 0.0;
+        let front = u <= 0.0 && v <= 0.0 && w <= 0.0;
+        let area = u + v + w;
+        if !(front || back) || area == 0.0 {
+            return None;
+        }
+        let t = self.shear.z * (u * a[z] + v * b[z] + w * c[z]) / area;
+        (t >= 0.0).then_some((t, front))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::SurfaceMesh;
+    use crate::mesh::test_models::*;
+    use parry3d_f64::query::PointQuery;
+    use parry3d_f64::shape::Triangle;
+    use proptest::prelude::*;
+
+    fn fans(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
+        mesh.faces().fan().0
+    }
+
+    fn tree_of(mesh: &SurfaceMesh) -> TriangleTree {
+        TriangleTree::new(mesh.points(), &fans(mesh))
+    }
+
+    /// The distance according to parry, triangle by triangle.
+    fn oracle(points: &[DVec3], triangles: &[[u32; 3]], p: DVec3) -> f64 {
+        let v = |p: DVec3| parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+        let distance = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|k| v(points[k as usize]));
+            Triangle::new(a, b, c).distance_to_local_point(v(p), false)
+        };
+        triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    fn point() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0f64..1.0).prop_map(DVec3::from_array)
+    }
+
+    fn soup() -> impl Strategy<Value = (Vec<DVec3>, Vec<[u32; 3]>)> {
+        (prop::collection::vec(point(), 4..40), 1usize..200).prop_flat_map(|(points, n)| {
+            let index = 0..points.len() as u32;
+            (Just(points), prop::collection::vec(prop::array::uniform3(index), n))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn closest_agrees_with_the_oracle((points, triangles) in soup(), queries in prop::collection::vec(point(), 20)) {
+            let tree = TriangleTree::new(&points, &triangles);
+            for p in queries.into_iter().map(|p| p * 2.0) {
+                let found = tree.closest(p).unwrap();
+                prop_assert!((found.distance() - oracle(&points, &triangles, p)).abs() < 1e-9);
+                let own = triangles[found.triangle as usize].map(|k| points[k as usize]);
+                prop_assert_eq!(found.point, closest_on_triangle(p, own));
+                prop_assert_eq!(tree.closest_within(p, found.distance() * (1.0 + 1e-12)), Some(found));
+                prop_assert_eq!(tree.closest_within(p, found.distance() * 0.999 - 1e-12), None);
+            }
+        }
+
+        #[test]
+        fn within_finds_exactly_the_near_triangles((points, triangles) in soup(), p in point(), radius in 0.0f64..0.5) {
+            let tree = TriangleTree::new(&points, &triangles);
+            let mut found = Vec::new();
+            tree.within(p, radius, |c| found.push(c.triangle));
+            found.sort_unstable();
+            let near = |t: &[u32; 3]| p.distance(closest_on_triangle(p, t.map(|k| points[k as usize]))) <= radius;
+            let expected: Vec<u32> = (0u32..).zip(&triangles).filter(|(_, t)| near(t)).map(|(k, _)| k).collect();
+            prop_assert_eq!(found, expected);
+        }
+
+        #[test]
+        fn rays_enter_and_leave_a_closed_surface(origin in point(), toward in point()) {
+            // Aimed at a vertex: the worst case for watertightness.
+            let mesh = sphere(2);
+            let tree = tree_of(&mesh);
+            let vertex = mesh.points()[(toward.x.abs() * 160.0) as usize];
+            let first = tree.first_hit(origin * 0.9 / 1.8, vertex - origin * 0.9 / 1.8).unwrap();
+            prop_assert!((first.t - 1.0).abs() < 1e-9 && !first.front);
+            let outside = origin.normalize_or(DVec3::X) * 3.0;
+            prop_assert!(tree.first_hit(outside, toward * 0.4 - outside).unwrap().front);
+            prop_assert!(tree.first_hit(outside, outside).is_none());
+        }
+
+        #[test]
+        fn rays_hit_what_lies_on_them((points, triangles) in soup(), origin in point(), weights in prop::array::uniform3(0.05f64..1.0)) {
+            let tree = TriangleTree::new(&points, &triangles);
+            let [a, b, c] = triangles[0].map(|k| points[k as usize]);
+            let w = weights.iter().sum::<f64>();
+            let target = (a * weights[0] + b * weights[1] + c * weights[2]) / w;
+            let mut hit = None;
+            tree.along_ray(origin, target - origin, 2.0, |h| hit = hit.or((h.triangle == 0).then_some(h.t)));
+            let volume = (a - origin).dot((b - origin).cross(c - origin)).abs();
+            prop_assert!(volume < 1e-6 || (hit.unwrap() - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_are_edges_or_points() {
+        let (a, b, c) = (DVec3::ZERO, DVec3::X * 2.0, DVec3::X);
+        let p = DVec3::new(1.5, 1.0, 0.0);
+        for t in [[a, b, c], [b, c, a], [c, a, b], [a, b, b], [a, b, a]] {
+            assert_eq!(closest_on_triangle(p, t), DVec3::X * 1.5);
+        }
+        assert_eq!(closest_on_triangle(p, [b, b, b]), b);
+        let needle = [a, DVec3::new(1e9, 1e-9, 0.0), DVec3::new(1e9, -1e-9, 0.0)];
+        assert!(closest_on_triangle(DVec3::new(5.0, 3.0, 4.0), needle).distance(DVec3::X * 5.0) < 1e-6);
+    }
+
+    #[test]
+    fn the_tree_does_not_depend_on_the_number_of_threads() {
+        let mesh = torus(150, 60);
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| tree_of(&mesh)).ids
+        };
+        assert_eq!(build(1), build(3));
+    }
+
+    #[test]
+    fn an_empty_tree_has_no_answers() {
+        let tree = TriangleTree::new(&[], &[]);
+        assert!(
+            tree.is_empty() && tree.closest(DVec3::ZERO).is_none() && tree.first_hit(DVec3::ZERO, DVec3::X).is_none()
+        );
+    }
+}
