@@ -14,6 +14,7 @@
 
 pub mod brep;
 pub mod bspline;
+pub mod distance;
 pub mod features;
 pub mod normals;
 pub mod quality;

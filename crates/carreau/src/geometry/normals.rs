@@ -150,8 +150,9 @@ mod tests {
         assert!(split.iter().enumerate().all(|(c, n)| n.distance(faces[c / 3]) < 1e-12));
         let smooth = corner_normals(&mesh, &faces, &vec![false; mesh.corner_count()]);
         let per_vertex = vertex_normals(&mesh, &faces);
-        assert!((0..mesh.corner_count()).all(|c| {
-            smooth[c].distance(per_vertex[mesh.vertex(CornerId::new(c)).index()]) < 1e-12
-        }));
+        assert!(
+            (0..mesh.corner_count())
+                .all(|c| { smooth[c].distance(per_vertex[mesh.vertex(CornerId::new(c)).index()]) < 1e-12 })
+        );
     }
 }

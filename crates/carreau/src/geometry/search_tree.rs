@@ -169,14 +169,14 @@ impl TriangleTree {
 
     /// Calls `visit` for every triangle that the ray meets up to `t_max`, in no particular but always the same order.
     ///
-    /// A ray through an edge or a vertex meets all triangles there, never none: the three side tests of neighbours are
-    /// exact negatives of each other. Triangles that the ray only grazes, lying in their plane, are not met.
+    /// A ray through an edge or a vertex meets at least one of the triangles there. Triangles that it only grazes, lying
+    /// in their plane, are not met.
     pub fn along_ray(&self, origin: DVec3, direction: DVec3, t_max: f64, mut visit: impl FnMut(Hit)) {
-        let inverse = direction.recip();
+        let ray = Ray::new(origin, direction);
         self.descend(
-            |b| b.meets_ray(origin, inverse, t_max),
+            |b| b.meets_ray(origin, direction.recip(), t_max),
             |k| {
-                if let Some((t, front)) = ray_triangle(origin, direction, self.corners[k])
+                if let Some((t, front)) = ray.meets(self.corners[k])
                     && t <= t_max
                 {
                     visit(Hit { triangle: self.ids[k], t, front });
@@ -348,20 +348,49 @@ fn closest_on_segment(q: DVec3, along: DVec3, qp: DVec3) -> DVec3 {
     q + t * along
 }
 
-/// Distance along the ray and whether it meets the front, by the signs of three volumes.
-#[inline]
-fn ray_triangle(origin: DVec3, direction: DVec3, corners: [DVec3; 3]) -> Option<(f64, bool)> {
-    let [a, b, c] = corners.map(|p| p - origin);
-    let (u, v, w) = (direction.dot(c.cross(b)), direction.dot(a.cross(c)), direction.dot(b.cross(a)));
-    let front = u >= 0.0 && v >= 0.0 && w >= 0.0;
-    let back = u <= 0.0 && v <= 0.0 && w <= 0.0;
-    let volume = u + v + w;
-    if !(front || back) || volume == 0.0 {
-        return None;
+/// A ray in coordinates where it starts at the origin and runs along z with unit speed (Woop, Benthin, Wald, "Watertight
+/// Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2013).
+///
+/// A corner has the same coordinates in all its triangles, and the sign of a difference of two rounded products is never
+/// the opposite of the exact one: no ray slips between neighbours.
+struct Ray {
+    origin: DVec3,
+    /// The axes that take the part of x, y and z.
+    axes: [usize; 3],
+    /// Slopes of the ray against the z axis, and the inverse of its speed along it.
+    shear: DVec3,
+}
+
+impl Ray {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let z = direction.abs().max_position();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        // A reflection keeps the sense of the triangles where the axis points against the ray.
+        if direction[z] < 0.0 {
+            (x, y) = (y, x);
+        }
+        let shear = DVec3::new(direction[x], direction[y], 1.0) / direction[z];
+        Ray { origin, axes: [x, y, z], shear }
     }
-    let point = (a * u + b * v + c * w) / volume;
-    let t = point.dot(direction) / direction.length_squared();
-    (t >= 0.0).then_some((t, front))
+
+    /// Distance along the ray and whether it meets the front.
+    #[inline]
+    fn meets(&self, corners: [DVec3; 3]) -> Option<(f64, bool)> {
+        let [x, y, z] = self.axes;
+        let [a, b, c] = corners.map(|p| p - self.origin);
+        let flat = |p: DVec3| (p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z]);
+        let (a2, b2, c2) = (flat(a), flat(b), flat(c));
+        let side = |p: (f64, f64), q: (f64, f64)| p.0 * q.1 - p.1 * q.0;
+        let (u, v, w) = (side(b2, c2), side(c2, a2), side(a2, b2));
+        let back = u >= 0.0 && v >= 0.0 && w >= 0.0;
+        let front = u <= 0.0 && v <= 0.0 && w <= 0.0;
+        let area = u + v + w;
+        if !(front || back) || area == 0.0 {
+            return None;
+        }
+        let t = self.shear.z * (u * a[z] + v * b[z] + w * c[z]) / area;
+        (t >= 0.0).then_some((t, front))
+    }
 }
 
 #[cfg(test)]
@@ -478,6 +507,8 @@ mod tests {
     #[test]
     fn an_empty_tree_has_no_answers() {
         let tree = TriangleTree::new(&[], &[]);
-        assert!(tree.is_empty() && tree.closest(DVec3::ZERO).is_none() && tree.first_hit(DVec3::ZERO, DVec3::X).is_none());
+        assert!(
+            tree.is_empty() && tree.closest(DVec3::ZERO).is_none() && tree.first_hit(DVec3::ZERO, DVec3::X).is_none()
+        );
     }
 }

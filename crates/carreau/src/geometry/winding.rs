@@ -4,7 +4,7 @@
 //! 2013: the sum of the solid angles of all triangles over 4π is 1 inside a closed surface, 0 outside, and changes
 //! smoothly where there are holes, so one half is a sound boundary even for a broken mesh. Far triangles are summed as
 //! one dipole per node, as in Barill et al., "Fast Winding Numbers for Soups and Clouds", SIGGRAPH 2018, to first order
-//! with β = 2. The tree is a plain binary one over sorted triangles.
+//! with β = 3. The tree is a plain binary one over sorted triangles.
 
 use super::search_tree::TriangleTree;
 use crate::mesh::triangle_area_vector;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Nodes are replaced by their dipole from this many radii on (β of the paper).
-const FAR: f64 = 2.0;
+const FAR: f64 = 3.0;
 /// Triangles per leaf.
 const LEAF: usize = 8;
 
@@ -48,7 +48,7 @@ impl WindingTree {
         WindingTree { corners, nodes }
     }
 
-    /// The winding number of the surface around a point, to about a hundredth.
+    /// The winding number of the surface around a point, to a few hundredths.
     pub fn number(&self, p: DVec3) -> f64 {
         let mut solid_angle = 0.0;
         let mut k = 0;
@@ -115,15 +115,20 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
         #[test]
-        fn inside_a_torus_is_what_the_formula_says(p in prop::array::uniform3(-3.0f64..3.0)) {
-            let p = DVec3::from_array(p) * DVec3::new(1.0, 1.0, 0.3);
+        fn inside_a_torus_is_what_the_formula_says(
+            queries in prop::collection::vec(prop::array::uniform3(-3.0f64..3.0), 64),
+        ) {
             let tree = winding(&torus(64, 32));
-            let ring = DVec3::new(p.truncate().length() - 2.0, p.z, 0.0).length();
-            prop_assume!((ring - 0.5).abs() > 0.02);
-            let number = tree.number(p);
-            prop_assert!((number - f64::from(u8::from(ring < 0.5))).abs() < 0.05, "{} at {}", number, ring);
-            prop_assert_eq!(tree.contains(p), ring < 0.5);
+            for p in queries.into_iter().map(|p| DVec3::from_array(p) * DVec3::new(1.0, 1.0, 0.3)) {
+                let ring = DVec3::new(p.truncate().length() - 2.0, p.z, 0.0).length();
+                if (ring - 0.5).abs() > 0.02 {
+                    let number = tree.number(p);
+                    prop_assert!((number - f64::from(u8::from(ring < 0.5))).abs() < 0.05, "{} at {}", number, ring);
+                    prop_assert_eq!(tree.contains(p), ring < 0.5);
+                }
+            }
         }
     }
 
@@ -131,9 +136,9 @@ mod tests {
     fn nested_and_inverted_bodies_add_up() {
         let ball = |r: f64| moved(&sphere(2), |p| p * r);
         let number = |parts: &[SurfaceMesh]| winding(&together(parts)).number(DVec3::splat(0.1));
-        assert!((number(&[ball(1.0), ball(2.0)]) - 2.0).abs() < 0.02);
-        assert!(number(&[turned(&ball(1.0), |_| true), ball(2.0)]).abs() < 0.02);
-        assert!((number(&[turned(&ball(1.0), |_| true)]) + 1.0).abs() < 0.02);
+        assert!((number(&[ball(1.0), ball(2.0)]) - 2.0).abs() < 0.04);
+        assert!(number(&[turned(&ball(1.0), |_| true), ball(2.0)]).abs() < 0.04);
+        assert!((number(&[turned(&ball(1.0), |_| true)]) + 1.0).abs() < 0.04);
     }
 
     #[test]

@@ -6,11 +6,23 @@
 
 mod atomic;
 mod binary;
+pub mod cad;
+mod gltf;
+mod gmf;
+mod gmsh;
+pub mod iges;
 mod limits;
+mod medit;
+mod medit_sections;
 mod names;
 mod obj;
 mod off;
+mod percent;
 mod ply;
+#[cfg(test)]
+mod round_trips;
+mod small_faces;
+pub mod step;
 mod stl;
 #[cfg(test)]
 mod surface_tests;
@@ -69,6 +81,14 @@ pub const FORMATS: &[Format] = &[
     Format { name: "OFF", extensions: &["off"], read: off::read, write: off::write },
     Format { name: "PLY", extensions: &["ply"], read: ply::read, write: ply::write },
     Format { name: "STL", extensions: &["stl"], read: stl::read, write: stl::write },
+    Format { name: "Medit", extensions: &["mesh"], read: medit::read, write: medit::write },
+    Format { name: "Medit binary (GMF)", extensions: &["meshb"], read: gmf::read, write: gmf::write },
+    Format { name: "Gmsh", extensions: &["msh"], read: gmsh::read, write: gmsh::write },
+    Format { name: "VTK legacy", extensions: &["vtk"], read: vtk_legacy::read, write: vtk_legacy::write },
+    Format { name: "VTK XML unstructured grid", extensions: &["vtu"], read: vtk_xml::read, write: vtk_xml::write_vtu },
+    Format { name: "VTK XML polydata", extensions: &["vtp"], read: vtk_xml::read, write: vtk_xml::write_vtp },
+    Format { name: "glTF", extensions: &["gltf"], read: gltf::read, write: gltf::write_gltf },
+    Format { name: "GLB", extensions: &["glb"], read: gltf::read, write: gltf::write_glb },
 ];
 
 /// The extension of a path in lower case.

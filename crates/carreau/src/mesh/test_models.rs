@@ -48,7 +48,8 @@ pub fn tetrahedron() -> SurfaceMesh {
 
 /// A cube of quads from `low` with this edge length, outward.
 pub fn cube(low: DVec3, size: f64) -> SurfaceMesh {
-    let p = (0..8).map(|k| low + size * DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2))).collect();
+    let p =
+        (0..8).map(|k| low + size * DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2))).collect();
     let quads = [[0u32, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     SurfaceMesh::new(p, quads.iter().map(|q| &q[..]).collect()).unwrap()
 }

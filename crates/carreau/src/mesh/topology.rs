@@ -420,7 +420,10 @@ mod tests {
         let t = Topology::of(&apart);
         assert_eq!((t.boundary_loops, t.boundary_edges, t.genus), (3, 4 * n + 8, Some(0)));
         assert!(t.manifold && !t.closed);
-        assert_eq!(t.places.boundary_loops[0], BoundaryLoop { start: VertexId(0), edges: 4 * n, length: 4.0 * n as f64 });
+        assert_eq!(
+            t.places.boundary_loops[0],
+            BoundaryLoop { start: VertexId(0), edges: 4 * n, length: 4.0 * n as f64 }
+        );
         assert_eq!(t.places.boundary_loops[1].length, 4.0);
         assert_eq!(t.places.boundary_edges.len(), PLACES);
 

@@ -21,7 +21,10 @@ fn off() -> RepairOptions {
 }
 
 fn same(a: &SurfaceMesh, b: &SurfaceMesh) -> bool {
-    a.points() == b.points() && a.faces() == b.faces() && a.tagged_edges == b.tagged_edges && a.attributes == b.attributes
+    a.points() == b.points()
+        && a.faces() == b.faces()
+        && a.tagged_edges == b.tagged_edges
+        && a.attributes == b.attributes
 }
 
 fn is_clean(t: &Topology) -> bool {
@@ -265,7 +268,8 @@ fn attributes_and_tagged_edges_follow() {
     mesh.attributes.face.insert("id".into(), label(mesh.face_count()));
     mesh.attributes.corner.insert("id".into(), label(mesh.corner_count()));
     let edge = Topology::of(&mesh).places.nonmanifold_edges.iter().find(|e| e[0].0 >= 4).copied().unwrap();
-    mesh.tagged_edges = vec![TaggedEdge { ends: edge, tag: 7 }, TaggedEdge { ends: [VertexId(0), VertexId(1)], tag: 8 }];
+    mesh.tagged_edges =
+        vec![TaggedEdge { ends: edge, tag: 7 }, TaggedEdge { ends: [VertexId(0), VertexId(1)], tag: 8 }];
     mesh = {
         let mut turned = turned(&mesh, |f| f == 5);
         turned.attributes = mesh.attributes.clone();
@@ -306,7 +310,8 @@ fn any_mesh() -> impl Strategy<Value = SurfaceMesh> {
     let face = prop::collection::vec(0u32..12, 3..5);
     prop::collection::vec(face, 1..30).prop_map(|faces| {
         let coordinate = |k: u32, m: u32| f64::from(k * m % 7);
-        let points = (0..12u32).map(|k| k.min(9)).map(|k| DVec3::new(coordinate(k, 1), coordinate(k, 3), coordinate(k * k, 2)));
+        let points =
+            (0..12u32).map(|k| k.min(9)).map(|k| DVec3::new(coordinate(k, 1), coordinate(k, 3), coordinate(k * k, 2)));
         SurfaceMesh::new(points.collect(), faces.iter().map(|f| &f[..]).collect()).unwrap()
     })
 }

@@ -1,0 +1,517 @@
+//! Two-sided distance and normal deviation of two surfaces.
+//!
+//! From each surface to the other: the mean and the root mean square over samples spread evenly by area, and the maximum
+//! between two bounds. The lower bound is the largest distance of any sampled point, vertices included. The upper bound
+//! follows from convexity: the distance to one triangle of the other surface is a convex function, so over a whole
+//! triangle it is largest at a corner, and the smallest of these maxima, over a few candidate triangles, bounds the
+//! distance of the whole triangle (the culling of Tang, Lee, Kim, "Interactive Hausdorff Distance Computation for General
+//! Polygonal Models", SIGGRAPH 2009). Triangles whose bound exceeds the lower bound are divided in four, best first in
+//! rounds of fixed size, until the two bounds meet or the budget is spent.
+
+use super::normals::{angle_between, face_normals};
+use super::search_tree::{Closest, TriangleTree, closest_on_triangle};
+use super::summary::{Summary, sum};
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{SurfaceMesh, safe_length, triangle_area_vector};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Queries between two looks at the clock.
+const CHUNK: usize = 1024;
+/// Triangles divided in one round.
+const ROUND: usize = 1024;
+/// The bounds have met when they differ by less than this share of the diagonal.
+const MET: f64 = 1e-5;
+/// Closest points within this share of the diagonal of the true distance count as equally close.
+const TIE: f64 = 1e-9;
+
+/// How closely to look.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DistanceOptions {
+    /// Samples on each surface, besides its vertices.
+    pub samples: usize,
+    /// Most triangles to divide per direction, to narrow the bounds of the maximum; 0: do not.
+    pub refinements: usize,
+}
+
+impl Default for DistanceOptions {
+    fn default() -> Self {
+        DistanceOptions { samples: 200_000, refinements: 100_000 }
+    }
+}
+
+/// Distance of two surfaces, in the unit of the files.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Bounding-box diagonal of the first surface, to which shares refer.
+    pub diagonal: f64,
+    /// Both directions together.
+    pub distance: Distance,
+    /// The same as shares of the diagonal.
+    pub relative: Distance,
+    /// Angle between the normals of both surfaces at samples and their closest points, in degrees, both directions
+    /// together; `None` where no sample has a normal on both sides.
+    pub normal_deg: Option<Summary>,
+    /// From the first surface to the second.
+    pub a_to_b: OneSided,
+    /// From the second surface to the first.
+    pub b_to_a: OneSided,
+}
+
+/// Mean and maximum of a distance.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Distance {
+    /// Over the area.
+    pub mean: f64,
+    /// Root mean square, over the area.
+    pub rms: f64,
+    /// The largest distance found; the true maximum (the Hausdorff distance) is not smaller.
+    pub max: f64,
+    /// The true maximum is not larger.
+    pub max_upper: f64,
+}
+
+/// Distance from one surface to another.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OneSided {
+    /// Mean and maximum.
+    #[serde(flatten)]
+    pub distance: Distance,
+    /// Where the maximum was found.
+    pub max_at: [f64; 3],
+    /// Angle between the normals, in degrees.
+    pub normal_deg: Option<Summary>,
+    /// Points that were looked at.
+    pub points: usize,
+}
+
+/// Compares two surfaces. Polygons are taken as fans from their first corner.
+///
+/// The same for any number of threads; the samples do not depend on the seed.
+///
+/// # Errors
+/// [`Error::Input`] where a surface has no face; [`Error::Cancelled`], [`Error::Deadline`].
+pub fn compare(a: &SurfaceMesh, b: &SurfaceMesh, options: &DistanceOptions, context: &Context) -> Result<Comparison> {
+    for (mesh, which) in [(a, "first"), (b, "second")] {
+        if mesh.faces().is_empty() {
+            return Err(Error::input(format!("the {which} surface has no faces: there is no distance to it"), "", ""));
+        }
+    }
+    let _stage = context.stage("compare");
+    context.install(|| {
+        let (a, b) = (Target::new(a), Target::new(b));
+        let (to_b, angles_to_b) = one_sided(&a, &b, options, context)?;
+        let (to_a, angles_to_a) = one_sided(&b, &a, options, context)?;
+        let distance = to_b.distance.with(to_a.distance);
+        Ok(Comparison {
+            diagonal: a.diagonal,
+            distance,
+            relative: distance.over(a.diagonal),
+            normal_deg: Summary::of([angles_to_b, angles_to_a].concat()),
+            a_to_b: to_b,
+            b_to_a: to_a,
+        })
+    })
+}
+
+impl Distance {
+    /// Two directions taken together.
+    fn with(self, other: Distance) -> Distance {
+        Distance {
+            mean: (self.mean + other.mean) / 2.0,
+            rms: ((self.rms * self.rms + other.rms * other.rms) / 2.0).sqrt(),
+            max: self.max.max(other.max),
+            max_upper: self.max_upper.max(other.max_upper),
+        }
+    }
+
+    /// As shares of a length; zero where the length is zero and the distance too.
+    fn over(self, length: f64) -> Distance {
+        let share = |x: f64| if x == 0.0 { 0.0 } else { x / length };
+        Distance {
+            mean: share(self.mean),
+            rms: share(self.rms),
+            max: share(self.max),
+            max_upper: share(self.max_upper),
+        }
+    }
+}
+
+/// A surface prepared for questions.
+struct Target<'a> {
+    points: &'a [DVec3],
+    used: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    /// Normal of every triangle: that of the face it belongs to.
+    normals: Vec<DVec3>,
+    tree: TriangleTree,
+    diagonal: f64,
+}
+
+impl<'a> Target<'a> {
+    fn new(mesh: &'a SurfaceMesh) -> Self {
+        let (triangles, parent) = mesh.faces().fan();
+        let of_face = face_normals(mesh);
+        let mut used = mesh.faces().corners().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        Target {
+            points: mesh.points(),
+            used,
+            tree: TriangleTree::new(mesh.points(), &triangles),
+            normals: parent.into_iter().map(|f| of_face[f as usize]).collect(),
+            triangles,
+            diagonal: mesh.diagonal(),
+        }
+    }
+
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.points[v as usize])
+    }
+
+    /// The closest point; the tree is never empty here.
+    fn closest(&self, p: DVec3) -> Closest {
+        let nothing = Closest { triangle: 0, point: p, distance_squared: f64::INFINITY };
+        self.tree.closest(p).unwrap_or(nothing)
+    }
+
+    /// The smallest angle between a normal and those of the equally close triangles: at an edge of this surface any of
+    /// its faces may be meant. `None` where there is no normal on either side.
+    fn angle_to(&self, normal: DVec3, p: DVec3, closest: &Closest) -> Option<f64> {
+        let angle = |triangle: u32| angle_between(normal, self.normals[triangle as usize]);
+        if normal == DVec3::ZERO {
+            return None;
+        }
+        let mut best = f64::INFINITY;
+        self.tree.within(p, closest.distance() + TIE * self.diagonal, |c| {
+            if self.normals[c.triangle as usize] != DVec3::ZERO {
+                best = best.min(angle(c.triangle));
+            }
+        });
+        best.is_finite().then_some(best)
+    }
+}
+
+/// A point on a surface and the triangle it lies on.
+#[derive(Clone, Copy)]
+struct Sample {
+    point: DVec3,
+    triangle: u32,
+}
+
+/// Everything about one direction; the angles in degrees for the summary of both.
+fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Context) -> Result<(OneSided, Vec<f64>)> {
+    let at_vertices = map_chunks(&from.used, context, |&v| to.closest(from.points[v as usize]))?;
+    let samples = spread_samples(from, options.samples);
+    let found = map_chunks(&samples, context, |s| {
+        let closest = to.closest(s.point);
+        (closest.distance(), to.angle_to(from.normals[s.triangle as usize], s.point, &closest))
+    })?;
+
+    let vertex = |k: usize| (at_vertices[k].distance(), from.points[from.used[k] as usize]);
+    let vertices = (0..from.used.len()).map(vertex);
+    let mut worst = vertices.chain(found.iter().zip(&samples).map(|(f, s)| (f.0, s.point))).fold((0.0, None), farther);
+    let mut points = at_vertices.len() + samples.len();
+    let max_upper = bound_maximum(from, to, &at_vertices, options.refinements, &mut worst, &mut points, context)?;
+
+    let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
+    let squares: Vec<f64> = distances.iter().map(|d| d * d).collect();
+    let count = distances.len().max(1) as f64;
+    let angles: Vec<f64> = found.iter().filter_map(|f| f.1).map(f64::to_degrees).collect();
+    let distance =
+        Distance { mean: sum(&distances) / count, rms: (sum(&squares) / count).sqrt(), max: worst.0, max_upper };
+    let at = worst.1.or(from.used.first().map(|&v| from.points[v as usize])).unwrap_or(DVec3::ZERO);
+    let side = OneSided { distance, max_at: at.to_array(), normal_deg: Summary::of(angles.clone()), points };
+    Ok((side, angles))
+}
+
+/// The farther of two; the first of equals.
+fn farther(worst: (f64, Option<DVec3>), (distance, point): (f64, DVec3)) -> (f64, Option<DVec3>) {
+    if distance > worst.0 { (distance, Some(point)) } else { worst }
+}
+
+/// Maps in parallel, in order, looking at the clock between chunks.
+fn map_chunks<T: Sync, R: Send>(items: &[T], context: &Context, map: impl Fn(&T) -> R + Sync) -> Result<Vec<R>> {
+    let chunk = |items: &[T]| context.check().map(|()| items.iter().map(&map).collect::<Vec<R>>());
+    let chunks: Vec<Vec<R>> = items.par_chunks(CHUNK).map(chunk).collect::<Result<_>>()?;
+    Ok(chunks.into_iter().flatten().collect())
+}
+
+/// Samples spread evenly by area: sample k lies where the running total of the areas reaches (k + ½) / n, so that every
+/// triangle gets its share to within one. In the triangle it is placed by the R2 sequence (Roberts 2018, "The
+/// Unreasonable Effectiveness of Quasirandom Sequences"), folded from the square. Empty where nothing has an area.
+fn spread_samples(surface: &Target, n: usize) -> Vec<Sample> {
+    let area = |t: u32| {
+        let [a, b, c] = surface.corners(t);
+        safe_length(triangle_area_vector(a, b, c))
+    };
+    let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
+    let total = sum(&areas);
+    let mut samples = Vec::with_capacity(if total > 0.0 { n } else { 0 });
+    let mut running = 0.0;
+    for (triangle, area) in (0u32..).zip(areas) {
+        running += area;
+        while samples.len() < n && (samples.len() as f64 + 0.5) * total <= running * n as f64 {
+            let [a, b, c] = surface.corners(triangle);
+            let (u, v) = r2(samples.len());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            samples.push(Sample { point: a + u * (b - a) + v * (c - a), triangle });
+        }
+    }
+    samples
+}
+
+/// Point `k` of the R2 sequence in the unit square; its steps are the powers of the inverse of the plastic number.
+fn r2(k: usize) -> (f64, f64) {
+    const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_3);
+    ((0.5 + k as f64 * STEPS.0).fract(), (0.5 + k as f64 * STEPS.1).fract())
+}
+
+/// A part of a triangle, the closest triangles of its corners, and a bound for the distance of all its points.
+#[derive(Clone, Copy)]
+struct Part {
+    corners: [DVec3; 3],
+    closest: [u32; 3],
+    bound: f64,
+}
+
+impl Part {
+    /// The bound from the closest triangles of the corners and of the centre, whose distance comes along.
+    fn new(corners: [DVec3; 3], closest: [u32; 3], to: &Target) -> (Part, f64) {
+        let centre = corners.iter().sum::<DVec3>() / 3.0;
+        let middle = to.closest(centre);
+        let by_corners = bound_by(corners, &closest, to);
+        let by_centre = bound_by(corners, &[middle.triangle], to);
+        // The distance changes by no more than the way: a second bound, better for parts far away.
+        let reach = corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max);
+        let bound = by_corners.min(by_centre).min(middle.distance() + reach);
+        (Part { corners, closest, bound }, middle.distance())
+    }
+}
+
+/// The smallest, over the candidates, of the largest distance of a corner.
+fn bound_by(corners: [DVec3; 3], candidates: &[u32], to: &Target) -> f64 {
+    let largest = |&candidate: &u32| {
+        let target = to.corners(candidate);
+        corners.iter().map(|&c| c.distance_squared(closest_on_triangle(c, target))).fold(0.0, f64::max)
+    };
+    candidates.iter().map(largest).fold(f64::INFINITY, f64::min).sqrt()
+}
+
+/// Raises the lower bound, lowers the upper bound of the maximum until they meet; returns the upper bound.
+fn bound_maximum(
+    from: &Target,
+    to: &Target,
+    at_vertices: &[Closest],
+    budget: usize,
+    worst: &mut (f64, Option<DVec3>),
+    points: &mut usize,
+    context: &Context,
+) -> Result<f64> {
+    let slack = MET * from.diagonal.max(to.diagonal);
+    let closest_of = |v: u32| at_vertices[from.used.partition_point(|&u| u < v)].triangle;
+    // Most triangles are settled by what is known of their corners; only the others ask for their centre.
+    let known = *worst;
+    let first_look = |t: &[u32; 3]| {
+        let corners = t.map(|v| from.points[v as usize]);
+        let closest = t.map(closest_of);
+        let bound = bound_by(corners, &closest, to);
+        if bound <= known.0 + slack { Err(bound) } else { Ok(Part::new(corners, closest, to)) }
+    };
+    let mut settled = 0f64;
+    let mut open: Vec<Part> = Vec::new();
+    let mut take = |looked: Vec<std::result::Result<(Part, f64), f64>>, worst: &mut (f64, Option<DVec3>)| {
+        let mut parts = Vec::new();
+        for look in looked {
+            match look {
+                Err(bound) => settled = settled.max(bound),
+                Ok((part, distance)) => {
+                    *worst = farther(*worst, (distance, part.corners.iter().sum::<DVec3>() / 3.0));
+                    *points += 1;
+                    parts.push(part);
+                }
+            }
+        }
+        (parts, settled)
+    };
+    let (parts, mut upper) = take(map_chunks(&from.triangles, context, first_look)?, worst);
+    open.extend(parts);
+    let mut spent = 0;
+    loop {
+        let limit = worst.0 + slack;
+        open.iter().filter(|part| part.bound <= limit).for_each(|part| upper = upper.max(part.bound));
+        open.retain(|part| part.bound > limit);
+        if open.is_empty() || spent >= budget {
+            break;
+        }
+        // The largest bounds first; of equal ones the first.
+        open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
+        let rest = open.split_off(open.len().min(ROUND).min(budget - spent));
+        spent += open.len();
+        let quarters = map_chunks(&open, context, |part| quarter(part, to))?;
+        open = rest;
+        for (parts, distances) in quarters {
+            for (point, distance) in distances {
+                *worst = farther(*worst, (distance, point));
+                *points += 1;
+            }
+            open.extend(parts);
+        }
+    }
+    Ok(open.iter().map(|part| part.bound).fold(upper.max(worst.0), f64::max))
+}
+
+/// Divides a part at the middles of its sides; returns the four and the points that were looked at.
+fn quarter(part: &Part, to: &Target) -> ([Part; 4], [(DVec3, f64); 7]) {
+    let [a, b, c] = part.corners;
+    let [ka, kb, kc] = part.closest;
+    let middles = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+    let found = middles.map(|m| to.closest(m));
+    let [ab, bc, ca] = middles;
+    let [kab, kbc, kca] = found.map(|f| f.triangle);
+    let quarters = [
+        Part::new([a, ab, ca], [ka, kab, kca], to),
+        Part::new([ab, b, bc], [kab, kb, kbc], to),
+        Part::new([ca, bc, c], [kca, kbc, kc], to),
+        Part::new([ab, bc, ca], [kab, kbc, kca], to),
+    ];
+    let centre = |k: usize| (quarters[k].0.corners.iter().sum::<DVec3>() / 3.0, quarters[k].1);
+    let middle = |k: usize| (middles[k], found[k].distance());
+    let points = [middle(0), middle(1), middle(2), centre(0), centre(1), centre(2), centre(3)];
+    (quarters.map(|q| Part { bound: q.0.bound.min(part.bound), ..q.0 }), points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_models::*;
+    use proptest::prelude::*;
+
+    fn options() -> DistanceOptions {
+        DistanceOptions { samples: 5000, refinements: 20_000 }
+    }
+
+    fn compared(a: &SurfaceMesh, b: &SurfaceMesh) -> Comparison {
+        compare(a, b, &options(), &Context::new()).unwrap()
+    }
+
+    fn brackets(d: &Distance, truth: f64, tolerance: f64) -> bool {
+        d.max <= truth + 1e-12 && truth <= d.max_upper + 1e-12 && d.max_upper - d.max <= tolerance
+    }
+
+    #[test]
+    fn a_surface_is_at_no_distance_from_itself_however_it_is_cut() {
+        let mesh = torus(40, 20);
+        let c = compared(&mesh, &mesh);
+        assert!(c.distance.max_upper < 1e-9 && c.normal_deg.unwrap().max < 1e-6, "{c:?}");
+        let quads = cube(DVec3::ZERO, 2.0);
+        let fine = together(&[quads.clone().triangulated().unwrap()]);
+        let c = compared(&quads, &fine);
+        assert!(c.distance.max_upper < 1e-9 && c.normal_deg.unwrap().max < 1e-6, "{c:?}");
+    }
+
+    #[test]
+    fn concentric_spheres_are_as_far_apart_as_their_radii() {
+        let (inner, outer) = (sphere(4), moved(&sphere(4), |p| 1.25 * p));
+        let c = compared(&inner, &outer);
+        assert!((c.distance.mean - 0.25).abs() < 0.002 && (c.distance.rms - 0.25).abs() < 0.002);
+        assert!(c.distance.max <= 0.2501 && c.distance.max_upper - c.distance.max < 1e-4);
+        assert!((c.relative.mean - c.distance.mean / c.diagonal).abs() < 1e-15);
+        assert!(c.normal_deg.unwrap().p95 < 5.0);
+    }
+
+    #[test]
+    fn the_maximum_is_found_between_the_vertices() {
+        // A square of two triangles and a pyramid over its diagonal's middle, which is a vertex of neither.
+        let flat = grid(1);
+        let p = [(0., 0., 0.), (1., 0., 0.), (1., 1., 0.), (0., 1., 0.), (0.5, 0.5, 0.3)].map(DVec3::from);
+        let roof = triangles(&p, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]);
+        let coarse = DistanceOptions { samples: 10, refinements: 20_000 };
+        let c = compare(&flat, &roof, &coarse, &Context::new()).unwrap();
+        // From the middle of the square to the faces of the pyramid.
+        let to_roof = 0.3 * 0.5 / f64::hypot(0.3, 0.5);
+        assert!(brackets(&c.a_to_b.distance, to_roof, 1e-4), "{c:?}");
+        assert!(brackets(&c.b_to_a.distance, 0.3, 1e-4), "{c:?}");
+        let at = DVec3::from_array(c.a_to_b.max_at);
+        assert!(at.distance(DVec3::new(0.5, 0.5, 0.0)) < 0.02, "{at}");
+    }
+
+    #[test]
+    fn without_refinement_the_bounds_still_hold() {
+        let (a, b) = (sphere(1), sphere(3));
+        let exact = compared(&a, &b).distance;
+        let rough =
+            compare(&a, &b, &DistanceOptions { samples: 50, refinements: 0 }, &Context::new()).unwrap().distance;
+        assert!(rough.max <= exact.max_upper && rough.max_upper >= exact.max);
+        assert!(rough.max_upper - rough.max > exact.max_upper - exact.max);
+    }
+
+    #[test]
+    fn a_missing_part_shows_in_one_direction_only() {
+        let whole = grid(8);
+        let half = without(&whole, &(64..128).collect::<Vec<_>>());
+        let c = compared(&whole, &half);
+        assert!(brackets(&c.a_to_b.distance, 4.0, 1e-3), "{c:?}");
+        assert!(c.b_to_a.distance.max_upper < 1e-9);
+        assert!((c.a_to_b.distance.mean - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn samples_follow_the_area() {
+        let mesh = together(&[moved(&grid(1), |p| p * 3.0), grid(4)]);
+        let samples = spread_samples(&Target::new(&mesh), 10_000);
+        let on_first = samples.iter().filter(|s| s.triangle < 2).count();
+        assert_eq!(samples.len(), 10_000);
+        assert!((on_first as f64 / 10_000.0 - 9.0 / 25.0).abs() < 1e-3);
+        let mean = samples.iter().filter(|s| s.triangle < 2).map(|s| s.point).sum::<DVec3>() / on_first as f64;
+        assert!(mean.distance(DVec3::new(1.5, 1.5, 0.0)) < 0.02);
+    }
+
+    #[test]
+    fn inverted_normals_differ_by_a_half_turn() {
+        let c = compared(&sphere(2), &turned(&sphere(2), |_| true));
+        assert!(c.distance.max < 1e-9 && c.normal_deg.unwrap().p50 > 179.0);
+    }
+
+    #[test]
+    fn the_result_does_not_depend_on_the_number_of_threads() {
+        let (a, b) = (torus(30, 17), moved(&torus(33, 15), |p| p * 1.01));
+        let with = |threads| compare(&a, &b, &options(), &Context::new().with_threads(threads).unwrap()).unwrap();
+        assert_eq!(with(1), with(3));
+    }
+
+    #[test]
+    fn surfaces_without_faces_or_area_are_no_trouble() {
+        let empty = triangles(&[DVec3::ZERO], &[]);
+        assert!(matches!(compare(&empty, &grid(1), &options(), &Context::new()), Err(Error::Input { .. })));
+        let point = triangles(&[DVec3::Z; 3], &[[0, 1, 2]]);
+        let c = compared(&point, &point);
+        assert_eq!((c.distance.max_upper, c.relative.max, c.normal_deg), (0.0, 0.0, None));
+        let far = compared(&point, &grid(1));
+        assert!(brackets(&far.a_to_b.distance, 1.0, 1e-9));
+        assert!(brackets(&far.b_to_a.distance, 3f64.sqrt(), 1e-4));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(6))]
+        #[test]
+        fn motions_do_not_change_distances(axis in prop::array::uniform3(-1.0f64..1.0), angle in 0.0f64..6.0, shift in -9.0f64..9.0) {
+            let axis = DVec3::from_array(axis);
+            prop_assume!(axis.length() > 0.1);
+            let turn = glam::DQuat::from_axis_angle(axis.normalize(), angle);
+            let motion = |p: DVec3| turn * p + DVec3::splat(shift);
+            let (a, b) = (torus(24, 12), moved(&torus(20, 10), |p| p * 1.02 + DVec3::X * 0.1));
+            let before = compared(&a, &b);
+            let after = compared(&moved(&a, motion), &moved(&b, motion));
+            for (x, y) in [(before.a_to_b.distance, after.a_to_b.distance), (before.b_to_a.distance, after.b_to_a.distance)] {
+                // A sample on the border of two shares of the area may change sides.
+                prop_assert!((x.mean - y.mean).abs() < 1e-5 && (x.rms - y.rms).abs() < 1e-5);
+                // Rounding may change which triangles are divided, but both brackets hold the same number.
+                prop_assert!(x.max <= y.max_upper + 1e-9 && y.max <= x.max_upper + 1e-9);
+            }
+        }
+    }
+}
