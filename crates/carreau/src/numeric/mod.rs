@@ -1,1 +1,3 @@
-//! numeric
+//! Numerical methods that know no mesh.
+
+pub mod banded;
