@@ -18,7 +18,8 @@ pub fn geometry(scene: &Scene, pieces: &[Piece], chains: &Chains) -> Result<Geom
         Source::Triangle(t) => Ok(triangle(scene, t)),
         Source::Polygon(_) => Err(Error::Bug("a polygon has no surface of its own".into())),
     };
-    Ok(Geometry { curves, surfaces: pieces.iter().map(surface).collect::<Result<_>>()? })
+    let stops = vec![None; chains.paths.len()];
+    Ok(Geometry { curves, stops, surfaces: pieces.iter().map(surface).collect::<Result<_>>()? })
 }
 
 /// The polyline through mesh vertices.

@@ -5,6 +5,7 @@
 //! | `scene` | the input is checked; triangles without area get some |
 //! | `piece` | patches are cut until none touches itself; leftovers are pieces, too |
 //! | `chain` | the borders of all pieces are cut at nodes into chains: the edges of the model |
+//! | `fit` | instead, on request: cubic curves and surfaces within a tolerance of the vertices |
 //! | `exact` | lines, polylines, planes and surfaces of degree (1, 1) through the mesh vertices |
 //! | `shell` | pieces connected by edges are shells; closed ones bound solids, or are voids in them |
 //!
@@ -14,6 +15,9 @@
 
 mod chain;
 mod exact;
+mod fit;
+#[cfg(test)]
+mod models;
 mod piece;
 mod scene;
 mod shell;
@@ -23,15 +27,68 @@ use crate::error::Result;
 use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::mesh::{FaceId, SurfaceMesh};
 use crate::patch::Patch;
+use crate::length::Length;
 use chain::{ChainUse, Chains};
 use piece::{Outline, Piece};
 use scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// What the faces of patches are to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fit {
+    /// Surfaces of degree (1, 1) through every vertex.
+    #[default]
+    Bilinear,
+    /// Bicubic surfaces within a tolerance, where they are smaller.
+    Bicubic,
+}
+
+/// Choices of the export.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BrepOptions {
+    /// What the faces of patches are to be.
+    pub fit: Fit,
+    /// Largest distance of a vertex from a bicubic surface.
+    pub tolerance: Length,
+}
+
+impl Default for BrepOptions {
+    fn default() -> Self {
+        BrepOptions { fit: Fit::Bilinear, tolerance: Length::OfDiagonal(0.001) }
+    }
+}
+
+/// What the face of a patch is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rung {
+    /// Of degree (1, 1), through every vertex.
+    Bilinear,
+    /// Of degree 3, in one direction at least, within the tolerance.
+    #[default]
+    Bicubic,
+}
+
+/// What the fit of one patch came to; of the worst of its faces where it has several.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct PatchFit {
+    /// The rung reached.
+    pub rung: Rung,
+    /// Largest distance of a vertex.
+    pub deviation: f64,
+    /// Number of control points.
+    pub control_points: usize,
+}
 
 /// A boundary representation of a mesh, and what is to be said about it.
 #[derive(Debug, Clone)]
 pub struct CadModel {
     /// The model; `brep.faces.len()` is the number of faces of the file.
     pub brep: Brep,
+    /// Per patch, with [`Fit::Bicubic`]; else empty.
+    pub fits: Vec<PatchFit>,
     /// What a user should know: stray voids, degenerate triangles.
     pub warnings: Vec<String>,
 }
@@ -40,6 +97,9 @@ pub struct CadModel {
 struct Geometry {
     /// One per chain, in its sense.
     curves: Vec<Curve>,
+    /// The vertices of a chain at the ends of the segments of its line or polyline; `None` for a spline, and where every
+    /// vertex is one.
+    stops: Vec<Option<Vec<u32>>>,
     /// One per piece.
     surfaces: Vec<PieceSurface>,
 }
@@ -57,12 +117,24 @@ struct PieceSurface {
 /// Patches that touch themselves (closed strips, tori, slits) become several faces, so there may be more faces than
 /// patches. Edges with more than two faces, or with two that are oriented differently, are not shared: their shells are
 /// open. Fails with [`crate::Error::Input`] where patches and leftovers do not fit the mesh.
-pub fn to_brep(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId], ctx: &Context) -> Result<CadModel> {
+pub fn to_brep(
+    mesh: &SurfaceMesh,
+    patches: &[Patch],
+    leftover: &[FaceId],
+    options: &BrepOptions,
+    ctx: &Context,
+) -> Result<CadModel> {
     let mut scene = Scene::new(mesh, patches, leftover)?;
     let pieces = piece::pieces(&scene);
     let chains = chain::chains(&pieces, mesh.vertex_count());
     ctx.check()?;
-    let geometry = exact::geometry(&scene, &pieces, &chains)?;
+    let (geometry, fits) = match options.fit {
+        Fit::Bilinear => (exact::geometry(&scene, &pieces, &chains)?, Vec::new()),
+        Fit::Bicubic => {
+            let _stage = ctx.stage("fit");
+            fit::geometry(&scene, &pieces, &chains, options.tolerance.resolve(mesh.diagonal()), ctx)?
+        }
+    };
     let shells = shell::shells(&scene, &pieces, &chains, ctx)?;
     let mut brep = assemble(&scene, &pieces, &chains, geometry);
     (brep.shells, brep.solids) = (shells.shells, shells.solids);
@@ -75,14 +147,15 @@ pub fn to_brep(mesh: &SurfaceMesh, patches: &[Patch], leftover: &[FaceId], ctx: 
             shells.stray_voids
         ));
     }
-    Ok(CadModel { brep, warnings })
+    Ok(CadModel { brep, fits, warnings })
 }
 
 /// Puts vertices, edges and faces together.
 fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry) -> Brep {
     let mut brep = Brep::default();
     let mut vertex_of = vec![u32::MAX; scene.points.len()];
-    for (path, curve) in chains.paths.iter().zip(geometry.curves) {
+    let (stops, curves) = (geometry.stops, geometry.curves);
+    for (path, curve) in chains.paths.iter().zip(curves) {
         let ends = [path[0], path[path.len() - 1]].map(|v| {
             let id = &mut vertex_of[v as usize];
             if *id == u32::MAX {
@@ -95,7 +168,11 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
     }
     for ((piece, uses), under) in pieces.iter().zip(&chains.loops).zip(geometry.surfaces) {
         let of_loop = |(outline, uses): (&Outline, &Vec<ChainUse>)| {
-            uses.iter().enumerate().map(|(k, of)| edge_use(outline, uses, k, of, &under)).collect()
+            let edge = |of: &ChainUse| {
+                let nodes = chains.paths[of.chain as usize].len() as u32;
+                edge_use(outline, of, nodes, stops[of.chain as usize].as_deref(), &under)
+            };
+            uses.iter().map(edge).collect()
         };
         let loops = piece.loops.iter().zip(uses).map(of_loop).collect();
         brep.faces.push(Face { loops, trimmed: under.trimmed, surface: under.surface });
@@ -103,21 +180,23 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
     brep
 }
 
-/// A chain as an edge of a loop, with its end points in the parameter plane: between two corners the border is straight
-/// there, and both it and the chain advance by one node per mesh edge.
-fn edge_use(outline: &Outline, uses: &[ChainUse], k: usize, of: &ChainUse, under: &PieceSurface) -> EdgeUse {
+/// A chain as an edge of a loop, with its way in the parameter plane: between two corners the border is straight there.
+/// A polyline on a surface whose parameters are not indices needs all its stops, for it does not advance evenly.
+fn edge_use(outline: &Outline, of: &ChainUse, nodes: u32, stops: Option<&[u32]>, under: &PieceSurface) -> EdgeUse {
     let mut parameters = Vec::new();
     if let (false, Surface::Spline(_)) = (outline.at.is_empty(), &under.surface) {
-        let next = uses[(k + 1) % uses.len()].start;
-        for node in [of.start, next] {
-            let [c, r] = outline.at[node as usize];
-            parameters.push(match &under.scale {
+        let last = nodes - 1;
+        let at = |k: u32| {
+            let along = if of.reversed { last - k } else { k };
+            let [c, r] = outline.at[(of.start + along) as usize % outline.at.len()];
+            match &under.scale {
                 Some([u, v]) => [u[c as usize], v[r as usize]],
                 None => [f64::from(c), f64::from(r)],
-            });
-        }
-        if of.reversed {
-            parameters.reverse();
+            }
+        };
+        match stops {
+            Some(stops) if under.scale.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
+            _ => parameters.extend([at(0), at(last)]),
         }
     }
     EdgeUse { edge: of.chain, reversed: of.reversed, parameters }
