@@ -1,5 +1,6 @@
 //! The verbs, one file each.
 
+mod compare;
 mod convert;
 mod info;
 mod patch;
@@ -17,6 +18,7 @@ pub enum Verb {
     Info(info::Info),
     Convert(convert::Convert),
     Repair(repair::Repair),
+    Compare(compare::Compare),
     Patch(patch::Patch),
     Completions(shell::Completions),
     Man(shell::Man),
@@ -30,6 +32,7 @@ impl Verb {
             Verb::Info(verb) => verb.run(),
             Verb::Repair(verb) => verb.run(),
             Verb::Convert(verb) => verb.run(),
+            Verb::Compare(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),

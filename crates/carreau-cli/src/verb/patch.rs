@@ -6,9 +6,10 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::{WriteOptions, extension};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
-use carreau::patch::{self, cad, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
+use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
+use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::mesh::{SurfaceMesh, VertexId};
-use carreau::{Error, Place};
+use carreau::{Error, Length, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -72,7 +73,7 @@ pub struct Patch {
     /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16, fewer on large meshes]
     #[arg(long, value_name = "N")]
     probes: Option<u32>,
-    /// Never crosses edges with at least this angle between the faces
+    /// Never crosses edges with at least this angle between the faces [default: none; 35 for bicubic faces]
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     /// Never crosses these edges: a file with two vertex ids per line
@@ -81,12 +82,21 @@ pub struct Patch {
     /// Crosses edges tagged in the file, too
     #[arg(long)]
     ignore_tags: bool,
+    /// CAD faces through every vertex, or bicubic ones within a tolerance, where these are smaller [default: bilinear]
+    #[arg(long, value_name = "FIT", value_parser = choice::<Fit>(&["bilinear", "bicubic"]))]
+    fit: Option<Fit>,
+    /// Largest distance of a vertex from a bicubic face [default: 0.1%]
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<Length>,
     /// Application protocol of STEP files [default: ap214]
     #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
     schema: Option<StepSchema>,
     #[command(flatten)]
     common: Common,
 }
+
+/// Creases that bicubic patches do not cross unless told otherwise, in degrees.
+const SMOOTH_FEATURE_ANGLE: f64 = 35.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -103,6 +113,8 @@ struct Options {
     #[serde(flatten)]
     patch: PatchOptions,
     features: Option<PathBuf>,
+    #[serde(flatten)]
+    brep: BrepOptions,
     schema: StepSchema,
     #[serde(flatten)]
     common: CommonValues,
@@ -142,6 +154,12 @@ impl Patch {
         o.probes = self.probes.or(o.probes);
         o.feature_angle = self.feature_angle.or(o.feature_angle);
         o.tagged_edges &= !self.ignore_tags;
+        all.brep.fit = self.fit.unwrap_or(all.brep.fit);
+        all.brep.tolerance = self.tolerance.unwrap_or(all.brep.tolerance);
+        // A smooth face cannot follow a crease: it would have to fall back to degree 1.
+        if all.brep.fit == Fit::Bicubic && all.patch.feature_angle.is_none() {
+            all.patch.feature_angle = Some(SMOOTH_FEATURE_ANGLE);
+        }
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
         all.common = self.common.over(all.common);
@@ -198,13 +216,19 @@ impl Patch {
         options: &Options,
     ) -> Result<(), Error> {
         let context = session.context.clone();
-        let model = cad::to_brep(mesh, &result.patches, &result.leftover, &context)?;
+        let model = context.install(|| cad::to_brep(mesh, &result.patches, &result.leftover, &options.brep, &context))?;
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let cad = CadOptions { unit: options.common.unit, schema: options.schema, name, ..CadOptions::default() };
         let mut bytes = Vec::new();
         write_cad(file, &model.brep, &cad, &mut bytes)?;
         model.warnings.into_iter().for_each(|w| session.warn(w));
         session.record.set("faces", model.brep.faces.len());
+        if options.brep.fit == Fit::Bicubic {
+            let bicubic = model.fits.iter().filter(|f| f.rung == Rung::Bicubic).count();
+            let worst = model.fits.iter().map(|f| f.deviation).fold(0.0, f64::max);
+            session.say(format!("{bicubic} of {} patches are bicubic, within {worst:.3e}", model.fits.len()));
+            session.record.set("fit", json!({ "bicubic": bicubic, "deviation_max": worst, "patches": model.fits }));
+        }
         session.write_bytes(file, &bytes)?;
         session.say(format!(
             "{}: {} faces, {} shells, {} solids",

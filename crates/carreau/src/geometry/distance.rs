@@ -29,7 +29,7 @@ const TIE: f64 = 1e-9;
 
 /// How closely to look.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct DistanceOptions {
     /// Samples on each surface, besides its vertices.
     pub samples: usize,

@@ -1,0 +1,85 @@
+//! `compare`: how far two surfaces are apart.
+
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::Error;
+use carreau::geometry::distance::{DistanceOptions, compare};
+use carreau::geometry::quality::SurfaceQuality;
+use carreau::mesh::SurfaceMesh;
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Two-sided distance of two surfaces, angle between their normals, and quality of both
+#[derive(Args)]
+#[command(after_help = "Examples:\n  carreau compare scan.ply simplified.ply\n  carreau compare a.stl b.stl --json - | jq .distance")]
+pub struct Compare {
+    /// The first surface; shares of the diagonal refer to it
+    a: PathBuf,
+    /// The second surface
+    b: PathBuf,
+    /// Samples on each surface, besides its vertices [default: 200000]
+    #[arg(long, value_name = "N")]
+    samples: Option<usize>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    distance: DistanceOptions,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Compare {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut options = Options::default();
+        if let Some(file) = &self.common.options {
+            options = options_from(file, "compare", &options)?;
+        }
+        options.distance.samples = self.samples.unwrap_or(options.distance.samples);
+        options.common = self.common.over(options.common);
+        Session::run("compare", &self.common, &options.common, Some(&self.a), |session| {
+            session.record.set("options", &options);
+            // The record's `input` is the first file: it is read last, so that its counts stay.
+            let b = read(session, &self.b)?;
+            let a = read(session, &self.a)?;
+            let context = session.context.clone();
+            let found = context.install(|| {
+                let _stage = context.stage("distance");
+                compare(&a, &b, &options.distance, &context)
+            })?;
+            let (d, share) = (found.distance, found.relative);
+            session.say(format!("diagonal of the first: {}", found.diagonal));
+            session.say(format!("distance mean {:.6e} ({:.4} % of the diagonal)", d.mean, 100.0 * share.mean));
+            session.say(format!("distance rms  {:.6e} ({:.4} %)", d.rms, 100.0 * share.rms));
+            session.say(format!(
+                "distance max  {:.6e} ({:.4} %), certainly below {:.6e}",
+                d.max,
+                100.0 * share.max,
+                d.max_upper
+            ));
+            if let Some(angle) = &found.normal_deg {
+                session.say(format!("normals: mean {:.3}°, max {:.3}°", angle.mean, angle.max));
+            }
+            session.record.set_all(&found);
+            session.record.set("quality", json!({ "a": SurfaceQuality::of(&a), "b": SurfaceQuality::of(&b) }));
+            Ok(())
+        })
+    }
+}
+
+/// Reads a surface; what is wrong with it is told with its name.
+fn read(session: &mut Session, file: &Path) -> Result<SurfaceMesh, Error> {
+    let named = |error| match error {
+        Error::Input { what, place, remedy } => Error::Input { what: format!("{}: {what}", file.display()), place, remedy },
+        other => other,
+    };
+    session.read(file)?.into_surface().map_err(named)
+}
