@@ -12,6 +12,9 @@ pub struct Common {
     /// Writes the result record (JSON) to a file, or to stdout with `-`
     #[arg(long, value_name = "FILE|-", help_heading = "Common options")]
     pub json: Option<PathBuf>,
+    /// Draws the result (PNG)
+    #[arg(long, value_name = "FILE.png", help_heading = "Common options")]
+    pub picture: Option<PathBuf>,
     /// Takes options from a JSON file; the record of an earlier run replays that run. Flags win over the file
     #[arg(long, value_name = "FILE", help_heading = "Common options")]
     pub options: Option<PathBuf>,

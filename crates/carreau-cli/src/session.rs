@@ -5,6 +5,7 @@ use crate::progress::Bar;
 use crate::record::Record;
 use crate::timings::Timings;
 use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::report::figure;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use std::fmt;
@@ -66,6 +67,7 @@ pub struct Session {
     /// What the run will tell.
     pub record: Record,
     json: Option<PathBuf>,
+    picture: Option<PathBuf>,
     quiet: bool,
     timings: Timings,
     /// Lines for a person, printed when the record does not go to stdout.
@@ -110,7 +112,15 @@ impl Session {
             context = context.with_progress(Arc::new(Bar::new()));
         }
         let record = Record::new(verb);
-        Ok(Session { context, record, json: common.json.clone(), quiet: common.quiet, timings, summary: Vec::new() })
+        Ok(Session {
+            context,
+            record,
+            json: common.json.clone(),
+            picture: common.picture.clone(),
+            quiet: common.quiet,
+            timings,
+            summary: Vec::new(),
+        })
     }
 
     /// Adds a line for a person.
@@ -165,6 +175,17 @@ impl Session {
         let _stage = self.context.stage("write");
         self.context.check()?;
         io::write_atomically(file, bytes)
+    }
+
+    /// Draws a mesh where a picture was asked for.
+    pub fn draw(&mut self, mesh: &RawMesh) -> Result<(), Error> {
+        let Some(file) = self.picture.clone() else { return Ok(()) };
+        let context = self.context.clone();
+        let png = context.install(|| {
+            let _stage = context.stage("picture");
+            figure(mesh).to_png()
+        })?;
+        self.write_bytes(&file, &png)
     }
 
     fn finish(&mut self) -> Result<(), Error> {

@@ -69,6 +69,7 @@ impl Compare {
                 session.say(format!("normals: mean {:.3}°, max {:.3}°", angle.mean, angle.max));
             }
             session.record.set_all(&found);
+            session.draw(&a.clone().into())?;
             session.record.set("quality", json!({ "a": SurfaceQuality::of(&a), "b": SurfaceQuality::of(&b) }));
             Ok(())
         })

@@ -66,6 +66,7 @@ impl Convert {
         if options.triangulate {
             mesh = mesh.into_surface()?.triangulated()?.into();
         }
+        session.draw(&mesh)?;
         session.write_mesh(&self.output, &mesh, &WriteOptions { ascii: options.ascii })?;
         session.record.set(
             "output",

@@ -28,7 +28,9 @@ impl Info {
             let raw = session.read(&self.input)?;
             describe_content(session, &raw);
             // A volume mesh is looked at through its boundary.
-            let surface = if raw.cells.is_empty() { raw } else { raw.boundary()? }.into_surface()?;
+            let skin = if raw.cells.is_empty() { raw } else { raw.boundary()? };
+            session.draw(&skin)?;
+            let surface = skin.into_surface()?;
             session.context.check()?;
             describe_surface(session, &surface)
         })

@@ -2,6 +2,7 @@
 
 mod compare;
 mod convert;
+mod demo;
 mod info;
 mod patch;
 mod repair;
@@ -14,6 +15,7 @@ use clap::Subcommand;
 /// What to do.
 #[derive(Subcommand)]
 pub enum Verb {
+    Demo(demo::Demo),
     Sample(sample::Sample),
     Info(info::Info),
     Convert(convert::Convert),
@@ -28,6 +30,7 @@ impl Verb {
     /// Does it.
     pub fn run(&self) -> Result<(), Failure> {
         match self {
+            Verb::Demo(verb) => verb.run(),
             Verb::Sample(verb) => verb.run(),
             Verb::Info(verb) => verb.run(),
             Verb::Repair(verb) => verb.run(),

@@ -34,9 +34,6 @@ pub struct Patch {
     /// Writes the patches as grids of vertex and triangle ids (JSON)
     #[arg(long, value_name = "FILE.json")]
     layout: Option<PathBuf>,
-    /// Draws the patches (PNG)
-    #[arg(long, value_name = "FILE.png")]
-    picture: Option<PathBuf>,
     /// All options of the paper's pipeline, or the defaults
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>(&["default", "paper"]))]
     preset: Option<Preset>,
@@ -197,11 +194,15 @@ impl Patch {
             let layout = json!({ "patches": result.patches, "leftover": result.leftover });
             session.write_bytes(file, layout.to_string().as_bytes())?;
         }
+        let quads = quad_mesh(mesh, result);
+        session.draw(&quads)?;
         match &self.output {
-            Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => self.write_cad(session, file, mesh, result, options),
+            Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => {
+                self.write_cad(session, file, mesh, result, options)
+            }
             Some(file) => {
-                session.record.set("faces", f.cells + result.leftover.len());
-                session.write_mesh(file, &quad_mesh(mesh, result), &WriteOptions::default())
+                session.record.set("faces", quads.faces.len());
+                session.write_mesh(file, &quads, &WriteOptions::default())
             }
             None => Ok(()),
         }

@@ -72,6 +72,7 @@ impl Repair {
                 session.record.warnings.push(sentence);
             }
             let out = RawMesh::from(done.mesh);
+            session.draw(&out)?;
             session.write_mesh(&self.output, &out, &WriteOptions::default())?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
             session.record.set("repair", done.report);

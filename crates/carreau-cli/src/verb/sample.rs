@@ -37,6 +37,7 @@ impl Sample {
             (Some(name), Some(output)) if !self.list => {
                 session.record.set("options", json!({ "name": name, "resolution": self.resolution, "seed": values.seed }));
                 let mesh: RawMesh = make(name, self.resolution, &session.context)?.into();
+                session.draw(&mesh)?;
                 session.write_mesh(output, &mesh, &WriteOptions::default())?;
                 let counts = json!({ "file": output.to_string_lossy(), "vertices": mesh.points.len(), "faces": mesh.faces.len() });
                 session.record.set("output", counts);
