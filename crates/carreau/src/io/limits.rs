@@ -11,7 +11,7 @@ pub(super) fn require_surface(mesh: &RawMesh, format: &str) -> Result<()> {
         return Err(Error::input(
             format!("{format} holds surfaces, this is a volume mesh ({} cells)", mesh.cells.len()),
             "",
-            "write its boundary with `carreau convert --boundary`, or use a format that holds cells (.mesh, .vtu, .vtk, .msh)",
+            "write its boundary with `carreau convert --boundary`, or use a format with cells: .mesh, .vtu, .vtk, .msh",
         ));
     }
     let columns = &mesh.attributes;

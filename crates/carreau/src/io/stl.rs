@@ -6,7 +6,8 @@
 //! become the face column `solid`.
 //!
 //! The format: "StereoLithography Interface Specification", 3D Systems, 1989. It has no mark to tell binary from text;
-//! many binary files start with `solid` as text files must. A file whose length is that of its triangle count is binary.
+//! many binary files start with `solid` as text files must. A file whose length is that of its triangle count is
+//! binary.
 
 use super::binary::{Cursor, Endian};
 use super::limits::{columns_left_out, edges_left_out, require_surface};

@@ -6,7 +6,7 @@
 //! | `v x y z r g b` (a custom of many programs) | vertex column `color`, where every vertex has one |
 //! | `f` | faces, with their polygons; relative indices and vertices that come later are understood |
 //! | `vt`, `vn` | corner columns `uv` and `normal`, where every corner has one; vertices are never split |
-//! | `g`, `o`, `usemtl` | face columns `group`, `object`, `material`: labels in the order of first use, words in `names` |
+//! | `g`, `o`, `usemtl` | face columns `group`, `object`, `material`: labels in order of first use, words in `names` |
 //! | `l` | edges |
 //!
 //! Other statements describe curves, points, shading and materials and are passed over.

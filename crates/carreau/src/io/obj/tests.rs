@@ -48,7 +48,8 @@ fn layout_does_not_matter() {
         "v 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3\rf 1 3 4",
         "\tv\t0 0\t0 \n\n  v +1.0E+00 0 .0#c\nv 1.e0 1 -0e5\n v 0 1 0 # x\nf 1 2 3#c\nf 1\t3 4",
         "v 0 0 0\nv 1 0 \\\n0\nv 1 1 0\nv 0 1 0\nf \\\r\n 1 2\\\n 3\nf 1 3 4\n",
-        "mtllib no such.mtl\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\nv 0 1 0\np 1\ns off\ncurv 0 1\nnonsense 5\nf 1 2 3\nf 1 3 4\n",
+        "mtllib no such.mtl\nv 0 0 0 1.0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
+         p 1\ns off\ncurv 0 1\nnonsense 5\nf 1 2 3\nf 1 3 4\n",
     ] {
         let mesh = read(text);
         assert_eq!((&mesh.points, &mesh.faces), (&plain.points, &plain.faces), "{text:?}");

@@ -11,8 +11,8 @@
 //! | any other integers | labels; numbers where they do not fit 32 bits |
 //! | any other floats | numbers |
 //!
-//! Vectors and pairs are made of floats only; colours of integers up to 255, or of floats up to 1. A column whose name is
-//! taken gets a `_` behind it.
+//! Vectors and pairs are made of floats only; colours of integers up to 255, or of floats up to 1. A column whose name
+//! is taken gets a `_` behind it.
 
 use super::body::{Table, Values};
 use crate::mesh::{Column, Columns};

@@ -9,9 +9,9 @@
 //! | other scalar properties of vertices and faces | columns, as `columns` describes |
 //! | everything else | left out |
 //!
-//! The format: "The PLY Polygon File Format", G. Turk, 1994. It is read here and not by the crate ply-rs-bw, which knows
-//! no 64-bit integers, does not tell at which byte it stopped, rounds text to the declared single precision, wants a line
-//! for every row of text, and reads text at a third of the speed.
+//! The format: "The PLY Polygon File Format", G. Turk, 1994. It is read here and not by the crate ply-rs-bw, which
+//! knows no 64-bit integers, does not tell at which byte it stopped, rounds text to the declared single precision,
+//! wants a line for every row of text, and reads text at a third of the speed.
 //!
 //! | file | does |
 //! |---|---|

@@ -30,8 +30,9 @@ fn all_types(big: bool) -> Vec<u8> {
         )*};
     }
     value!(
-        "char" "a": -1i8, "uint8" "b": 200u8, "short" "c": -300i16, "ushort" "d": 60000u16, "double" "z": 0.1f64, "int" "e": -70000i32,
-        "uint32" "f": 4000000000u32, "int64" "g": -5i64, "uint64" "h": u64::MAX, "float" "y": 0.1f32, "float64" "i": 1e300f64, "int16" "x": 7i16
+        "char" "a": -1i8, "uint8" "b": 200u8, "short" "c": -300i16, "ushort" "d": 60000u16, "double" "z": 0.1f64,
+        "int" "e": -70000i32, "uint32" "f": 4000000000u32, "int64" "g": -5i64, "uint64" "h": u64::MAX,
+        "float" "y": 0.1f32, "float64" "i": 1e300f64, "int16" "x": 7i16
     );
     file.extend_from_slice(b"end_header\n");
     file.extend_from_slice(&values);
@@ -74,7 +75,8 @@ fn line_ends_and_comments_do_not_matter() {
 fn binary_values_begin_right_after_the_header() {
     // The first byte of the values is a line feed: it must not be taken for the end of the header's line.
     for end in ["\n", "\r\n", "\r"] {
-        let header = "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar z\nend_header\n";
+        let header = "ply\nformat binary_big_endian 1.0\nelement vertex 1\n\
+                      property uchar x\nproperty uchar y\nproperty uchar z\nend_header\n";
         let mut file = header.replace('\n', end).into_bytes();
         file.extend_from_slice(b"\n\r\x05");
         assert_eq!(read(&file).points, [DVec3::new(10.0, 13.0, 5.0)], "{end:?}");
@@ -84,8 +86,9 @@ fn binary_values_begin_right_after_the_header() {
 #[test]
 fn elements_in_any_order_and_unknown_ones() {
     let declarations = format!(
-        "element camera 2\nproperty float focal\nproperty list uchar float params\nelement face 1\nproperty uchar flags\n\
-         property list char uint vertex_index\nproperty list uchar float texcoord\nelement edge 1\nproperty int vertex2\nproperty int vertex1\n\
+        "element camera 2\nproperty float focal\nproperty list uchar float params\n\
+         element face 1\nproperty uchar flags\nproperty list char uint vertex_index\nproperty list uchar float texcoord\n\
+         element edge 1\nproperty int vertex2\nproperty int vertex1\n\
          element vertex 3\nproperty int quality\n{XYZ}element nothing 99999999999\n"
     );
     let mesh = read(ascii(&declarations, "1 2 5 6\n1 0\n8 3 2 1 0 2 .5 .5\n1 0\n4 0 0 0\n5 1 0 0\n6 0 1 0\n"));
@@ -114,9 +117,9 @@ fn properties_become_columns() {
     assert_eq!(columns["color"], Column::Color(vec![[9, 8, 7, 255]]));
     assert_eq!(columns.len(), 8);
     // Integers above 255 are no colours, and columns with one name are both kept.
-    let declarations = format!(
-        "element vertex 1\n{XYZ}property int red\nproperty int green\nproperty int blue\nproperty int normal\nproperty float nx\nproperty float ny\nproperty float nz\n"
-    );
+    let ints = ["red", "green", "blue", "normal"].map(|n| format!("property int {n}\n")).concat();
+    let floats = ["nx", "ny", "nz"].map(|n| format!("property float {n}\n")).concat();
+    let declarations = format!("element vertex 1\n{XYZ}{ints}{floats}");
     let mesh = read(ascii(&declarations, "0 0 0 256 0 0 5 1 1 1"));
     assert_eq!(mesh.attributes.vertex.keys().collect::<Vec<_>>(), ["blue", "green", "normal", "normal_", "red"]);
 }
@@ -191,7 +194,8 @@ fn triangles_of_strip(values: &[i32]) -> Vec<Vec<u32>> {
 proptest! {
     #[test]
     fn strips_become_triangles(values in prop::collection::vec(-1i32..5, 0..30)) {
-        let declarations = format!("element vertex 5\n{XYZ}element tristrips 1\nproperty list int int vertex_indices\n");
+        let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+        let declarations = format!("element vertex 5\n{XYZ}{strips}");
         let words: String = values.iter().map(|v| format!(" {v}")).collect();
         let mesh = read(ascii(&declarations, &format!("{}{}{words}\n", "0 0 0\n".repeat(5), values.len())));
         prop_assert_eq!(faces_of(&mesh), triangles_of_strip(&values));
