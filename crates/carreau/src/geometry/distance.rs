@@ -211,26 +211,54 @@ fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Co
         (closest.distance(), to.angle_to(from.normals[s.triangle as usize], s.point, &closest))
     })?;
 
-    let vertex = |k: usize| (at_vertices[k].distance(), from.points[from.used[k] as usize]);
-    let vertices = (0..from.used.len()).map(vertex);
-    let mut worst = vertices.chain(found.iter().zip(&samples).map(|(f, s)| (f.0, s.point))).fold((0.0, None), farther);
-    let mut points = at_vertices.len() + samples.len();
-    let max_upper = bound_maximum(from, to, &at_vertices, options.refinements, &mut worst, &mut points, context)?;
+    let mut bracket = Bracket::default();
+    at_vertices.iter().zip(&from.used).for_each(|(c, &v)| bracket.see(from.points[v as usize], c.distance()));
+    found.iter().zip(&samples).for_each(|(f, s)| bracket.see(s.point, f.0));
+    narrow(&mut bracket, from, to, &at_vertices, options.refinements, context)?;
 
     let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
     let squares: Vec<f64> = distances.iter().map(|d| d * d).collect();
     let count = distances.len().max(1) as f64;
     let angles: Vec<f64> = found.iter().filter_map(|f| f.1).map(f64::to_degrees).collect();
-    let distance =
-        Distance { mean: sum(&distances) / count, rms: (sum(&squares) / count).sqrt(), max: worst.0, max_upper };
-    let at = worst.1.or(from.used.first().map(|&v| from.points[v as usize])).unwrap_or(DVec3::ZERO);
-    let side = OneSided { distance, max_at: at.to_array(), normal_deg: Summary::of(angles.clone()), points };
+    let side = OneSided {
+        distance: Distance {
+            mean: sum(&distances) / count,
+            rms: (sum(&squares) / count).sqrt(),
+            max: bracket.lower,
+            max_upper: bracket.upper,
+        },
+        max_at: bracket.at.to_array(),
+        normal_deg: Summary::of(angles.clone()),
+        points: bracket.points,
+    };
     Ok((side, angles))
 }
 
-/// The farther of two; the first of equals.
-fn farther(worst: (f64, Option<DVec3>), (distance, point): (f64, DVec3)) -> (f64, Option<DVec3>) {
-    if distance > worst.0 { (distance, Some(point)) } else { worst }
+/// The maximum between two bounds.
+struct Bracket {
+    /// The largest distance seen.
+    lower: f64,
+    /// Where; the first of several.
+    at: DVec3,
+    /// The true maximum is not larger.
+    upper: f64,
+    /// Points seen.
+    points: usize,
+}
+
+impl Default for Bracket {
+    fn default() -> Self {
+        Bracket { lower: f64::NEG_INFINITY, at: DVec3::ZERO, upper: 0.0, points: 0 }
+    }
+}
+
+impl Bracket {
+    fn see(&mut self, point: DVec3, distance: f64) {
+        self.points += 1;
+        if distance > self.lower {
+            (self.lower, self.at) = (distance, point);
+        }
+    }
 }
 
 /// Maps in parallel, in order, looking at the clock between chunks.
@@ -279,16 +307,51 @@ struct Part {
 }
 
 impl Part {
-    /// The bound from the closest triangles of the corners and of the centre, whose distance comes along.
-    fn new(corners: [DVec3; 3], closest: [u32; 3], to: &Target) -> (Part, f64) {
-        let centre = corners.iter().sum::<DVec3>() / 3.0;
-        let middle = to.closest(centre);
-        let by_corners = bound_by(corners, &closest, to);
-        let by_centre = bound_by(corners, &[middle.triangle], to);
+    /// Bounded by what is known of the corners.
+    fn at_corners(corners: [DVec3; 3], closest: [u32; 3], to: &Target) -> Part {
+        Part { corners, closest, bound: bound_by(corners, &closest, to) }
+    }
+
+    fn centre(&self) -> DVec3 {
+        self.corners.iter().sum::<DVec3>() / 3.0
+    }
+
+    /// Bounded by the closest triangle of the centre as well; returns the centre's distance too.
+    fn with_centre(mut self, to: &Target) -> (Part, f64) {
+        let centre = self.centre();
+        let closest = to.closest(centre);
         // The distance changes by no more than the way: a second bound, better for parts far away.
-        let reach = corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max);
-        let bound = by_corners.min(by_centre).min(middle.distance() + reach);
-        (Part { corners, closest, bound }, middle.distance())
+        let reach = self.corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max);
+        let by_centre = bound_by(self.corners, &[closest.triangle], to).min(closest.distance() + reach);
+        self.bound = self.bound.min(by_centre);
+        (self, closest.distance())
+    }
+
+    /// The four quarters, and all points that were looked at.
+    ///
+    /// ```text
+    ///       c
+    ///      ╱ ╲
+    ///    ca───bc
+    ///    ╱ ╲ ╱ ╲
+    ///   a───ab──b
+    /// ```
+    fn quarters(&self, to: &Target) -> ([Part; 4], [(DVec3, f64); 7]) {
+        let ([a, b, c], [ka, kb, kc]) = (self.corners, self.closest);
+        let middles = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+        let found = middles.map(|m| to.closest(m));
+        let ([ab, bc, ca], [kab, kbc, kca]) = (middles, found.map(|f| f.triangle));
+        let quarters = [
+            ([a, ab, ca], [ka, kab, kca]),
+            ([ab, b, bc], [kab, kb, kbc]),
+            ([ca, bc, c], [kca, kbc, kc]),
+            ([ab, bc, ca], [kab, kbc, kca]),
+        ]
+        .map(|(corners, closest)| Part::at_corners(corners, closest, to).with_centre(to));
+        let middle = |k: usize| (middles[k], found[k].distance());
+        let centre = |k: usize| (quarters[k].0.centre(), quarters[k].1);
+        let seen = [middle(0), middle(1), middle(2), centre(0), centre(1), centre(2), centre(3)];
+        (quarters.map(|(part, _)| Part { bound: part.bound.min(self.bound), ..part }), seen)
     }
 }
 
@@ -301,87 +364,74 @@ fn bound_by(corners: [DVec3; 3], candidates: &[u32], to: &Target) -> f64 {
     candidates.iter().map(largest).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// Raises the lower bound, lowers the upper bound of the maximum until they meet; returns the upper bound.
-fn bound_maximum(
+/// Raises the lower bound of the maximum and lowers the upper one until they meet or the budget is spent.
+fn narrow(
+    bracket: &mut Bracket,
     from: &Target,
     to: &Target,
     at_vertices: &[Closest],
     budget: usize,
-    worst: &mut (f64, Option<DVec3>),
-    points: &mut usize,
     context: &Context,
-) -> Result<f64> {
+) -> Result<()> {
     let slack = MET * from.diagonal.max(to.diagonal);
-    let closest_of = |v: u32| at_vertices[from.used.partition_point(|&u| u < v)].triangle;
-    // Most triangles are settled by what is known of their corners; only the others ask for their centre.
-    let known = *worst;
-    let first_look = |t: &[u32; 3]| {
-        let corners = t.map(|v| from.points[v as usize]);
-        let closest = t.map(closest_of);
-        let bound = bound_by(corners, &closest, to);
-        if bound <= known.0 + slack { Err(bound) } else { Ok(Part::new(corners, closest, to)) }
-    };
-    let mut settled = 0f64;
-    let mut open: Vec<Part> = Vec::new();
-    let mut take = |looked: Vec<std::result::Result<(Part, f64), f64>>, worst: &mut (f64, Option<DVec3>)| {
-        let mut parts = Vec::new();
-        for look in looked {
-            match look {
-                Err(bound) => settled = settled.max(bound),
-                Ok((part, distance)) => {
-                    *worst = farther(*worst, (distance, part.corners.iter().sum::<DVec3>() / 3.0));
-                    *points += 1;
-                    parts.push(part);
-                }
-            }
-        }
-        (parts, settled)
-    };
-    let (parts, mut upper) = take(map_chunks(&from.triangles, context, first_look)?, worst);
-    open.extend(parts);
-    let mut spent = 0;
+    let mut open = first_parts(bracket, from, to, at_vertices, slack, context)?;
+    let mut left = budget;
     loop {
-        let limit = worst.0 + slack;
-        open.iter().filter(|part| part.bound <= limit).for_each(|part| upper = upper.max(part.bound));
-        open.retain(|part| part.bound > limit);
-        if open.is_empty() || spent >= budget {
+        let limit = bracket.lower + slack;
+        open.retain(|part| {
+            if part.bound <= limit {
+                bracket.upper = bracket.upper.max(part.bound);
+            }
+            part.bound > limit
+        });
+        if open.is_empty() || left == 0 {
             break;
         }
-        // The largest bounds first; of equal ones the first.
+        // The largest bounds first; the sort is stable, so of equal ones the first.
         open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
-        let rest = open.split_off(open.len().min(ROUND).min(budget - spent));
-        spent += open.len();
-        let quarters = map_chunks(&open, context, |part| quarter(part, to))?;
+        let rest = open.split_off(open.len().min(ROUND).min(left));
+        left -= open.len();
+        let divided = map_chunks(&open, context, |part| part.quarters(to))?;
         open = rest;
-        for (parts, distances) in quarters {
-            for (point, distance) in distances {
-                *worst = farther(*worst, (distance, point));
-                *points += 1;
-            }
+        for (parts, seen) in divided {
+            seen.iter().for_each(|&(point, distance)| bracket.see(point, distance));
             open.extend(parts);
         }
     }
-    Ok(open.iter().map(|part| part.bound).fold(upper.max(worst.0), f64::max))
+    bracket.upper = open.iter().map(|part| part.bound).fold(bracket.upper.max(bracket.lower), f64::max);
+    Ok(())
 }
 
-/// Divides a part at the middles of its sides; returns the four and the points that were looked at.
-fn quarter(part: &Part, to: &Target) -> ([Part; 4], [(DVec3, f64); 7]) {
-    let [a, b, c] = part.corners;
-    let [ka, kb, kc] = part.closest;
-    let middles = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-    let found = middles.map(|m| to.closest(m));
-    let [ab, bc, ca] = middles;
-    let [kab, kbc, kca] = found.map(|f| f.triangle);
-    let quarters = [
-        Part::new([a, ab, ca], [ka, kab, kca], to),
-        Part::new([ab, b, bc], [kab, kb, kbc], to),
-        Part::new([ca, bc, c], [kca, kbc, kc], to),
-        Part::new([ab, bc, ca], [kab, kbc, kca], to),
-    ];
-    let centre = |k: usize| (quarters[k].0.corners.iter().sum::<DVec3>() / 3.0, quarters[k].1);
-    let middle = |k: usize| (middles[k], found[k].distance());
-    let points = [middle(0), middle(1), middle(2), centre(0), centre(1), centre(2), centre(3)];
-    (quarters.map(|q| Part { bound: q.0.bound.min(part.bound), ..q.0 }), points)
+/// All triangles that what is known of their corners does not settle, bounded by their centres too.
+fn first_parts(
+    bracket: &mut Bracket,
+    from: &Target,
+    to: &Target,
+    at_vertices: &[Closest],
+    slack: f64,
+    context: &Context,
+) -> Result<Vec<Part>> {
+    let closest_of = |v: u32| at_vertices[from.used.partition_point(|&u| u < v)].triangle;
+    let limit = bracket.lower + slack;
+    let look = |t: &[u32; 3]| {
+        let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(closest_of), to);
+        if part.bound <= limit {
+            return (part, None);
+        }
+        let (part, distance) = part.with_centre(to);
+        (part, Some(distance))
+    };
+    let mut parts = Vec::new();
+    for (part, distance_at_centre) in map_chunks(&from.triangles, context, look)? {
+        match distance_at_centre {
+            Some(distance) => {
+                bracket.see(part.centre(), distance);
+                parts.push(part);
+            }
+            None => bracket.upper = bracket.upper.max(part.bound),
+        }
+    }
+    Ok(parts)
 }
 
 #[cfg(test)]

@@ -9,8 +9,14 @@
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
 //! | `attributes` | named columns |
-//! | `topology` | components, loops, genus, defects with their places |
-//! | `repair` | weld, drop, orient, split |
+//! | `area` | area vectors of faces |
+//! | `weld` | vertices at one place, exactly or within a tolerance |
+//! | `duplicates` | faces on the same vertices |
+//! | `disjoint_sets` | union-find |
+//! | `connectivity` | components, irregular edges, which faces to turn, umbrellas |
+//! | `nesting` | closed components: volume, nesting, which are inside out |
+//! | `topology` | [`Topology`]: counts, genus, defects with their places |
+//! | `repair` | [`repair`]: weld, drop, orient, split |
 
 mod area;
 mod attributes;
