@@ -22,8 +22,9 @@
 //!   └───┴───┘
 //! ```
 //!
-//! **Ties** are broken by geometry alone, never by the numbering of cells or quads: more cells, then the squarer
-//! shape (fewer rows plus columns), then more columns, then the lower row, then the more leftward column.
+//! **Ties** are broken by geometry alone, never by the numbering of cells or quads: of several rectangles with the most
+//! cells comes first the longer one (more rows plus columns; on random polygons with walls this gives 1 to 3 % fewer
+//! rectangles than the squarer one), then the one with more columns, then the lower, then the more leftward.
 //!
 //! **Speed.** Candidates are kept for whole *stacks* (cells connected upwards and downwards without interruption) and
 //! not for cells, since one pass over a stack finds its best candidate: the upper left corner lies in some stack, and so
@@ -62,7 +63,7 @@ pub fn greedy(polygon: &Polygon, rule: CornerRule, context: &Context) -> Result<
     let mut remainder = Remainder::new(polygon, rule);
     let mut rectangles = Vec::new();
     while let Some(best) = remainder.take_largest() {
-        context.check_every(rectangles.len())?;
+        context.check()?;
         rectangles.push(best);
     }
     debug_assert!(polygon.check_dissection(&rectangles).is_ok());
@@ -73,7 +74,7 @@ pub fn greedy(polygon: &Polygon, rule: CornerRule, context: &Context) -> Result<
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
     area: u32,
-    half_perimeter: Reverse<u32>,
+    half_perimeter: u32,
     cols: u32,
     bottom: Reverse<i32>,
     left: Reverse<i32>,
@@ -238,7 +239,7 @@ impl<'a> Remainder<'a> {
         let corner = stack[first];
         Candidate {
             area: rows * cols,
-            half_perimeter: Reverse(rows + cols),
+            half_perimeter: rows + cols,
             cols,
             bottom: Reverse(self.polygon.cells[stack[last] as usize].row),
             left: Reverse(self.polygon.cells[corner as usize].col),
@@ -391,7 +392,7 @@ mod tests {
                 .map(|(rows, cols, cells)| {
                     let (row, col) =
                         cells.iter().map(|&c| &polygon.cells[c as usize]).map(|c| (c.row, c.col)).min().unwrap();
-                    ((rows * cols, Reverse(rows + cols), cols, Reverse(row), Reverse(col)), cells)
+                    ((rows * cols, rows + cols, cols, Reverse(row), Reverse(col)), cells)
                 })
                 .max()
                 .unwrap();
