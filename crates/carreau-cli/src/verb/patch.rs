@@ -70,7 +70,10 @@ pub struct Patch {
     /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16, fewer on large meshes]
     #[arg(long, value_name = "N")]
     probes: Option<u32>,
-    /// Never crosses edges with at least this angle between the faces [default: none; 35 for bicubic faces]
+    /// Strategy grow: rectangles end at sharper creases; merging may join them along complete sides [default: 50]
+    #[arg(long, value_name = "DEG")]
+    crease_angle: Option<f64>,
+    /// Never crosses edges with more than this angle between the faces [default: none; 35 for bicubic faces]
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     /// Never crosses these edges: a file with two vertex ids per line
@@ -149,6 +152,7 @@ impl Patch {
         o.dissection = self.dissection.unwrap_or(o.dissection);
         o.merge = self.merge.unwrap_or(o.merge);
         o.probes = self.probes.or(o.probes);
+        o.crease_angle = self.crease_angle.unwrap_or(o.crease_angle);
         o.feature_angle = self.feature_angle.or(o.feature_angle);
         o.tagged_edges &= !self.ignore_tags;
         all.brep.fit = self.fit.unwrap_or(all.brep.fit);

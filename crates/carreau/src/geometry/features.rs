@@ -76,12 +76,15 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
     let mut corners: Vec<bool> = (0..mesh.corner_count()).map(CornerId::new).map(is_feature).collect();
 
     let tagged = mesh.tagged_edges.iter().filter(|_| options.tags).map(|e| e.ends);
-    let half_edges = mesh.half_edges();
+    let listed: Vec<[VertexId; 2]> = tagged.chain(options.edges.iter().copied()).collect();
     let mut missing = Vec::new();
-    for ends in tagged.chain(options.edges.iter().copied()) {
-        match half_edges.find(ends[0].0, ends[1].0) {
-            Some(edge) => edge.corners().for_each(|c| corners[c as usize] = true),
-            None => missing.push(ends),
+    if !listed.is_empty() {
+        let half_edges = mesh.half_edges();
+        for ends in listed {
+            match half_edges.find(ends[0].0, ends[1].0) {
+                Some(edge) => edge.corners().for_each(|c| corners[c as usize] = true),
+                None => missing.push(ends),
+            }
         }
     }
     Ok(Features { corners, missing })

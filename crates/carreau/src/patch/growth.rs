@@ -101,12 +101,13 @@ pub(super) struct Grower<'a> {
 const USED: u32 = u32::MAX;
 
 impl<'a> Grower<'a> {
-    /// No triangle is used yet.
-    pub fn new(candidates: &'a Candidates<'a>) -> Self {
+    /// No triangle is used yet. Rows do not cross the half-edges in `walls`; the candidates' own barriers hold anyway.
+    pub fn new(candidates: &'a Candidates<'a>, walls: &[bool]) -> Self {
         let link = |h: u32| {
-            let ranked = candidates.rank[h as usize] != NONE;
+            let wall = walls[h as usize];
+            let ranked = candidates.rank[h as usize] != NONE && !wall;
             Link {
-                across: candidates.across(h),
+                across: if wall { NONE } else { candidates.across(h) },
                 partner: if ranked { candidates.triangles.opposite(h) } else { NONE },
                 cost: candidates.cost[h as usize],
             }
@@ -132,8 +133,10 @@ impl<'a> Grower<'a> {
         patch.triangles.iter().all(|t| self.mark[t.index()] != USED)
     }
 
-    fn is_pair_free(&self, h: u32) -> bool {
-        [h, self.candidates.triangles.opposite(h)].iter().all(|&h| self.mark[h as usize / 3] != USED)
+    /// Whether a pair may be a seed: its triangles are free and no wall runs between them.
+    fn is_seed(&self, h: u32) -> bool {
+        self.links[h as usize].partner != NONE
+            && [h, self.candidates.triangles.opposite(h)].iter().all(|&h| self.mark[h as usize / 3] != USED)
     }
 
     /// Number of cells of the current rectangle.
@@ -359,7 +362,7 @@ pub(super) fn cover(grower: &mut Grower, probes: u32, min_cells: usize, context:
         for (rank, &seed) in order.iter().enumerate() {
             context.check_every(rank)?;
             let pair = [seed / 3, triangles.opposite(seed) / 3];
-            if !grower.is_pair_free(seed) || pair.iter().any(|&t| probed[t as usize] >= probes) {
+            if !grower.is_seed(seed) || pair.iter().any(|&t| probed[t as usize] >= probes) {
                 continue;
             }
             let cells = grower.grow(seed);
@@ -373,7 +376,7 @@ pub(super) fn cover(grower: &mut Grower, probes: u32, min_cells: usize, context:
         }
         while let Some((cells, Reverse(rank))) = heap.pop() {
             let seed = order[rank as usize];
-            if !grower.is_pair_free(seed) {
+            if !grower.is_seed(seed) {
                 continue;
             }
             let now = grower.grow(seed);

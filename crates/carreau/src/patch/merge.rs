@@ -29,10 +29,11 @@ struct SideOf {
 
 /// Merges patches, lets them grow over the triangles that are left ("en intégrant éventuellement des quadrangles
 /// isolés"), and goes on as long as either changes something. Patches of fewer than `min_cells` cells, which the result
-/// would not have, are no obstacle.
+/// would not have, are no obstacle; nothing grows across `walls`, but complete sides may meet there.
 pub(super) fn merge_and_absorb(
     mut patches: Vec<Patch>,
     candidates: &Candidates,
+    walls: &[bool],
     min_cells: usize,
     context: &Context,
 ) -> Result<Vec<Patch>> {
@@ -40,7 +41,7 @@ pub(super) fn merge_and_absorb(
         patches = merge(patches, candidates, context)?;
         patches.sort_by_key(|p| Reverse(p.cells()));
         let small = patches.split_off(patches.partition_point(|p| p.cells() >= min_cells));
-        let mut grower = Grower::new(candidates);
+        let mut grower = Grower::new(candidates, walls);
         grower.occupy(&patches);
         let mut grown = false;
         for (k, patch) in patches.iter_mut().enumerate() {

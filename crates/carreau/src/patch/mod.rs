@@ -122,7 +122,10 @@ pub struct PatchOptions {
     /// How many rectangles [`Strategy::Grow`] tries through each triangle: more take longer and give larger patches.
     /// Low 1, high 32; 0 tries every seed. By default 16, fewer on large meshes so that the time stays linear.
     pub probes: Option<u32>,
-    /// Edges with at least this angle between the face normals, in degrees, are never crossed.
+    /// Rectangles of [`Strategy::Grow`] end at edges with more than this angle between the face normals, in degrees, as a
+    /// person would draw them; merging may join them across, along complete sides. 180: creases are nothing special.
+    pub crease_angle: f64,
+    /// Edges with more than this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
     /// Edges that are never crossed, by their vertices.
     #[serde(skip)]
@@ -145,6 +148,7 @@ impl Default for PatchOptions {
             dissection: Dissection::default(),
             merge: true,
             probes: None,
+            crease_angle: 50.0,
             feature_angle: None,
             feature_edges: Vec::new(),
             tagged_edges: true,
@@ -170,6 +174,7 @@ impl PatchOptions {
         };
         range("q-max", self.q_max)?;
         range("dihedral", self.dihedral)?;
+        range("crease-angle", self.crease_angle)?;
         range("feature-angle", self.feature_angle.unwrap_or(0.0))?;
         if self.min_cells == 0 {
             return Err(Error::Options("min-cells is 0, a patch has at least one cell".into()));
@@ -236,19 +241,36 @@ pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) 
     if triangles.is_empty() {
         return Err(Error::input("the mesh has no faces", "", "patches need triangles"));
     }
-    let barrier = barriers(mesh, options)?;
     let candidates = {
         let _stage = context.stage("quality");
-        Candidates::new(triangles, &options.filters(), barrier, context)?
+        Candidates::new(triangles, &options.filters(), barriers(mesh, options.feature_angle, options)?, context)?
     };
-    let patches = find(&candidates, options, context)?;
+    // Where rows of triangles may not be added, be it in growing or in absorbing what is left.
+    let walls = match options.strategy {
+        Strategy::Grow => {
+            let sharpest = options.feature_angle.unwrap_or(180.0).min(options.crease_angle);
+            barriers(mesh, Some(sharpest), options)?
+        }
+        _ => candidates.barrier.clone(),
+    };
+    let min_cells = options.min_cells as usize;
+    let mut patches = match options.strategy {
+        Strategy::Grow => {
+            let mut grower = Grower::new(&candidates, &walls);
+            growth::cover(&mut grower, options.probes(triangles.len()), min_cells, context)?
+        }
+        _ => by_polygons(&candidates, options, context)?,
+    };
+    if options.merge {
+        patches = merge::merge_and_absorb(patches, &candidates, &walls, min_cells, context)?;
+    }
     finish(mesh, patches, &candidates.barrier, options, context)
 }
 
-/// Whether each half-edge lies on an edge that no patch may cross.
-fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec<bool>> {
+/// Whether each half-edge lies on an edge that is not to be crossed: sharper than `angle`, tagged or listed.
+fn barriers(mesh: &SurfaceMesh, angle: Option<f64>, options: &PatchOptions) -> Result<Vec<bool>> {
     let limits = FeatureOptions {
-        angle_deg: options.feature_angle,
+        angle_deg: angle.filter(|&a| a < 180.0),
         borders: false,
         tags: options.tagged_edges,
         edges: options.feature_edges.clone(),
@@ -264,22 +286,15 @@ fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec<bool>> {
     }
 }
 
-/// The patches that the chosen strategy finds.
-fn find(candidates: &Candidates, options: &PatchOptions, context: &Context) -> Result<Vec<Patch>> {
+/// Quads first, then polygons of quads, then rectangles: the paper's way.
+fn by_polygons(candidates: &Candidates, options: &PatchOptions, context: &Context) -> Result<Vec<Patch>> {
     let quads = match options.strategy {
-        Strategy::Grow => {
-            let mut grower = Grower::new(candidates);
-            let probes = options.probes(candidates.triangles.len());
-            let patches = growth::cover(&mut grower, probes, options.min_cells as usize, context)?;
-            return if options.merge { merge::merge(patches, candidates, context) } else { Ok(patches) };
-        }
-        Strategy::Zones => zones::grow_zones(candidates, context)?,
         Strategy::Matching => pairing::match_pairs(candidates, Preference::Quality, context)?,
         Strategy::MatchingCardinality => pairing::match_pairs(candidates, Preference::Cardinality, context)?,
+        Strategy::Zones | Strategy::Grow => zones::grow_zones(candidates, context)?,
     };
     let (polygons, turns) = positions::lay_out(candidates, &quads, options.policy, context)?;
-    let patches = dissect(candidates, &quads, &polygons, &turns, options, context)?;
-    if options.merge { merge::merge_and_absorb(patches, candidates, options.min_cells as usize, context) } else { Ok(patches) }
+    dissect(candidates, &quads, &polygons, &turns, options, context)
 }
 
 /// Cuts polygons into rectangles and rectangles out of the mesh.
