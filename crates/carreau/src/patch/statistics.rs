@@ -51,8 +51,8 @@ pub struct Figures {
     pub not_convex: usize,
 }
 
-/// The shares for which [`Figures`] counts patches; the third is the paper's coverage of the bunny.
-const SHARES: [f64; 5] = [0.5, 0.8, 0.8998, 0.9, 0.95];
+/// The shares for which [`Figures`] counts patches; two are what the paper covers of the bunny and of its own model.
+const SHARES: [f64; 6] = [0.5, 0.8, 0.8998, 0.9, 0.95, 0.9547];
 
 impl Figures {
     /// Counts and measures a layout.

@@ -1,0 +1,212 @@
+//! The command line as a user meets it.
+
+mod common;
+
+use common::{carreau, record, text};
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A folder with a sample model in it.
+fn with_model(name: &str, file: &str) -> (TempDir, std::path::PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(file);
+    carreau().args(["sample", name, "-o", text(&path)]).assert().success();
+    (folder, path)
+}
+
+fn layout(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn help_names_every_verb_and_each_has_an_example() {
+    let help = carreau().arg("--help").assert().success().get_output().stdout.clone();
+    let help = String::from_utf8(help).unwrap();
+    for verb in ["demo", "sample", "info", "convert", "repair", "compare", "patch", "completions", "man"] {
+        assert!(help.contains(verb), "{verb}");
+        carreau().args([verb, "--help"]).assert().success().stdout(contains("Example"));
+    }
+    carreau().args(["completions", "bash"]).assert().success().stdout(contains("_carreau"));
+    carreau().arg("man").assert().success().stdout(contains(".TH"));
+}
+
+#[test]
+fn samples_are_sound_through_info() {
+    let list = record(&["sample", "--list"]);
+    let names: Vec<&str> = list["samples"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert!(names.len() >= 10);
+    let folder = TempDir::new().unwrap();
+    for name in names {
+        let path = folder.path().join(format!("{name}.ply"));
+        carreau().args(["sample", name, "-o", text(&path)]).assert().success();
+        let info = record(&["info", text(&path)]);
+        let topology = &info["topology"];
+        assert_eq!(topology["manifold"], true, "{name}");
+        assert_eq!(topology["consistently_oriented"], true, "{name}");
+        for defect in ["degenerate_faces", "duplicate_faces", "coincident_vertices", "unreferenced_vertices", "inverted_components"] {
+            assert_eq!(topology[defect], 0, "{name}: {defect}");
+        }
+    }
+}
+
+#[test]
+fn patch_writes_mesh_layout_picture_record_and_cad() {
+    let (folder, model) = with_model("cube-cylinders", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let json = record(&[
+        "patch", text(&model), "-o", text(&at("q.obj")), "--layout", text(&at("l.json")), "--picture", text(&at("p.png")),
+    ]);
+    let layout = layout(&at("l.json"));
+    let patches = layout["patches"].as_array().unwrap();
+    assert_eq!(json["patches"], patches.len());
+    let cells: u64 = patches.iter().map(|p| p["rows"].as_u64().unwrap() * p["cols"].as_u64().unwrap()).sum();
+    let left = layout["leftover"].as_array().unwrap().len() as u64;
+    assert_eq!(2 * cells + left, 2608);
+    assert_eq!(json["faces"].as_u64(), Some(cells + left));
+    let quads = record(&["info", text(&at("q.obj"))]);
+    assert_eq!(quads["input"]["vertices"], 1306);
+    assert_eq!(quads["topology"]["closed"], true);
+    assert!(fs::read(at("p.png")).unwrap().starts_with(b"\x89PNG"));
+    for name in ["m.step", "m.igs"] {
+        let json = record(&["patch", text(&model), "-o", text(&at(name))]);
+        assert!(json["faces"].as_u64().unwrap() >= json["patches"].as_u64().unwrap());
+        assert!(fs::metadata(at(name)).unwrap().len() > 1000);
+    }
+}
+
+#[test]
+fn a_record_replays_its_run() {
+    let (folder, model) = with_model("bracket", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let first = ["patch", text(&model), "--strategy", "matching", "--min-cells", "1", "--q-max", "60"];
+    carreau().args(first).args(["--layout", text(&at("a.json")), "--json", text(&at("r.json"))]).assert().success();
+    carreau()
+        .args(["patch", text(&model), "--options", text(&at("r.json")), "--layout", text(&at("b.json"))])
+        .assert()
+        .success();
+    assert_eq!(fs::read(at("a.json")).unwrap(), fs::read(at("b.json")).unwrap());
+    // A flag wins over the file; an unknown name and another verb's record are refused.
+    let json = record(&["patch", text(&model), "--options", text(&at("r.json")), "--min-cells", "5"]);
+    assert_eq!((&json["options"]["min_cells"], &json["options"]["strategy"]), (&5.into(), &"matching".into()));
+    fs::write(at("wrong.json"), r#"{"min_sells": 3}"#).unwrap();
+    let wrong = |verb: &str, file: &str, output: &str| {
+        carreau().args([verb, text(&model), "--options", text(&at(file)), "-o", text(&at(output))]).assert().code(2)
+    };
+    wrong("patch", "wrong.json", "x.obj").stderr(contains("min_sells"));
+    wrong("convert", "r.json", "x.obj").stderr(contains("patch"));
+}
+
+#[test]
+fn outputs_do_not_depend_on_threads_or_runs() {
+    let (folder, model) = with_model("noisy-torus", "m.ply");
+    for end in ["obj", "step", "igs", "png", "json"] {
+        let of = |threads: &str, run: &str| {
+            let path = folder.path().join(format!("{run}.{end}"));
+            let flag = match end {
+                "png" => "--picture",
+                "json" => "--layout",
+                _ => "-o",
+            };
+            carreau().args(["patch", text(&model), "--threads", threads, flag, text(&path)]).assert().success();
+            fs::read(path).unwrap()
+        };
+        let once = of("1", "a");
+        assert!(once == of("2", "b") && once == of("1", "c"), "{end}");
+    }
+}
+
+#[test]
+fn failures_have_the_codes_of_the_contract_and_leave_nothing() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("keep.obj"), "# mine\n").unwrap();
+    fs::write(at("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+    fs::write(at("broken.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n").unwrap();
+    let tet = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n";
+    fs::write(at("tet.mesh"), tet).unwrap();
+    let out = text(&at("keep.obj")).to_string();
+    let run = |input: &str, more: &[&str]| carreau().args(["patch", text(&at(input)), "-o", &out]).args(more).assert();
+    run("m.ply", &["--q-max", "-3"]).code(2);
+    run("m.ply", &["--strategy", "magic"]).code(2);
+    run("points.obj", &[]).code(3).stderr(contains("points.obj").and(contains("no faces")));
+    run("tet.mesh", &[]).code(3).stderr(contains("convert --boundary"));
+    run("broken.off", &[]).code(5).stderr(contains("broken.off").and(contains("line")));
+    run("absent.ply", &[]).code(5).stderr(contains("absent.ply"));
+    run("m.ply", &["--deadline", "0.000001"]).code(124);
+    carreau().args(["convert", text(&model), "-o", text(&at("x.docx"))]).assert().code(5).stderr(contains("docx"));
+    carreau().args(["convert", text(&model), "-o", text(&at("no/such/folder.obj"))]).assert().code(5);
+    assert_eq!(fs::read_to_string(at("keep.obj")).unwrap(), "# mine\n");
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 5, "nothing is left behind: {names:?}");
+}
+
+#[test]
+fn a_volume_mesh_gives_its_boundary() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let hex = "MeshVersionFormatted 2\nDimension 3\nVertices 8\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n0 0 1 0\n1 0 1 0\n1 1 1 0\n\
+               0 1 1 0\nHexahedra 1\n1 2 3 4 5 6 7 8 0\nEnd\n";
+    fs::write(at("cube.mesh"), hex).unwrap();
+    carreau().args(["convert", text(&at("cube.mesh")), "--boundary", "-o", text(&at("skin.off"))]).assert().success();
+    let info = record(&["info", text(&at("skin.off"))]);
+    assert_eq!((&info["topology"]["quads"], &info["topology"]["closed"]), (&6.into(), &true.into()));
+    assert_eq!(info["topology"]["volume"], 1.0);
+    // Hexes survive a change of format.
+    for end in ["vtu", "vtk", "msh", "meshb"] {
+        let file = at(&format!("cube.{end}"));
+        carreau().args(["convert", text(&at("cube.mesh")), "-o", text(&file)]).assert().success();
+        assert_eq!(record(&["info", text(&file)])["cells"]["hexahedra"], 1, "{end}");
+    }
+}
+
+#[test]
+fn repair_and_compare_say_what_they_find() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    // A tetrahedron as a soup with one face turned and one twice.
+    let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 2, 1]];
+    let mut soup = String::new();
+    faces.iter().flatten().for_each(|&v: &usize| soup += &format!("v {}\n", corners[v]));
+    (0..faces.len()).for_each(|k| soup += &format!("f {} {} {}\n", 3 * k + 1, 3 * k + 2, 3 * k + 3));
+    fs::write(at("soup.obj"), soup).unwrap();
+    let json = record(&["repair", text(&at("soup.obj")), "-o", text(&at("clean.ply"))]);
+    assert!(!json["warnings"].as_array().unwrap().is_empty());
+    let info = record(&["info", text(&at("clean.ply"))]);
+    assert_eq!((&info["topology"]["closed"], &info["input"]["vertices"]), (&true.into(), &4.into()));
+    assert!(info["topology"]["volume"].as_f64().unwrap() > 0.16);
+    let same = record(&["compare", text(&at("clean.ply")), text(&at("clean.ply")), "--samples", "1000"]);
+    assert!(same["distance"]["max"].as_f64().unwrap() < 1e-12);
+    let moved = fs::read_to_string(at("soup.obj")).unwrap().replace("v 0 0 1", "v 0 0 2");
+    fs::write(at("moved.obj"), moved).unwrap();
+    let apart = record(&["compare", text(&at("clean.ply")), text(&at("moved.obj")), "--samples", "1000"]);
+    assert!((apart["distance"]["max"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn bicubic_faces_keep_their_tolerance_and_are_smaller() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    carreau().args(["sample", "torus", "--resolution", "60", "-o", text(&at("t.ply"))]).assert().success();
+    let bilinear = record(&["patch", text(&at("t.ply")), "-o", text(&at("a.step"))]);
+    let json = record(&["patch", text(&at("t.ply")), "-o", text(&at("b.step")), "--fit", "bicubic", "--tolerance", "0.1%"]);
+    let diagonal = record(&["info", text(&at("t.ply"))])["diagonal"].as_f64().unwrap();
+    assert!(json["fit"]["deviation_max"].as_f64().unwrap() <= 0.001 * diagonal);
+    assert!(json["fit"]["bicubic"].as_u64().unwrap() > 0);
+    let size = |name: &str| fs::metadata(at(name)).unwrap().len();
+    assert!(5 * size("b.step") <= size("a.step"), "{} against {}, {bilinear}", size("b.step"), size("a.step"));
+}
+
+#[test]
+fn features_are_read_and_kept() {
+    let (folder, model) = with_model("cube-cylinders", "m.ply");
+    let list = folder.path().join("edges.txt");
+    fs::write(&list, "# none of these exists\n0 1305\n").unwrap();
+    carreau().args(["patch", text(&model), "--features", text(&list)]).assert().code(3).stderr(contains("0 1305"));
+    fs::write(&list, "0 x\n").unwrap();
+    carreau().args(["patch", text(&model), "--features", text(&list)]).assert().code(5).stderr(contains("line 1"));
+}
