@@ -199,9 +199,9 @@ pub const SAMPLES: &[Sample] = &[
         name: "tube-tree",
         summary: "a forked tree of tapered tubes, smoothly blended; no holes",
         closed: true,
-        resolution: 80,
+        resolution: 100,
         diagonal: 4.74,
-        make: |edge, context| tubes(&tree(), 0.25, edge, context),
+        make: |edge, context| tubes(&tree(), 0.18, edge, context),
     },
     Sample {
         name: "uv-sphere",
