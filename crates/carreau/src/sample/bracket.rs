@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::extrude::{Frame, Hole, Piece, Profile, extrude};
 use super::limits::{affordable_edge, positive};
 use super::shape::Measure;
+use crate::context::Context;
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -108,7 +109,7 @@ impl Bracket {
 ///
 /// Labels: 0 underside, 1 toe, 2 foot, 3 fillet (cylinder), 4 front, 5 top, 6 back, 7 bend (cylinder), 8 and 9 the
 /// L-shaped ends, 10 to 12 the holes (cylinders).
-pub fn bracket(size: &Bracket, edge: f64) -> Result<Model> {
+pub fn bracket(size: &Bracket, edge: f64, context: &Context) -> Result<Model> {
     size.check()?;
     let measure = size.measure();
     affordable_edge(edge, measure.map_or(0.0, |m| m.area))?;
@@ -130,6 +131,6 @@ pub fn bracket(size: &Bracket, edge: f64) -> Result<Model> {
     // x × z points towards −y: the sweep begins at the far side.
     let frame = Frame { origin: DVec3::Y * size.width, u: DVec3::X, v: DVec3::Z };
     let mut b = Builder::default();
-    extrude(&mut b, &frame, &profile, size.width, &size.holes(), edge)?;
+    extrude(&mut b, &frame, &profile, size.width, &size.holes(), edge, context)?;
     b.finish(measure)
 }

@@ -3,6 +3,7 @@
 use super::Model;
 use super::planar;
 use super::shape::{Measure, Shape};
+use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{Column, SurfaceMesh};
 use glam::{DVec2, DVec3};
@@ -90,7 +91,14 @@ impl Builder {
     }
 
     /// Fills a planar face bounded by loops of vertices, an outline and any number of holes; returns its label.
-    pub(super) fn planar_face(&mut self, name: &str, normal: DVec3, loops: &[&[u32]], edge: f64) -> Result<i32> {
+    pub(super) fn planar_face(
+        &mut self,
+        name: &str,
+        normal: DVec3,
+        loops: &[&[u32]],
+        edge: f64,
+        context: &Context,
+    ) -> Result<i32> {
         let origin = loops.first().and_then(|l| l.first()).map(|&v| self.at(v)).unwrap_or_default();
         let label = self.shape(name, Shape::Plane { origin, normal });
         let (u, v) = normal.any_orthonormal_pair();
@@ -98,7 +106,7 @@ impl Builder {
             .iter()
             .map(|l| l.iter().map(|&k| self.at(k) - origin).map(|d| DVec2::new(d.dot(u), d.dot(v))).collect())
             .collect();
-        let filled = planar::fill(&flat, edge)?;
+        let filled = planar::fill(&flat, edge, context)?;
         let mut ids: Vec<u32> = loops.concat();
         ids.extend(self.points(filled.inner.iter().map(|p| origin + u * p.x + v * p.y)));
         for t in &filled.triangles {

@@ -4,6 +4,7 @@ use super::Model;
 use super::builder::{Builder, circle};
 use super::limits::{affordable, affordable_edge, at_least, divisions, positive};
 use super::shape::{Measure, Shape};
+use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -11,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 /// A closed cylinder with edges of about this length; the circles have at least eight points.
 ///
 /// Labels: 0 the wall, 1 the bottom, 2 the top.
-pub fn cylinder(radius: f64, height: f64, edge: f64) -> Result<Model> {
+pub fn cylinder(radius: f64, height: f64, edge: f64, context: &Context) -> Result<Model> {
     positive("radius", radius)?;
     positive("height", height)?;
     affordable_edge(edge, TAU * radius * (radius + height))?;
@@ -20,8 +21,8 @@ pub fn cylinder(radius: f64, height: f64, edge: f64) -> Result<Model> {
     let rings = wall(&mut b, radius, height, segments, divisions(height, edge, 1));
     if let (Some(bottom), Some(top)) = (rings.first(), rings.last()) {
         // Seen from below, the bottom's outline runs the other way; a fill does not mind.
-        b.planar_face("bottom", DVec3::NEG_Z, &[bottom], edge)?;
-        b.planar_face("top", DVec3::Z, &[top], edge)?;
+        b.planar_face("bottom", DVec3::NEG_Z, &[bottom], edge, context)?;
+        b.planar_face("top", DVec3::Z, &[top], edge, context)?;
     }
     b.finish(Measure::closed(TAU * radius * (radius + height), PI * radius.powi(2) * height))
 }

@@ -6,6 +6,7 @@
 use super::builder::{Builder, circle};
 use super::limits::divisions;
 use super::shape::Shape;
+use crate::context::Context;
 use crate::error::Result;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -54,6 +55,7 @@ pub(super) fn extrude(
     length: f64,
     holes: &[Hole],
     edge: f64,
+    context: &Context,
 ) -> Result<()> {
     let sweep = Sweep::new(b, frame, profile, length, edge);
     let rings: Vec<Vec<Vec<u32>>> = holes.iter().map(|h| hole_rings(b, h, edge)).collect();
@@ -62,7 +64,7 @@ pub(super) fn extrude(
             Piece::Line(_) => {
                 let outline = sweep.side_outline(k);
                 let loops: Vec<&[u32]> = std::iter::once(&outline[..]).chain(mouths(holes, &rings, name)).collect();
-                b.planar_face(name, sweep.side_normal(b, k), &loops, edge)?;
+                b.planar_face(name, sweep.side_normal(b, k), &loops, edge, context)?;
             }
             Piece::Arc(centre, _) => {
                 let origin = frame.place(centre);
@@ -72,8 +74,8 @@ pub(super) fn extrude(
             }
         }
     }
-    b.planar_face("near end", -sweep.axis, &[&sweep.near.concat()], edge)?;
-    b.planar_face("far end", sweep.axis, &[&sweep.far.concat()], edge)?;
+    b.planar_face("near end", -sweep.axis, &[&sweep.near.concat()], edge, context)?;
+    b.planar_face("far end", sweep.axis, &[&sweep.far.concat()], edge, context)?;
     for (hole, rings) in holes.iter().zip(&rings) {
         let axis = hole.through.normalize();
         let label = b.shape(hole.name, Shape::Cylinder { origin: hole.centre, axis, radius: hole.radius });

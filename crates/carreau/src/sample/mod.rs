@@ -112,7 +112,7 @@ pub const SAMPLES: &[Sample] = &[
         closed: true,
         resolution: 60,
         diagonal: 91.935,
-        make: |edge, _| bracket(&Bracket::default(), edge),
+        make: |edge, context| bracket(&Bracket::default(), edge, context),
     },
     Sample {
         name: "cube-cylinders",
@@ -128,7 +128,7 @@ pub const SAMPLES: &[Sample] = &[
         closed: true,
         resolution: 60,
         diagonal: 4.123,
-        make: |edge, _| cylinder(1.0, 3.0, edge),
+        make: |edge, context| cylinder(1.0, 3.0, edge, context),
     },
     Sample {
         name: "icosphere",
@@ -217,7 +217,7 @@ pub const SAMPLES: &[Sample] = &[
         closed: true,
         resolution: 50,
         diagonal: 2.892,
-        make: |edge, _| wedge(20.0, 2.0, 2.0, edge),
+        make: |edge, context| wedge(20.0, 2.0, 2.0, edge, context),
     },
 ];
 

@@ -1,9 +1,10 @@
 //! Fills a planar region with nearly equilateral triangles, keeping the points of its border.
 //!
 //! The points of a triangular lattice that keep clear of the border are joined to it by a constrained Delaunay
-//! triangulation, then relaxed: every inner point moves to the mean of its neighbours and the whole is triangulated
-//! anew. Distances to the border are taken to its points only, which are about one edge apart.
+//! triangulation, then relaxed: inner points move to the mean of their neighbours a few times and the whole is
+//! triangulated anew. Distances to the border are taken to its points only, which are about one edge apart.
 
+use crate::context::Context;
 use crate::error::{Error, Result};
 use glam::DVec2;
 use spade::handles::FixedVertexHandle;
@@ -12,8 +13,10 @@ use std::collections::VecDeque;
 
 /// Lattice points closer to a border point than this many edges are dropped.
 const CLEARANCE: f64 = 0.75;
-/// Rounds of relaxation; the shape hardly changes after these.
-const ROUNDS: usize = 6;
+/// Rounds of relaxing and triangulating; the shape hardly changes after these.
+const ROUNDS: usize = 2;
+/// Moves of every inner point in a round.
+const MOVES: usize = 3;
 
 /// The triangles of a region.
 pub(super) struct Filled {
@@ -25,14 +28,15 @@ pub(super) struct Filled {
 
 /// Fills the region bounded by closed loops; a point belongs to it when a ray from it crosses them an odd number of
 /// times, so their sense does not matter. The loops must not touch each other or themselves.
-pub(super) fn fill(loops: &[Vec<DVec2>], edge: f64) -> Result<Filled> {
+pub(super) fn fill(loops: &[Vec<DVec2>], edge: f64, context: &Context) -> Result<Filled> {
     let border: Vec<DVec2> = loops.concat();
     let constraints = loop_edges(loops);
     let mut points = border.clone();
     points.extend(lattice(loops, &border, edge));
     let mut triangles = triangulate(&points, &constraints)?;
     for _ in 0..ROUNDS {
-        relax(&mut points, border.len(), &triangles);
+        context.check()?;
+        (0..MOVES).for_each(|_| relax(&mut points, border.len(), &triangles));
         triangles = triangulate(&points, &constraints)?;
     }
     Ok(Filled { inner: points.split_off(border.len()), triangles })

@@ -234,7 +234,7 @@ fn triangles_are_well_shaped() {
         let least = match sample.name {
             // The paper's model bridges without inner points; poles and noise make thin triangles.
             "cube-cylinders" | "uv-sphere" => 0.5,
-            "wedge" | "tube-tree" => 15.0,
+            "wedge" => 15.0,
             _ => 24.0,
         };
         let angle = least_angle(&default(sample.name).mesh);
@@ -322,16 +322,16 @@ fn senseless_parameters_are_refused() {
         open_torus(1.0, 0.5, 360.0, 8, 8),
         open_torus(1.0, 0.5, 0.0, 8, 8),
         noisy_torus(1.0, 0.5, 8, 8, f64::INFINITY, 0),
-        cylinder(1.0, 1.0, 1e-9),
-        cylinder(1.0, f64::INFINITY, 0.1),
+        cylinder(1.0, 1.0, 1e-9, &context),
+        cylinder(1.0, f64::INFINITY, 0.1, &context),
         open_cylinder(1.0, 1.0, 2, 1),
         rounded_box([1.0, 1.0, 0.4], 0.2, 0.1),
         rounded_box([1.0, 1.0, f64::NAN], 0.2, 0.1),
         cube_cylinders(&wide),
-        bracket(&tight, 2.0),
-        bracket(&Bracket::default(), 0.0),
-        wedge(0.5, 1.0, 1.0, 0.1),
-        wedge(20.0, 1.0, 0.0, 0.1),
+        bracket(&tight, 2.0, &context),
+        bracket(&Bracket::default(), 0.0, &context),
+        wedge(0.5, 1.0, 1.0, 0.1, &context),
+        wedge(20.0, 1.0, 0.0, 0.1, &context),
         saddle(1.0, 0.0, 4),
         tubes(&[short], 0.1, 0.1, &context),
         tubes(&tree(), 0.1, 0.2, &context),
@@ -346,7 +346,9 @@ fn senseless_parameters_are_refused() {
 #[test]
 fn a_cancelled_run_stops() {
     let cancelled = Context::new().with_cancel(std::sync::Arc::new(true.into()));
-    assert!(matches!(make("tube-tree", None, &cancelled), Err(Error::Cancelled)));
+    for name in ["tube-tree", "bracket", "cylinder"] {
+        assert!(matches!(make(name, None, &cancelled), Err(Error::Cancelled)), "{name}");
+    }
 }
 
 proptest! {
@@ -354,7 +356,7 @@ proptest! {
 
     #[test]
     fn wedges_of_any_angle_are_sound(angle in 3.0..170.0f64, length in 0.5..3.0f64, width in 0.2..2.0f64) {
-        let model = wedge(angle, length, width, 0.15).unwrap();
+        let model = wedge(angle, length, width, 0.15, &Context::new()).unwrap();
         assert_sound(&model.mesh, true, "wedge");
         let exact = model.exact.unwrap();
         prop_assert!((area(&model.mesh) / exact.area - 1.0).abs() < 1e-12);
@@ -369,7 +371,7 @@ proptest! {
         let size = Bracket {
             length: legs.0, height: legs.1, width, thickness: plate.0, fillet: plate.1, screw: holes.0, bore: holes.1,
         };
-        let model = bracket(&size, edge).unwrap();
+        let model = bracket(&size, edge, &Context::new()).unwrap();
         assert_sound(&model.mesh, true, "bracket");
         prop_assert_eq!(euler(&model.mesh), -4);
     }

@@ -78,8 +78,8 @@ pub fn tree() -> Vec<Tube> {
 
 /// The union of tubes, smooth within about `blend` of where they meet, with edges of about this length.
 ///
-/// Each face is labelled with its nearest tube (all freeform). The result is checked to be closed and manifold; tubes
-/// thinner than about two edges are refused.
+/// Each face is labelled with its nearest tube (all freeform). The result is checked to be closed and manifold; radii
+/// below one edge length are refused.
 pub fn tubes(tubes: &[Tube], blend: f64, edge: f64, context: &Context) -> Result<Model> {
     let thinnest = tubes.iter().flat_map(|t| t.radii).fold(f64::INFINITY, f64::min);
     tubes.iter().try_for_each(Tube::check)?;

@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::extrude::{Frame, Piece, Profile, extrude};
 use super::limits::{affordable_edge, positive, within};
 use super::shape::Measure;
+use crate::context::Context;
 use crate::error::Result;
 use glam::{DVec2, DVec3};
 
@@ -17,7 +18,7 @@ use glam::{DVec2, DVec3};
 ///   edge ╲           │
 ///             lower ╲│
 /// ```
-pub fn wedge(angle: f64, length: f64, width: f64, edge: f64) -> Result<Model> {
+pub fn wedge(angle: f64, length: f64, width: f64, edge: f64, context: &Context) -> Result<Model> {
     within("angle", angle, 1.0, 170.0)?;
     positive("length", length)?;
     positive("width", width)?;
@@ -36,6 +37,6 @@ pub fn wedge(angle: f64, length: f64, width: f64, edge: f64) -> Result<Model> {
     };
     let frame = Frame { origin: DVec3::Y * (width / 2.0), u: DVec3::X, v: DVec3::Z };
     let mut b = Builder::default();
-    extrude(&mut b, &frame, &profile, width, &[], edge)?;
+    extrude(&mut b, &frame, &profile, width, &[], edge, context)?;
     b.finish(Measure::closed(area, triangle * width))
 }

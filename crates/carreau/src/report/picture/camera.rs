@@ -103,8 +103,8 @@ impl Camera {
         }
         let fit = |k: usize| (reach[k][0] + reach[k][1]) / (2.0 * slopes[k]);
         let aside = |k: usize| (reach[k][0] - reach[k][1]) / 2.0;
-        // Not closer than half the model's size, even if the model is a needle that points at the eye.
-        let distance = [fit(0), fit(1), nearest + 1.0].into_iter().fold(1.0, f64::max);
+        // Not closer than a quarter of the model's size, even if the model is a needle that points at the eye.
+        let distance = [fit(0), fit(1), nearest + 0.5].into_iter().fold(1.0, f64::max);
         let [x, y] = [aside(0), aside(1)].map(|a| if a.is_finite() { a } else { 0.0 });
         self.eye = DVec3::new(x, y, distance);
     }

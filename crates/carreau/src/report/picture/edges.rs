@@ -1,4 +1,4 @@
-//! Edges worth drawing.
+//! Edges worth drawing. Faces have to use existing vertices only, as those of a surface mesh do.
 
 use crate::mesh::{HalfEdges, Polygons};
 use glam::DVec3;
@@ -38,8 +38,9 @@ fn select(vertices: usize, faces: &Polygons, chosen: impl Fn(usize, usize) -> bo
 
 /// Unit normal of a polygon by its area vector; zero without area.
 fn normal(points: &[DVec3], face: &[u32]) -> DVec3 {
-    let at = |k: usize| points[face[k % face.len()] as usize];
-    let origin = at(0);
-    let area: DVec3 = (1..face.len()).map(|k| (at(k) - origin).cross(at(k + 1) - origin)).sum();
-    (area / area.abs().max_element()).try_normalize().unwrap_or_default()
+    let arms = || face.iter().map(|&v| points[v as usize] - points[face[0] as usize]);
+    // Scaled, so that the area of a face of size 1e200 or 1e-200 is neither infinite nor zero.
+    let size = arms().map(|d| d.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
+    let area: DVec3 = arms().zip(arms().skip(1)).map(|(u, v)| (u / size).cross(v / size)).sum();
+    area.normalize_or_zero()
 }

@@ -88,8 +88,8 @@ impl<'a> Surface<'a> {
         let (dx, dy) = (x - self.origin.x, y - self.origin.y);
         let along = self.weights.map(|g| (g[0] * dx + g[1] * dy).clamp(0.0, 1.0));
         let image = [(1.0 - along[0] - along[1]).max(0.0), along[0], along[1]];
-        let depth = |k: usize| if self.scene.parallel { 1.0 } else { self.nearness[k] };
-        let corrected = [0, 1, 2].map(|k| image[k] / depth(k));
+        let nearness = |k: usize| if self.scene.parallel { 1.0 } else { self.nearness[k] };
+        let corrected = [0, 1, 2].map(|k| image[k] * nearness(k));
         let sum: f64 = corrected.iter().sum();
         corrected.map(|w| (w / sum) as f32)
     }

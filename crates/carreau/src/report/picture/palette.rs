@@ -20,7 +20,7 @@ const CLEAR: f32 = 0.17;
 pub fn label_color(k: u32) -> Rgb {
     let k = k % COLORS;
     let hue = 250.0 + 137.508 * k as f32;
-    let lightness = 0.82 + 0.06 * (hue - 100.0).to_radians().cos() + if k % 2 == 0 { -0.04 } else { 0.04 };
+    let lightness = 0.82 + 0.06 * (hue - 100.0).to_radians().cos() + if k.is_multiple_of(2) { -0.04 } else { 0.04 };
     encode(from_lch(lightness, 0.11, hue))
 }
 

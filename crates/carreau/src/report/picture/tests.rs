@@ -127,11 +127,11 @@ fn creases_stay_sharp_and_smooth_edges_do_not() {
         colors.sort_unstable();
         let groups = colors.chunk_by(|a, b| a == b).map(<[Rgb]>::len);
         // Colours of areas, not of pixels on edges.
-        groups.filter(|&n| n > 200).count()
+        groups.filter(|&n| n > 1000).count()
     };
     assert_eq!(colors_of(35.0), 3 + 1, "three sides and the background");
     assert_eq!(colors_of(0.0), 3 + 1);
-    assert!(colors_of(120.0) < 3 + 1, "rounded sides have no area of one colour");
+    assert_eq!(colors_of(120.0), 1, "rounded sides have no area of one colour");
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn the_image_does_not_depend_on_the_scale_of_the_model() {
     let mesh = sample::make("bracket", Some(30), &Context::new()).unwrap();
     let image = |scale: f64, shift: DVec3| {
         let points: Vec<DVec3> = mesh.points().iter().map(|&p| p * scale + shift).collect();
-        let edges = crease_edges(&points, mesh.faces(), 30.0);
+        let edges = crease_edges(&points, mesh.faces(), 40.0);
         render(&Picture { lines: vec![Lines::bold(Path::Edges(&edges))], ..small(&points, mesh.faces()) })
     };
     let plain = image(1.0, DVec3::ZERO);
@@ -355,7 +355,7 @@ fn scans_stand_on_y_and_parts_on_z() {
         }
     };
     assert_eq!(cone(|a, b, height| DVec3::new(a, height, b)), DVec3::Y);
-    assert_eq!(cone(|a, b, height| DVec3::new(a, b, height)), DVec3::Z);
+    assert_eq!(cone(DVec3::new), DVec3::Z);
 }
 
 #[test]
