@@ -16,7 +16,7 @@ pub fn geometry(scene: &Scene, pieces: &[Piece], chains: &Chains) -> Result<Geom
     let surface = |piece: &Piece| match piece.source {
         Source::Block(b) => block(scene, b),
         Source::Triangle(t) => Ok(triangle(scene, t)),
-        Source::Polygon(_) => Err(Error::Bug("a polygon has no surface of its own".into())),
+        Source::Polygon => Err(Error::Bug("a polygon has no surface of its own".into())),
     };
     let stops = vec![None; chains.paths.len()];
     Ok(Geometry { curves, stops, surfaces: pieces.iter().map(surface).collect::<Result<_>>()? })

@@ -7,6 +7,7 @@
 //! | `chain` | the borders of all pieces are cut at nodes into chains: the edges of the model |
 //! | `fit` | instead, on request: cubic curves and surfaces within a tolerance of the vertices |
 //! | `exact` | lines, polylines, planes and surfaces of degree (1, 1) through the mesh vertices |
+//! | `trimmed` | instead of patches: one trimmed surface per rectilinear polygon |
 //! | `shell` | pieces connected by edges are shells; closed ones bound solids, or are voids in them |
 //!
 //! Source: the trials behind the specification of quad patches (section 4, export). A surface of degree (1, 1) has
@@ -21,6 +22,7 @@ mod models;
 mod piece;
 mod scene;
 mod shell;
+mod trimmed;
 
 use crate::context::Context;
 use crate::error::Result;
@@ -31,6 +33,7 @@ use crate::length::Length;
 use chain::{ChainUse, Chains};
 use piece::{Outline, Piece};
 use scene::Scene;
+pub use trimmed::{QuadCell, QuadPolygon, to_trimmed_brep};
 use serde::{Deserialize, Serialize};
 
 /// What the faces of patches are to be.
@@ -124,7 +127,7 @@ pub fn to_brep(
     options: &BrepOptions,
     ctx: &Context,
 ) -> Result<CadModel> {
-    let mut scene = Scene::new(mesh, patches, leftover)?;
+    let scene = Scene::new(mesh, patches, leftover)?;
     let pieces = piece::pieces(&scene);
     let chains = chain::chains(&pieces, mesh.vertex_count());
     ctx.check()?;
@@ -135,11 +138,23 @@ pub fn to_brep(
             fit::geometry(&scene, &pieces, &chains, options.tolerance.resolve(mesh.diagonal()), ctx)?
         }
     };
-    let shells = shell::shells(&scene, &pieces, &chains, ctx)?;
-    let mut brep = assemble(&scene, &pieces, &chains, geometry);
+    finish(scene, &pieces, &chains, geometry, fits, ctx)
+}
+
+/// Puts everything together and proves it.
+fn finish(
+    scene: Scene,
+    pieces: &[Piece],
+    chains: &Chains,
+    geometry: Geometry,
+    fits: Vec<PatchFit>,
+    ctx: &Context,
+) -> Result<CadModel> {
+    let shells = shell::shells(&scene, pieces, chains, ctx)?;
+    let mut brep = assemble(&scene, pieces, chains, geometry);
     (brep.shells, brep.solids) = (shells.shells, shells.solids);
     brep.check()?;
-    let mut warnings = std::mem::take(&mut scene.warnings);
+    let mut warnings = scene.warnings;
     if shells.stray_voids > 0 {
         warnings.push(format!(
             "{} closed component(s) are inside out and in no solid: written as surfaces; orient the faces outwards \

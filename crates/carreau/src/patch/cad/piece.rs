@@ -8,6 +8,8 @@ use crate::patch::Patch;
 pub struct Piece {
     /// Where it comes from.
     pub source: Source,
+    /// The corners of the cells of a polygon; empty for others.
+    pub cells: Vec<[u32; 4]>,
     /// Its border: the outer loop counter-clockwise, then holes clockwise.
     pub loops: Vec<Outline>,
 }
@@ -19,8 +21,8 @@ pub enum Source {
     Block(Block),
     /// A leftover triangle.
     Triangle(FaceId),
-    /// A rectilinear polygon of cells, by its number.
-    Polygon(u32),
+    /// A rectilinear polygon of cells.
+    Polygon,
 }
 
 /// A rectangle of cells of a patch.
@@ -90,12 +92,16 @@ pub fn pieces(scene: &Scene) -> Vec<Piece> {
     for (k, patch) in patches.iter().enumerate() {
         cutter.cut(Block { patch: k as u32, from: [0, 0], size: [patch.rows, patch.cols] }, &mut blocks);
     }
-    let block = |b: Block| Piece { source: Source::Block(b), loops: vec![b.outline(patches)] };
-    let triangle = |&t: &FaceId| Piece {
-        source: Source::Triangle(t),
-        loops: vec![Outline { vertices: scene.mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() }],
-    };
-    blocks.into_iter().map(block).chain(scene.leftover.iter().map(triangle)).collect()
+    let block = |b: Block| Piece { source: Source::Block(b), cells: Vec::new(), loops: vec![b.outline(patches)] };
+    blocks.into_iter().map(block).chain(scene.leftover.iter().map(|&t| Piece::triangle(scene, t))).collect()
+}
+
+impl Piece {
+    /// A leftover triangle.
+    pub fn triangle(scene: &Scene, t: FaceId) -> Self {
+        let border = Outline { vertices: scene.mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() };
+        Piece { source: Source::Triangle(t), cells: Vec::new(), loops: vec![border] }
+    }
 }
 
 /// Cuts blocks until the border of each passes every vertex once.

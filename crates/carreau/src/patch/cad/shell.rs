@@ -45,7 +45,7 @@ pub fn shells(
     let (mut outer, mut inner) = (Vec::new(), Vec::new());
     for (k, shell) in shells.iter().enumerate().filter(|(_, s)| s.closed) {
         ctx.check_every(k)?;
-        let cells = shell.faces.iter().flat_map(|&f| corners(scene, &pieces[f as usize].source));
+        let cells = shell.faces.iter().flat_map(|&f| corners(scene, &pieces[f as usize]));
         let body = Body::new(k as u32, cells.map(|c| c.map(|v| scene.point(v))).collect());
         match body.sign() {
             1 => outer.push(body),
@@ -100,8 +100,8 @@ fn root(parent: &mut [u32], mut k: u32) -> u32 {
 }
 
 /// The cells of a piece; triangles repeat their last corner.
-fn corners<'a>(scene: &'a Scene, source: &Source) -> Box<dyn Iterator<Item = [u32; 4]> + 'a> {
-    match *source {
+fn corners<'a>(scene: &'a Scene, piece: &'a Piece) -> Box<dyn Iterator<Item = [u32; 4]> + 'a> {
+    match piece.source {
         Source::Block(b) => Box::new((0..b.size[0]).flat_map(move |r| {
             let at = move |r, c| b.vertex(scene.patches, r, c);
             (0..b.size[1]).map(move |c| [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)])
@@ -110,7 +110,7 @@ fn corners<'a>(scene: &'a Scene, source: &Source) -> Box<dyn Iterator<Item = [u3
             let face = scene.mesh.face(t);
             Box::new(std::iter::once([face[0], face[1], face[2], face[2]]))
         }
-        Source::Polygon(_) => Box::new(std::iter::empty()),
+        Source::Polygon => Box::new(piece.cells.iter().copied()),
     }
 }
 

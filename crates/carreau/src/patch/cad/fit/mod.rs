@@ -219,7 +219,7 @@ impl<'a> Ladder<'a> {
                     surfaces.push(exact::triangle(self.scene, t));
                     continue;
                 }
-                Source::Polygon(_) => return Err(Error::Bug("polygons are not fitted".into())),
+                Source::Polygon => return Err(Error::Bug("polygons are not fitted".into())),
             };
             let out = &mut fits[block.patch as usize];
             let of_chain = |chain: u32| if self.is_exact(chain) { 0.0 } else { self.curves[chain as usize].deviation };
