@@ -11,7 +11,7 @@
 //! Every matching leaves at least one node of an odd set S to an edge out of S or unmatched, so no matching costs less
 //! than `Σ y(v) + Σ Y(S)` (Edmonds 1965). A matching that costs exactly that much is optimal.
 
-use super::{Edge, Matching, UNMATCHED};
+use super::{Edge, Matching, UNMATCHED, check_input};
 use crate::error::{Error, Result};
 
 /// Optimal dual variables, twice as large as in the text book so that they are integers.
@@ -32,8 +32,10 @@ pub const NO_BLOSSOM: u32 = u32::MAX;
 
 /// Checks that a matching is one, that its cost is stated correctly, and that its certificate proves it optimal.
 ///
-/// Takes linear time (but for a logarithm in the depth to which blossoms are nested). Fails with [`Error::Bug`].
+/// Takes linear time, but for a logarithm where blossoms are nested. Fails with [`Error::Bug`]; with [`Error::Input`] or
+/// [`Error::Options`] for a graph that [`minimum_cost_matching`](super::minimum_cost_matching) would not have taken.
 pub fn certify(edges: &[Edge], unmatched: &[i64], matching: &Matching) -> Result<()> {
+    check_input(edges, unmatched)?;
     check(edges, unmatched, matching).map_err(|what| Error::Bug(format!("minimum-cost matching: {what}")))
 }
 
@@ -67,7 +69,10 @@ fn primal_cost(edges: &[Edge], unmatched: &[i64], matching: &Matching) -> Check<
             return Err(format!("node {v} is matched by edge {edge}, which does not exist"));
         };
         if *ends != [v, mate] && *ends != [mate, v] {
-            return Err(format!("node {v} is matched to {mate} by edge {edge}, which joins {} and {}", ends[0], ends[1]));
+            return Err(format!(
+                "node {v} is matched to {mate} by edge {edge}, which joins {} and {}",
+                ends[0], ends[1]
+            ));
         }
         if matched_edge.get(mate as usize) != Some(&edge) {
             return Err(format!("node {v} is matched to {mate}, but not the other way round"));
@@ -129,7 +134,7 @@ impl<'a> Nest<'a> {
             size[parent as usize] += 1;
         }
         for b in (0..count).rev() {
-            if size[b] % 2 == 0 {
+            if size[b].is_multiple_of(2) {
                 return Err(format!("blossom {b} has {} nodes, an even number", size[b]));
             }
             if blossom_parents[b] != NO_BLOSSOM {
@@ -180,5 +185,122 @@ impl<'a> Nest<'a> {
             }
         }
         NO_BLOSSOM
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::minimum_cost_matching;
+    use super::*;
+    use crate::context::Context;
+
+    /// Two triangles of triangles with a dear edge in between: each has an even rest only if that edge is taken, so
+    /// there are two blossoms of nine nodes with three blossoms of three in each.
+    fn example() -> (Vec<Edge>, Vec<i64>, Matching) {
+        let mut edges = Vec::new();
+        for half in [0, 9] {
+            for corner in [0, 3, 6] {
+                for [a, b] in [[0, 1], [1, 2], [2, 0]] {
+                    edges.push(Edge { ends: [half + corner + a, half + corner + b], cost: 0 });
+                }
+                edges.push(Edge { ends: [half + corner, half + (corner + 4) % 9], cost: 4 });
+            }
+        }
+        edges.push(Edge { ends: [8, 17], cost: 100 });
+        let unmatched = vec![1000; 18];
+        let matching = minimum_cost_matching(&edges, &unmatched, &Context::new()).unwrap();
+        (edges, unmatched, matching)
+    }
+
+    #[test]
+    fn the_example_has_nested_blossoms() {
+        let (_, _, matching) = example();
+        assert_eq!(matching.cost, 108);
+        assert!(matching.certificate.blossom_parents.iter().any(|&parent| parent != NO_BLOSSOM));
+    }
+
+    /// Spoils one thing after the other in a good matching and its certificate.
+    #[test]
+    fn nothing_may_be_changed() {
+        let (edges, unmatched, good) = example();
+        let refused = |spoil: &dyn Fn(&mut Matching)| {
+            let mut bad = good.clone();
+            spoil(&mut bad);
+            matches!(certify(&edges, &unmatched, &bad), Err(Error::Bug(_)))
+        };
+        assert!(!refused(&|_| {}));
+        assert!(refused(&|m| m.cost += 1));
+        assert!(refused(&|m| {
+            m.mate.pop();
+        }));
+        for v in 0..18 {
+            assert!(refused(&|m| m.certificate.node_duals[v] += 1));
+            assert!(refused(&|m| m.certificate.node_duals[v] -= 1));
+            for other in [0, 1, 5, 77, UNMATCHED].into_iter().filter(|&other| other != good.mate[v]) {
+                assert!(refused(&|m| m.mate[v] = other));
+            }
+            for other in [0, 3, 9, 77, UNMATCHED].into_iter().filter(|&other| other != good.matched_edge[v]) {
+                assert!(refused(&|m| m.matched_edge[v] = other));
+            }
+            // A node that changes its blossom leaves two even ones.
+            for other in 0..good.certificate.blossom_duals.len() as u32 {
+                assert!(
+                    other == good.certificate.node_parents[v] || refused(&|m| m.certificate.node_parents[v] = other)
+                );
+            }
+            assert!(refused(&|m| m.certificate.node_parents[v] = 77));
+        }
+        for b in 0..good.certificate.blossom_duals.len() {
+            assert!(refused(&|m| m.certificate.blossom_duals[b] += 2));
+            assert!(refused(&|m| m.certificate.blossom_duals[b] = -m.certificate.blossom_duals[b]));
+            assert!(refused(&|m| m.certificate.blossom_parents[b] = b as u32));
+        }
+    }
+
+    /// Another matching with the duals of the best one: dearer, and told so.
+    #[test]
+    fn a_matching_that_is_not_the_best_is_refused() {
+        let (edges, unmatched, mut matching) = example();
+        for v in [8, 17] {
+            matching.mate[v] = UNMATCHED;
+            matching.matched_edge[v] = UNMATCHED;
+        }
+        matching.cost += 2 * 1000 - 100;
+        assert!(matches!(certify(&edges, &unmatched, &matching), Err(Error::Bug(what)) if what.contains("bound")));
+    }
+
+    /// Common ancestors by heavy paths against those by walking.
+    #[test]
+    fn common_blossoms_are_the_innermost() {
+        let parents: Vec<u32> =
+            (0..200u32).map(|b| if b % 67 == 0 { NO_BLOSSOM } else { b - 1 - (b * b * 7 + b) % b.min(9) }).collect();
+        // Two more nodes than needed to be odd in each: the blossom's own and, for every even one, another.
+        let mut node_parents: Vec<u32> = (0..200).collect();
+        let mut size = vec![1u32; 200];
+        for b in (0..200).rev() {
+            if size[b].is_multiple_of(2) {
+                node_parents.push(b as u32);
+                size[b] += 1;
+            }
+            if parents[b] != NO_BLOSSOM {
+                size[parents[b] as usize] += size[b];
+            }
+        }
+        let certificate = Certificate {
+            node_duals: vec![0; node_parents.len()],
+            node_parents,
+            blossom_duals: vec![1; 200],
+            blossom_parents: parents.clone(),
+        };
+        let nest = Nest::new(&certificate).unwrap();
+        let ancestors = |b| std::iter::successors(Some(b), |&b| Some(parents[b as usize]).filter(|&p| p != NO_BLOSSOM));
+        for a in 0..200 {
+            for b in 0..200 {
+                let walked = ancestors(a).find(|&above| ancestors(b).any(|other| other == above));
+                assert_eq!(nest.innermost_common(a, b), walked.unwrap_or(NO_BLOSSOM));
+            }
+            assert_eq!(nest.around(a), ancestors(a).count() as i128);
+            assert_eq!(nest.innermost_common(a, NO_BLOSSOM), NO_BLOSSOM);
+        }
     }
 }

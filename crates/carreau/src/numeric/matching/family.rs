@@ -40,6 +40,11 @@ pub(super) struct Set {
     pub(super) mate: Dart,
     /// The dart of the tree towards the root. Meaningful for an inner set.
     pub(super) up: Dart,
+    /// The dart with the least slack that leads here from an outer set, [`NONE`] where none was found yet. Meaningful
+    /// for a set that is not outer, nor in an outer one.
+    pub(super) nearest: Dart,
+    /// The blossom around, [`NONE`] for an outermost set.
+    pub(super) parent: u32,
     /// The next set in the cycle of the blossom around.
     pub(super) next: u32,
     /// The dart from this set to `next`.
@@ -96,6 +101,8 @@ impl Family {
             marked: false,
             mate,
             up: NONE,
+            nearest: NONE,
+            parent: NONE,
             next: NONE,
             link: NONE,
             child: NONE,
@@ -176,6 +183,7 @@ impl Family {
         let raised = self.members[root as usize].offset;
         let mut set = base;
         loop {
+            self[set].parent = blossom;
             if set != largest {
                 let member = &mut self.members[self.sets[set as usize].root as usize];
                 member.above = root;
@@ -187,7 +195,7 @@ impl Family {
             }
         }
         self.members[root as usize].set = blossom;
-        let set = Set { dual: 0, child: base, root, size, ..self[base].clone() };
+        let set = Set { dual: 0, nearest: NONE, parent: NONE, child: base, root, size, ..self[base].clone() };
         match self.sets.get_mut(blossom as usize) {
             Some(place) => *place = set,
             None => self.sets.push(set),
@@ -204,6 +212,7 @@ impl Family {
         loop {
             let child = &mut self.sets[set as usize];
             child.label = Label::Resting;
+            child.parent = NONE;
             let member = &mut self.members[child.root as usize];
             if child.root != root {
                 member.above = child.root;
@@ -247,6 +256,83 @@ impl Set {
             Label::Resting => 0,
             Label::Outer => now - self.since,
             Label::Inner => self.since - now,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What the family stands for, spelled out: the nodes of every outermost set, and every node's radius.
+    struct Plain {
+        outermost: Vec<(u32, Vec<u32>)>,
+        radii: Vec<i64>,
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        /// Labels, passing time, shrinking and opening in any order: look-ups agree with plain book-keeping.
+        #[test]
+        fn look_ups_agree_with_plain_book_keeping(
+            duals in prop::collection::vec(-50i64..50, 3..30),
+            actions in prop::collection::vec((0u8..4, any::<prop::sample::Index>(), 0i64..20), 1..80),
+        ) {
+            let mates = vec![NONE; duals.len()];
+            let mut family = Family::new(&duals, &mates);
+            let nodes = 0..duals.len() as u32;
+            let mut plain = Plain { outermost: nodes.clone().map(|v| (v, vec![v])).collect(), radii: duals };
+            let mut now = 0;
+            for (action, pick, amount) in actions {
+                let at = pick.index(plain.outermost.len());
+                let set = plain.outermost[at].0;
+                match action {
+                    0 => {
+                        for (set, nodes) in &plain.outermost {
+                            let step = match family[*set].label {
+                                Label::Resting => 0,
+                                Label::Outer => amount,
+                                Label::Inner => -amount,
+                            };
+                            nodes.iter().for_each(|&v| plain.radii[v as usize] += step);
+                        }
+                        now += amount;
+                    }
+                    1 => {
+                        let label = [Label::Outer, Label::Inner, Label::Resting][amount as usize % 3];
+                        family.set_label(set, label, now);
+                    }
+                    2 if plain.outermost.len() >= 3 => {
+                        let cycle: Vec<_> = (0..3).map(|_| plain.outermost.remove(at % plain.outermost.len())).collect();
+                        for k in 0..3 {
+                            family.set_label(cycle[k].0, Label::Resting, now);
+                            family[cycle[k].0].next = cycle[(k + 1) % 3].0;
+                        }
+                        let blossom = family.close(cycle[0].0);
+                        plain.outermost.push((blossom, cycle.into_iter().flat_map(|(_, nodes)| nodes).collect()));
+                    }
+                    3 if family[set].child != NONE => {
+                        family.set_label(set, Label::Resting, now);
+                        let child = family[set].child;
+                        family.open(set);
+                        plain.outermost.remove(at);
+                        let (mut stack, mut nodes) = (Vec::new(), Vec::new());
+                        for set in family.cycle(child) {
+                            family.nodes(set, &mut stack, &mut nodes);
+                            plain.outermost.push((set, nodes.clone()));
+                        }
+                    }
+                    _ => {}
+                }
+                for (set, nodes) in &plain.outermost {
+                    for &v in nodes {
+                        prop_assert_eq!(family.look_up(v, now), (*set, family[*set].label, plain.radii[v as usize]));
+                    }
+                }
+                prop_assert_eq!(plain.outermost.iter().map(|(_, nodes)| nodes.len()).sum::<usize>(), nodes.len());
+            }
         }
     }
 }

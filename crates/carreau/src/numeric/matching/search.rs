@@ -14,6 +14,11 @@
 //! Entries of the queue are not withdrawn: one that is out of date is told by the edge not being tight. An augmenting
 //! end once found cannot get lost, so the earliest is kept aside, and events after it are not even queued. This is
 //! what keeps a tree small.
+//!
+//! An inner blossom may be expanded and some of its children leave the tree, at any depth, and to scan them for edges
+//! to outer sets each time would take quadratic time. So all sets that a tree comes close to, nested ones too, know
+//! the nearest edge from an outer set. As outer sets stay outer, and the nodes of a set move together as long as the
+//! set exists, the nearest edge can only be replaced by one that is found later.
 
 use super::family::{Family, Label, Set};
 use super::graph::{Dart, Graph, NONE};
@@ -31,19 +36,33 @@ enum Event {
     Zero(u32),
 }
 
+/// What all searches together have done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Counts {
+    pub(super) events: usize,
+    pub(super) grown: usize,
+    pub(super) shrunk: usize,
+    pub(super) expanded: usize,
+    pub(super) augmented: usize,
+    pub(super) cut_off: usize,
+}
+
 /// The matching found so far and the tree that grows in it.
 pub(super) struct Search<'a> {
     graph: &'a Graph<'a>,
     pub(super) family: Family,
+    pub(super) counts: Counts,
     now: i64,
     /// When and with which dart the search will end at the latest.
     end: (i64, Dart),
-    events: BinaryHeap<Reverse<(i64, Event)>>,
+    /// What may happen, with the time and the number of the entry: first come, first served, so that a tree among equal
+    /// costs grows in all directions alike.
+    events: BinaryHeap<Reverse<(i64, u32, Event)>>,
+    queued: u32,
+    /// All sets with a `nearest` dart.
+    approached: Vec<u32>,
     /// All sets that were given a label.
     tree: Vec<u32>,
-    /// Number of events so far, of all searches.
-    steps: usize,
-    pub(super) c: [usize; 6],
     /// Buffers.
     stack: Vec<u32>,
     nodes: Vec<u32>,
@@ -55,43 +74,50 @@ impl<'a> Search<'a> {
         Search {
             graph,
             family,
+            counts: Counts::default(),
             now: 0,
             end: (i64::MAX, NONE),
             events: BinaryHeap::new(),
+            queued: 0,
+            approached: Vec::new(),
             tree: Vec::new(),
-            steps: 0,
-            c: [0; 6],
             stack: Vec::new(),
             nodes: Vec::new(),
             sets: Vec::new(),
         }
     }
 
-    /// Grows a tree from a node without a mate until it can be augmented.
-    pub(super) fn run(&mut self, root: u32, context: &Context) -> Result<()> {
+    /// Grows a tree from an outermost set without a mate until it can be augmented, and augments it. Returns `false`
+    /// if the tree got more than `limit` sets before: then the matching is as it was, but the duals have made progress.
+    pub(super) fn augment_from(&mut self, root: u32, limit: usize, context: &Context) -> Result<bool> {
         self.now = 0;
         self.end = (i64::MAX, NONE);
         self.join_as_outer(root);
-        while let Some(Reverse((time, event))) = self.events.pop() {
+        while let Some(Reverse((time, _, event))) = self.events.pop() {
             if time >= self.end.0 {
                 break;
             }
-            self.steps += 1;
-            context.check_every(self.steps)?;
             self.now = time;
+            if self.tree.len() > limit {
+                self.counts.cut_off += 1;
+                self.dismantle();
+                return Ok(false);
+            }
+            self.counts.events += 1;
+            context.check_every(self.counts.events)?;
             match event {
                 Event::Tight(dart) => self.edge_tight(dart),
                 Event::Zero(blossom) => self.dual_zero(blossom),
             }
         }
         self.now = self.end.0;
-        self.c[5]+=1;
-        if self.c[5]%2000==0 || self.tree.len()>20000 { eprintln!("{:?} steps {} tree {}", self.c, self.steps, self.tree.len()); }
         self.augment(self.end.1);
         self.dismantle();
-        Ok(())
+        Ok(true)
     }
 
+    /// If the slack is not 0, or the head is inner, then the head was inner when its set should have been reached. The
+    /// edge was queued again when that set left the tree or became outer.
     fn edge_tight(&mut self, dart: Dart) {
         let (tail, _, near) = self.family.look_up(self.graph.tail(dart), self.now);
         let (head, label, far) = self.family.look_up(self.graph.head(dart), self.now);
@@ -114,7 +140,7 @@ impl<'a> Search<'a> {
 
     /// A resting set and its mate join the tree.
     fn grow(&mut self, dart: Dart, inner: u32) {
-        self.c[0]+=1;
+        self.counts.grown += 1;
         self.family[inner].up = dart ^ 1;
         self.join_as_inner(inner);
         let outer = self.beyond(self.family[inner].mate);
@@ -142,7 +168,8 @@ impl<'a> Search<'a> {
 
     fn queue(&mut self, time: i64, event: Event) {
         if time < self.end.0 {
-            self.events.push(Reverse((time, event)));
+            self.events.push(Reverse((time, self.queued, event)));
+            self.queued = self.queued.wrapping_add(1);
         }
     }
 
@@ -158,41 +185,51 @@ impl<'a> Search<'a> {
         self.family.nodes(part, &mut self.stack, &mut nodes);
         for &node in &nodes {
             let (set, _, radius) = self.family.look_up(node, self.now);
-            self.c[3]+=1;
             self.end_by(self.now + self.graph.unmatched(node) - radius, self.graph.boundary(node));
             for &dart in self.graph.leaving(node) {
                 let (other, label, far) = self.family.look_up(self.graph.head(dart), self.now);
                 let slack = self.graph.cost(dart) - radius - far;
                 match label {
-                    Label::Inner => {}
                     Label::Outer if other == set => {}
                     // Both ends move. All nodes of a tree have radii of the same parity, so the slack is even.
                     Label::Outer => self.queue(self.now + slack / 2, Event::Tight(dart)),
                     Label::Resting if self.graph.is_exposed(self.family[other].mate) => {
                         self.end_by(self.now + slack, dart);
                     }
-                    Label::Resting => self.queue(self.now + slack, Event::Tight(dart)),
+                    Label::Resting | Label::Inner => self.approach(dart, slack),
                 }
             }
         }
         self.nodes = nodes;
     }
 
-    /// Queues the edges from outer sets to a set that just left the tree.
-    fn watch_resting(&mut self, set: u32) {
-        let mut nodes = std::mem::take(&mut self.nodes);
-        self.family.nodes(set, &mut self.stack, &mut nodes);
-        for &node in &nodes {
-            let (_, _, radius) = self.family.look_up(node, self.now);
-            self.c[4]+=1;
-            for &dart in self.graph.leaving(node) {
-                let (_, label, far) = self.family.look_up(self.graph.head(dart), self.now);
-                if label == Label::Outer {
-                    self.queue(self.now + self.graph.cost(dart) - radius - far, Event::Tight(dart ^ 1));
-                }
+    /// Remembers a dart that leads from an outer set to another set that is not outer: for the node at its head, and
+    /// for all sets around that node to which it is the nearest way so far.
+    fn approach(&mut self, dart: Dart, slack: i64) {
+        let mut set = self.graph.head(dart);
+        loop {
+            let nearest = self.family[set].nearest;
+            if nearest == NONE {
+                self.approached.push(set);
+            } else if self.slack(nearest) <= slack {
+                return;
+            }
+            self.family[set].nearest = dart;
+            match self.family[set].parent {
+                NONE => break,
+                parent => set = parent,
             }
         }
-        self.nodes = nodes;
+        if self.family[set].label == Label::Resting {
+            self.queue(self.now + slack, Event::Tight(dart));
+        }
+    }
+
+    /// The slack of an edge between two outermost sets.
+    fn slack(&self, dart: Dart) -> i64 {
+        let (_, _, near) = self.family.look_up(self.graph.tail(dart), self.now);
+        let (_, _, far) = self.family.look_up(self.graph.head(dart), self.now);
+        self.graph.cost(dart) - near - far
     }
 
     /// A tight edge between two outer sets closes an odd cycle: shrinks it.
@@ -205,7 +242,7 @@ impl<'a> Search<'a> {
     ///      tail  ←───  head
     /// ```
     fn shrink(&mut self, dart: Dart, tail: u32, head: u32) {
-        self.c[1]+=1;
+        self.counts.shrunk += 1;
         let base = self.common_ancestor(tail, head);
         let mut set = tail;
         while set != base {
@@ -299,8 +336,8 @@ impl<'a> Search<'a> {
     ///    mate
     /// ```
     fn expand(&mut self, blossom: u32) {
+        self.counts.expanded += 1;
         let Set { up, mate, .. } = self.family[blossom];
-        self.c[2]+=1;
         self.family.set_label(blossom, Label::Resting, self.now);
         self.family.open(blossom);
         let first = self.family.around(self.graph.tail(up));
@@ -321,7 +358,10 @@ impl<'a> Search<'a> {
         let mut sets = std::mem::take(&mut self.sets);
         sets.extend(self.family.cycle(rest).take_while(|&set| set != start));
         for set in sets.drain(..) {
-            self.watch_resting(set);
+            let nearest = self.family[set].nearest;
+            if nearest != NONE {
+                self.queue(self.now + self.slack(nearest), Event::Tight(nearest));
+            }
         }
         sets.extend(self.family.cycle(start).take_while(|&set| set != finish));
         sets.push(finish);
@@ -362,6 +402,7 @@ impl<'a> Search<'a> {
 
     /// Exchanges matched and other edges from the end of an exposing dart up to the root.
     fn augment(&mut self, end: Dart) {
+        self.counts.augmented += 1;
         if !self.graph.is_exposed(end) {
             let exposed = self.beyond(end);
             self.family[exposed].mate = end ^ 1;
@@ -384,6 +425,10 @@ impl<'a> Search<'a> {
     /// Takes all labels away; the duals stay as they are now.
     fn dismantle(&mut self) {
         self.events.clear();
+        self.queued = 0;
+        while let Some(set) = self.approached.pop() {
+            self.family[set].nearest = NONE;
+        }
         while let Some(set) = self.tree.pop() {
             if self.family[set].label != Label::Resting {
                 self.family.set_label(set, Label::Resting, self.now);
