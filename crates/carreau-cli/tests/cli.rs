@@ -47,7 +47,13 @@ fn samples_are_sound_through_info() {
         let topology = &info["topology"];
         assert_eq!(topology["manifold"], true, "{name}");
         assert_eq!(topology["consistently_oriented"], true, "{name}");
-        for defect in ["degenerate_faces", "duplicate_faces", "coincident_vertices", "unreferenced_vertices", "inverted_components"] {
+        for defect in [
+            "degenerate_faces",
+            "duplicate_faces",
+            "coincident_vertices",
+            "unreferenced_vertices",
+            "inverted_components",
+        ] {
             assert_eq!(topology[defect], 0, "{name}: {defect}");
         }
     }
@@ -58,7 +64,14 @@ fn patch_writes_mesh_layout_picture_record_and_cad() {
     let (folder, model) = with_model("cube-cylinders", "m.ply");
     let at = |name: &str| folder.path().join(name);
     let json = record(&[
-        "patch", text(&model), "-o", text(&at("q.obj")), "--layout", text(&at("l.json")), "--picture", text(&at("p.png")),
+        "patch",
+        text(&model),
+        "-o",
+        text(&at("q.obj")),
+        "--layout",
+        text(&at("l.json")),
+        "--picture",
+        text(&at("p.png")),
     ]);
     let layout = layout(&at("l.json"));
     let patches = layout["patches"].as_array().unwrap();
@@ -193,7 +206,8 @@ fn bicubic_faces_keep_their_tolerance_and_are_smaller() {
     let at = |name: &str| folder.path().join(name);
     carreau().args(["sample", "torus", "--resolution", "60", "-o", text(&at("t.ply"))]).assert().success();
     let bilinear = record(&["patch", text(&at("t.ply")), "-o", text(&at("a.step"))]);
-    let json = record(&["patch", text(&at("t.ply")), "-o", text(&at("b.step")), "--fit", "bicubic", "--tolerance", "0.1%"]);
+    let json =
+        record(&["patch", text(&at("t.ply")), "-o", text(&at("b.step")), "--fit", "bicubic", "--tolerance", "0.1%"]);
     let diagonal = record(&["info", text(&at("t.ply"))])["diagonal"].as_f64().unwrap();
     assert!(json["fit"]["deviation_max"].as_f64().unwrap() <= 0.001 * diagonal);
     assert!(json["fit"]["bicubic"].as_u64().unwrap() > 0);

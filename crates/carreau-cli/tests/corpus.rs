@@ -13,9 +13,7 @@ use tempfile::TempDir;
 fn verdicts(data: &Path) -> BTreeMap<String, Value> {
     let manifest: Value = serde_json::from_slice(&fs::read(data.join("manifest.json")).unwrap()).unwrap();
     let files = manifest["files"].as_array().unwrap().iter();
-    files
-        .filter_map(|f| f["name"].as_str()?.strip_prefix("nasty/").map(|name| (name.to_string(), f.clone())))
-        .collect()
+    files.filter_map(|f| f["name"].as_str()?.strip_prefix("nasty/").map(|name| (name.to_string(), f.clone()))).collect()
 }
 
 #[test]

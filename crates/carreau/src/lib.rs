@@ -13,6 +13,6 @@ pub mod sample;
 
 pub use context::Context;
 pub use error::{Error, Place, Result};
-pub use length::Length;
 /// The vector type of points and directions (three `f64`).
 pub use glam::DVec3;
+pub use length::Length;

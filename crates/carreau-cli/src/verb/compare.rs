@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 
 /// Two-sided distance of two surfaces, angle between their normals, and quality of both
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau compare scan.ply simplified.ply\n  carreau compare a.stl b.stl --json - | jq .distance")]
+#[command(
+    after_help = "Examples:\n  carreau compare scan.ply simplified.ply\n  carreau compare a.stl b.stl --json - | jq .distance"
+)]
 pub struct Compare {
     /// The first surface; shares of the diagonal refer to it
     a: PathBuf,
@@ -79,7 +81,9 @@ impl Compare {
 /// Reads a surface; what is wrong with it is told with its name.
 fn read(session: &mut Session, file: &Path) -> Result<SurfaceMesh, Error> {
     let named = |error| match error {
-        Error::Input { what, place, remedy } => Error::Input { what: format!("{}: {what}", file.display()), place, remedy },
+        Error::Input { what, place, remedy } => {
+            Error::Input { what: format!("{}: {what}", file.display()), place, remedy }
+        }
         other => other,
     };
     session.read(file)?.into_surface().map_err(named)

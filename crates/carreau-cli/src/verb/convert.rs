@@ -11,7 +11,9 @@ use std::path::PathBuf;
 
 /// Converts a mesh file to another format; the extensions decide
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau convert part.stl -o part.ply\n  carreau convert mesh.msh --boundary -o skin.obj")]
+#[command(
+    after_help = "Examples:\n  carreau convert part.stl -o part.ply\n  carreau convert mesh.msh --boundary -o skin.obj"
+)]
 pub struct Convert {
     /// The file to read
     input: PathBuf,

@@ -46,7 +46,8 @@ impl Demo {
             session.record.set("options", &values);
             std::fs::create_dir_all(&self.output).map_err(|e| Error::write(&self.output, e))?;
             let context = session.context.clone();
-            let rows = context.install(|| MODELS.iter().map(|name| self.show(session, name)).collect::<Result<Vec<_>, _>>())?;
+            let rows = context
+                .install(|| MODELS.iter().map(|name| self.show(session, name)).collect::<Result<Vec<_>, _>>())?;
             let index = self.output.join("index.html");
             session.write_bytes(&index, page(&rows).as_bytes())?;
             let models: Vec<_> = rows

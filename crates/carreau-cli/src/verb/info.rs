@@ -67,7 +67,8 @@ fn describe_content(session: &mut Session, raw: &RawMesh) {
         let names: Vec<&str> = list.keys().map(String::as_str).collect();
         session.say(format!("{element} attributes: {}", names.join(", ")));
     }
-    let attributes: Map<String, Value> = all.map(|(element, list)| (element.into(), json!(columns(list)))).into_iter().collect();
+    let attributes: Map<String, Value> =
+        all.map(|(element, list)| (element.into(), json!(columns(list)))).into_iter().collect();
     session.record.set("attributes", attributes);
 }
 

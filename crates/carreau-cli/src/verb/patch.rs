@@ -4,11 +4,11 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::io::{WriteOptions, extension};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
+use carreau::io::{WriteOptions, extension};
+use carreau::mesh::{SurfaceMesh, VertexId};
 use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
-use carreau::mesh::{SurfaceMesh, VertexId};
 use carreau::{Error, Length, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -88,6 +88,9 @@ pub struct Patch {
     /// Largest distance of a vertex from a bicubic face [default: 0.1%]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
+    /// One trimmed CAD face per rectilinear polygon instead of one face per patch; not with strategy grow
+    #[arg(long, conflicts_with = "fit")]
+    trimmed: bool,
     /// Application protocol of STEP files [default: ap214]
     #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
     schema: Option<StepSchema>,
@@ -115,6 +118,7 @@ struct Options {
     features: Option<PathBuf>,
     #[serde(flatten)]
     brep: BrepOptions,
+    trimmed: bool,
     schema: StepSchema,
     #[serde(flatten)]
     common: CommonValues,
@@ -157,6 +161,15 @@ impl Patch {
         o.tagged_edges &= !self.ignore_tags;
         all.brep.fit = self.fit.unwrap_or(all.brep.fit);
         all.brep.tolerance = self.tolerance.unwrap_or(all.brep.tolerance);
+        all.trimmed |= self.trimmed;
+        if all.trimmed && all.patch.strategy == Strategy::Grow {
+            if self.strategy.is_some() {
+                return Err(Error::Options(
+                    "--trimmed needs polygons, which strategy grow has not: take zones or matching".into(),
+                ));
+            }
+            all.patch.strategy = Strategy::Matching;
+        }
         // A smooth face cannot follow a crease: it would have to fall back to degree 1.
         if all.brep.fit == Fit::Bicubic && all.patch.feature_angle.is_none() {
             all.patch.feature_angle = Some(SMOOTH_FEATURE_ANGLE);
@@ -188,7 +201,13 @@ impl Patch {
         Ok(())
     }
 
-    fn write(&self, session: &mut Session, mesh: &SurfaceMesh, result: &PatchResult, options: &Options) -> Result<(), Error> {
+    fn write(
+        &self,
+        session: &mut Session,
+        mesh: &SurfaceMesh,
+        result: &PatchResult,
+        options: &Options,
+    ) -> Result<(), Error> {
         let f = &result.figures;
         session.record.set("patches", f.patches);
         session.record.set("coverage", f.coverage);
@@ -221,7 +240,10 @@ impl Patch {
         options: &Options,
     ) -> Result<(), Error> {
         let context = session.context.clone();
-        let model = context.install(|| cad::to_brep(mesh, &result.patches, &result.leftover, &options.brep, &context))?;
+        let model = context.install(|| match &result.polygons {
+            Some(layout) if options.trimmed => cad::to_trimmed_brep(mesh, &layout.polygons, &layout.leftover, &context),
+            _ => cad::to_brep(mesh, &result.patches, &result.leftover, &options.brep, &context),
+        })?;
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let cad = CadOptions { unit: options.common.unit, schema: options.schema, name, ..CadOptions::default() };
         let mut bytes = Vec::new();
@@ -256,7 +278,9 @@ fn read_edges(file: &Path) -> Result<Vec<[VertexId; 2]>, Error> {
             let ids: Vec<u32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
             match ids[..] {
                 [a, b] => Ok([VertexId(a), VertexId(b)]),
-                _ => Err(Error::read(file, Place::Line(number), format!("two vertex ids are expected, found '{line}'"))),
+                _ => {
+                    Err(Error::read(file, Place::Line(number), format!("two vertex ids are expected, found '{line}'")))
+                }
             }
         })
         .collect()

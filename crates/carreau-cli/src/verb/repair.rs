@@ -13,7 +13,9 @@ use std::path::PathBuf;
 
 /// Welds, drops, orients and splits until the surface is sound; says what it did
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply")]
+#[command(
+    after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply"
+)]
 pub struct Repair {
     /// The mesh to repair
     input: PathBuf,

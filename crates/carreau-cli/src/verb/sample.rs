@@ -35,13 +35,20 @@ impl Sample {
         let values = self.common.over(CommonValues::default());
         Session::run("sample", &self.common, &values, None, |session| match (&self.name, &self.output) {
             (Some(name), Some(output)) if !self.list => {
-                session.record.set("options", json!({ "name": name, "resolution": self.resolution, "seed": values.seed }));
+                session
+                    .record
+                    .set("options", json!({ "name": name, "resolution": self.resolution, "seed": values.seed }));
                 let mesh: RawMesh = make(name, self.resolution, &session.context)?.into();
                 session.draw(&mesh)?;
                 session.write_mesh(output, &mesh, &WriteOptions::default())?;
                 let counts = json!({ "file": output.to_string_lossy(), "vertices": mesh.points.len(), "faces": mesh.faces.len() });
                 session.record.set("output", counts);
-                session.say(format!("{}: {} vertices, {} faces", output.display(), mesh.points.len(), mesh.faces.len()));
+                session.say(format!(
+                    "{}: {} vertices, {} faces",
+                    output.display(),
+                    mesh.points.len(),
+                    mesh.faces.len()
+                ));
                 Ok(())
             }
             _ => {

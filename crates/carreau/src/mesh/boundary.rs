@@ -10,8 +10,7 @@ use crate::error::{Error, Result};
 const TET: &[&[usize]] = &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
 const PYRAMID: &[&[usize]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
 const WEDGE: &[&[usize]] = &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
-const HEX: &[&[usize]] =
-    &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+const HEX: &[&[usize]] = &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 
 /// A face with its vertices sorted, padded with [`NONE`]: equal for the two sides of an inner face.
 type Key = [u32; 4];
@@ -35,11 +34,16 @@ impl RawMesh {
     /// are kept when the file lists every boundary face.
     pub fn boundary(&self) -> Result<RawMesh> {
         if self.cells.is_empty() {
-            return Err(Error::input("this is no volume mesh: there are no cells whose boundary could be taken", "", ""));
+            return Err(Error::input(
+                "this is no volume mesh: there are no cells whose boundary could be taken",
+                "",
+                "",
+            ));
         }
         let mut faces = self.cell_faces();
         faces.sort_by_key(|f| f.key);
-        let outer: Vec<&CellFace> = faces.chunk_by(|a, b| a.key == b.key).filter(|c| c.len() == 1).map(|c| &c[0]).collect();
+        let outer: Vec<&CellFace> =
+            faces.chunk_by(|a, b| a.key == b.key).filter(|c| c.len() == 1).map(|c| &c[0]).collect();
         let mut out = RawMesh::default();
         let mut new_id = vec![NONE; self.points.len()];
         let mut kept = Vec::new();

@@ -31,10 +31,10 @@ mod polygons;
 mod raw;
 mod repair;
 mod surface;
-mod triangles;
 #[cfg(test)]
 pub(crate) mod test_models;
 mod topology;
+mod triangles;
 mod weld;
 
 pub use area::{area_vector, safe_length, triangle_area_vector};
@@ -45,6 +45,6 @@ pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
-pub use triangles::{NONE, Triangles};
 pub use topology::{BoundaryLoop, Places, Topology};
+pub use triangles::{NONE, Triangles};
 pub use weld::{first_at_same_position, leaders_within};

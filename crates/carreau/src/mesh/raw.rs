@@ -95,7 +95,8 @@ impl RawMesh {
             ));
         }
         let tags = self.edge_tags.iter().copied().chain(std::iter::repeat(0));
-        let tagged_edges = self.edges.iter().zip(tags).map(|(e, tag)| TaggedEdge { ends: e.map(VertexId), tag }).collect();
+        let tagged_edges =
+            self.edges.iter().zip(tags).map(|(e, tag)| TaggedEdge { ends: e.map(VertexId), tag }).collect();
         let mut mesh = SurfaceMesh::new(self.points, self.faces)?;
         mesh.attributes = self.attributes;
         mesh.tagged_edges = tagged_edges;

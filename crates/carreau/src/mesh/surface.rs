@@ -73,7 +73,14 @@ impl SurfaceMesh {
         } else {
             faces.iter().enumerate().flat_map(|(f, face)| std::iter::repeat_n(f as u32, face.len())).collect()
         };
-        Ok(SurfaceMesh { points, faces, opposite, face_of, attributes: Attributes::default(), tagged_edges: Vec::new() })
+        Ok(SurfaceMesh {
+            points,
+            faces,
+            opposite,
+            face_of,
+            attributes: Attributes::default(),
+            tagged_edges: Vec::new(),
+        })
     }
 
     /// Builds a mesh of triangles.

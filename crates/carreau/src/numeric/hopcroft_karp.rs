@@ -34,6 +34,7 @@ pub struct Matching {
     right_mates: Vec<u32>,
 }
 
+#[cfg(test)]
 impl Matching {
     /// The edges (left, right), by left vertex.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32)> + '_ {

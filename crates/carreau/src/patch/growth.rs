@@ -181,7 +181,10 @@ impl<'a> Grower<'a> {
     /// The triangles of the current rectangle beyond those it started from.
     pub fn added_triangles(&self) -> impl Iterator<Item = u32> + '_ {
         let t = self.candidates.triangles;
-        self.layers.iter().flat_map(|l| &l.cells).flat_map(move |&(base, diagonal)| [base / 3, t.opposite(diagonal) / 3])
+        self.layers
+            .iter()
+            .flat_map(|l| &l.cells)
+            .flat_map(move |&(base, diagonal)| [base / 3, t.opposite(diagonal) / 3])
     }
 
     /// Adds a row to the longest side that still can grow.
@@ -317,7 +320,11 @@ impl<'a> Grower<'a> {
         // Rows and columns grow outwards from the seed's.
         for layer in &self.layers {
             let (axis, up) = (layer.side % 2, matches!(layer.side, 1 | 2));
-            if up { high[axis] += 1 } else { low[axis] -= 1 }
+            if up {
+                high[axis] += 1
+            } else {
+                low[axis] -= 1
+            }
             let line = if up { high[axis] } else { low[axis] };
             let other = 1 - axis;
             for (k, &(base, diagonal)) in layer.cells.iter().enumerate() {

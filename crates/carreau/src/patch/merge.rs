@@ -107,7 +107,8 @@ impl Merger<'_> {
             return None;
         }
         let theirs = self.patches[other].as_ref()?.side(its_side, self.candidates.triangles);
-        let same = theirs.len() == edges.len() && edges.iter().zip(theirs.iter().rev()).all(|(&h, &o)| across(h) == Some(o));
+        let same =
+            theirs.len() == edges.len() && edges.iter().zip(theirs.iter().rev()).all(|(&h, &o)| across(h) == Some(o));
         same.then_some((other, its_side))
     }
 

@@ -15,6 +15,7 @@
 //! | or: all of this at once | `growth` | §5 |
 //! | merging of patches | `merge` | §5 |
 //! | the check of every result | `validate` | – |
+//! | CAD faces: exact, bicubic or trimmed | `cad/` | §4, §5 |
 //! | figures | `statistics` | table 1 |
 //!
 //! Where this departs from the paper:
@@ -50,6 +51,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::{CornerId, FaceId, SurfaceMesh, Triangles, VertexId};
+use cad::{QuadCell, QuadPolygon};
 use grid::Grid;
 use growth::Grower;
 use pairing::Preference;
@@ -61,7 +63,7 @@ use zones::Quads;
 
 pub use grid::Patch;
 pub use output::quad_mesh;
-pub use polygon::Polygon;
+pub use polygon::{Cell, Polygon};
 pub use positions::Policy;
 pub use quality::Quality;
 pub use statistics::{Figures, coverage, patches_needed};
@@ -170,7 +172,11 @@ impl PatchOptions {
     fn check(&self) -> Result<()> {
         let range = |name: &str, x: f64| {
             let fits = (0.0..=180.0).contains(&x);
-            if fits { Ok(()) } else { Err(Error::Options(format!("{name} is {x}, it must be an angle in 0..180 degrees"))) }
+            if fits {
+                Ok(())
+            } else {
+                Err(Error::Options(format!("{name} is {x}, it must be an angle in 0..180 degrees")))
+            }
         };
         range("q-max", self.q_max)?;
         range("dihedral", self.dihedral)?;
@@ -219,8 +225,19 @@ pub struct PatchResult {
     pub patches: Vec<Patch>,
     /// Triangles that belong to no patch, in order.
     pub leftover: Vec<FaceId>,
+    /// The polygons that the patches were cut from, for trimmed surfaces; `None` for [`Strategy::Grow`], which has none.
+    pub polygons: Option<PolygonLayout>,
     /// The figures of the layout.
     pub figures: Figures,
+}
+
+/// Rectilinear polygons of at least the smallest number of cells, and the triangles in none of them.
+#[derive(Debug, Clone, Default)]
+pub struct PolygonLayout {
+    /// The polygons.
+    pub polygons: Vec<QuadPolygon>,
+    /// Triangles that belong to no polygon, in order.
+    pub leftover: Vec<FaceId>,
 }
 
 /// Decomposes a triangle mesh into quad patches. Every result has passed [`validate`].
@@ -254,17 +271,22 @@ pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) 
         _ => candidates.barrier.clone(),
     };
     let min_cells = options.min_cells as usize;
-    let mut patches = match options.strategy {
+    let (mut patches, polygons) = match options.strategy {
         Strategy::Grow => {
             let mut grower = Grower::new(&candidates, &walls);
-            growth::cover(&mut grower, options.probes(triangles.len()), min_cells, context)?
+            (growth::cover(&mut grower, options.probes(triangles.len()), min_cells, context)?, None)
         }
-        _ => by_polygons(&candidates, options, context)?,
+        _ => {
+            let (patches, polygons) = by_polygons(&candidates, options, context)?;
+            (patches, Some(polygons))
+        }
     };
     if options.merge {
         patches = merge::merge_and_absorb(patches, &candidates, &walls, min_cells, context)?;
     }
-    finish(mesh, patches, &candidates.barrier, options, context)
+    let mut result = finish(mesh, patches, &candidates.barrier, options, context)?;
+    result.polygons = polygons;
+    Ok(result)
 }
 
 /// Whether each half-edge lies on an edge that is not to be crossed: sharper than `angle`, tagged or listed.
@@ -281,20 +303,47 @@ fn barriers(mesh: &SurfaceMesh, angle: Option<f64>, options: &PatchOptions) -> R
     let features = feature_edges(mesh, &limits)?;
     let wanted = &options.feature_edges;
     match features.missing.iter().find(|edge| wanted.contains(edge) || wanted.contains(&[edge[1], edge[0]])) {
-        Some([a, b]) => Err(Error::input("the mesh has no such feature edge", format!("vertices {a} {b}"), "ids are 0-based")),
+        Some([a, b]) => {
+            Err(Error::input("the mesh has no such feature edge", format!("vertices {a} {b}"), "ids are 0-based"))
+        }
         None => Ok(features.corners),
     }
 }
 
 /// Quads first, then polygons of quads, then rectangles: the paper's way.
-fn by_polygons(candidates: &Candidates, options: &PatchOptions, context: &Context) -> Result<Vec<Patch>> {
+fn by_polygons(
+    candidates: &Candidates,
+    options: &PatchOptions,
+    context: &Context,
+) -> Result<(Vec<Patch>, PolygonLayout)> {
     let quads = match options.strategy {
         Strategy::Matching => pairing::match_pairs(candidates, Preference::Quality, context)?,
         Strategy::MatchingCardinality => pairing::match_pairs(candidates, Preference::Cardinality, context)?,
         Strategy::Zones | Strategy::Grow => zones::grow_zones(candidates, context)?,
     };
     let (polygons, turns) = positions::lay_out(candidates, &quads, options.policy, context)?;
-    dissect(candidates, &quads, &polygons, &turns, options, context)
+    let patches = dissect(candidates, &quads, &polygons, &turns, options, context)?;
+    Ok((patches, polygon_layout(candidates, &quads, &polygons, &turns, options.min_cells as usize)))
+}
+
+/// The polygons with the mesh vertices of their cells.
+fn polygon_layout(
+    candidates: &Candidates,
+    quads: &Quads,
+    polygons: &[Polygon],
+    turns: &[u32],
+    min_cells: usize,
+) -> PolygonLayout {
+    let mut free = vec![true; candidates.triangles.len()];
+    let mut cell = |cell: &Cell| {
+        let (corners, pair) = quad_corners(candidates, quads.diagonal[cell.quad as usize], turns[cell.quad as usize]);
+        pair.iter().for_each(|t| free[t.index()] = false);
+        QuadCell { row: cell.row, col: cell.col, corners, next: cell.next }
+    };
+    let large = polygons.iter().filter(|p| p.cells.len() >= min_cells);
+    let polygons = large.map(|p| QuadPolygon { cells: p.cells.iter().map(&mut cell).collect() }).collect();
+    let leftover = (0..free.len()).filter(|&t| free[t]).map(FaceId::new).collect();
+    PolygonLayout { polygons, leftover }
 }
 
 /// Cuts polygons into rectangles and rectangles out of the mesh.
@@ -354,8 +403,9 @@ fn finish(
     let leftover: Vec<FaceId> = (0..mesh.face_count()).filter(|&t| !covered[t]).map(FaceId::new).collect();
     let ends = |c: u32| [mesh.vertex(CornerId(c)), mesh.vertex(mesh.next(CornerId(c)))];
     let sorted = |[a, b]: [VertexId; 2]| (a.min(b), a.max(b));
-    let barred: FxHashSet<_> = (0..).zip(barrier).filter(|(_, barred)| **barred).map(|(c, _)| sorted(ends(c))).collect();
+    let barred: FxHashSet<_> =
+        (0..).zip(barrier).filter(|(_, barred)| **barred).map(|(c, _)| sorted(ends(c))).collect();
     validate(mesh, &patches, &leftover, &options.promises(), |a, b| barred.contains(&sorted([a, b])))?;
     let figures = Figures::of(mesh, &patches);
-    Ok(PatchResult { patches, leftover, figures })
+    Ok(PatchResult { patches, leftover, polygons: None, figures })
 }

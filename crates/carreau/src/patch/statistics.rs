@@ -17,10 +17,13 @@ pub fn patches_needed(patches: &[Patch], triangles: usize, share: f64) -> Option
         return Some(0);
     }
     let mut held = 0;
-    sizes.iter().position(|s| {
-        held += s;
-        held >= wanted
-    }).map(|k| k + 1)
+    sizes
+        .iter()
+        .position(|s| {
+            held += s;
+            held >= wanted
+        })
+        .map(|k| k + 1)
 }
 
 /// Share of all triangles that lie in patches.

@@ -41,7 +41,12 @@ fn bumpy(rows: u32, cols: u32, seed: u32) -> SurfaceMesh {
         let s = (12.9898 * x + 78.233 * y + f64::from(seed)).sin() * 43758.5453;
         s - s.floor() - 0.5
     };
-    let mesh = field(rows, cols, |x, y| 0.4 * (0.7 * x).sin() * (0.5 * y).cos(), |r, c| noise(f64::from(r), f64::from(c)) > -0.2);
+    let mesh = field(
+        rows,
+        cols,
+        |x, y| 0.4 * (0.7 * x).sin() * (0.5 * y).cos(),
+        |r, c| noise(f64::from(r), f64::from(c)) > -0.2,
+    );
     let (points, faces, ..) = mesh.into_parts();
     let shake = |p: DVec3| p + 0.25 * DVec3::new(noise(p.x, p.y), noise(p.y, p.x + 7.0), 0.3 * noise(p.x + 3.0, p.y));
     SurfaceMesh::new(points.into_iter().map(shake).collect(), faces).unwrap()
@@ -60,7 +65,12 @@ fn all_options() -> Vec<PatchOptions> {
         }
     }
     all.push(PatchOptions { quality: Quality::Adapted, convex_only: true, ..PatchOptions::default() });
-    all.push(PatchOptions { quality: Quality::Jacobian, adapt_dihedral: true, probes: Some(0), ..PatchOptions::default() });
+    all.push(PatchOptions {
+        quality: Quality::Jacobian,
+        adapt_dihedral: true,
+        probes: Some(0),
+        ..PatchOptions::default()
+    });
     all
 }
 
@@ -108,10 +118,13 @@ fn every_strategy_passes_the_validator_on_an_irregular_mesh() {
 #[test]
 fn matchings_are_optimal_among_the_strategies() {
     let mesh = bumpy(15, 15, 2);
-    let pairs = |strategy| run(&mesh, &PatchOptions { strategy, min_cells: 1, merge: false, ..PatchOptions::default() }).figures;
+    let pairs = |strategy| {
+        run(&mesh, &PatchOptions { strategy, min_cells: 1, merge: false, ..PatchOptions::default() }).figures
+    };
     let (zones, weighted, most) =
         (pairs(Strategy::Zones), pairs(Strategy::Matching), pairs(Strategy::MatchingCardinality));
-    let price = |f: &Figures| f.cells as f64 * (6.0 + f.q_mean_deg / 90.0) + 4.0 * (mesh.face_count() - 2 * f.cells) as f64;
+    let price =
+        |f: &Figures| f.cells as f64 * (6.0 + f.q_mean_deg / 90.0) + 4.0 * (mesh.face_count() - 2 * f.cells) as f64;
     assert!(price(&weighted) <= price(&zones) + 1e-3 && price(&weighted) <= price(&most) + 1e-3);
     assert!(most.cells >= weighted.cells && most.cells >= zones.cells);
 }
@@ -119,7 +132,8 @@ fn matchings_are_optimal_among_the_strategies() {
 #[test]
 fn the_minimum_dissection_needs_no_more_patches() {
     let mesh = bumpy(20, 20, 3);
-    let with = |dissection| run(&mesh, &PatchOptions { dissection, min_cells: 1, ..PatchOptions::paper() }).patches.len();
+    let with =
+        |dissection| run(&mesh, &PatchOptions { dissection, min_cells: 1, ..PatchOptions::paper() }).patches.len();
     assert!(with(Dissection::Minimum) <= with(Dissection::Greedy));
     assert!(with(Dissection::Minimum) <= with(Dissection::LongestRow));
 }
@@ -253,7 +267,10 @@ fn the_validator_notices_damage() {
     let strict = Promises { q_max: 0.01, ..options.promises() };
     assert!(validate(&mesh, &good.patches, &good.leftover, &strict, |_, _| false).is_err());
     let crossed = good.patches[0].vertex(0, 1);
-    assert!(validate(&mesh, &good.patches, &good.leftover, &options.promises(), |a, b| a == crossed || b == crossed).is_err());
+    assert!(
+        validate(&mesh, &good.patches, &good.leftover, &options.promises(), |a, b| a == crossed || b == crossed)
+            .is_err()
+    );
 }
 
 /// The same grid with its columns in reverse: all cells inside out.

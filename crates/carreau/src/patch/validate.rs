@@ -44,7 +44,8 @@ pub fn validate(
             return bug(format!("patch {k} has {} cells", patch.cells()));
         }
         for (r, c) in patch.cell_places() {
-            let diagonal = cell(mesh, patch, r, c, promises).or_else(|what| bug(format!("patch {k}, cell ({r}, {c}): {what}")))?;
+            let diagonal =
+                cell(mesh, patch, r, c, promises).or_else(|what| bug(format!("patch {k}, cell ({r}, {c}): {what}")))?;
             let inner = inner_edges(patch, r, c).chain([diagonal]);
             for [a, b] in inner {
                 if edges.count(a, b) != 2 || is_barrier(a, b) {
@@ -89,7 +90,13 @@ fn inner_edges(patch: &Patch, r: u32, c: u32) -> impl Iterator<Item = [VertexId;
 }
 
 /// One cell: the union of its triangles, in their sense, within the filters. Returns its diagonal.
-fn cell(mesh: &SurfaceMesh, patch: &Patch, r: u32, c: u32, promises: &Promises) -> std::result::Result<[VertexId; 2], String> {
+fn cell(
+    mesh: &SurfaceMesh,
+    patch: &Patch,
+    r: u32,
+    c: u32,
+    promises: &Promises,
+) -> std::result::Result<[VertexId; 2], String> {
     let corners = patch.cell(r, c);
     let Some(d) = diagonal(mesh, patch, r, c) else {
         let triangles = patch.cell_triangles(r, c).map(|t| mesh.face(t));
@@ -122,11 +129,7 @@ fn diagonal(mesh: &SurfaceMesh, patch: &Patch, r: u32, c: u32) -> Option<usize> 
     let halves = |a: [usize; 3], b: [usize; 3]| {
         (is(triangles[0], a) && is(triangles[1], b)) || (is(triangles[0], b) && is(triangles[1], a))
     };
-    if halves([0, 1, 2], [0, 2, 3]) {
-        Some(0)
-    } else {
-        halves([0, 1, 3], [1, 2, 3]).then_some(1)
-    }
+    if halves([0, 1, 2], [0, 2, 3]) { Some(0) } else { halves([0, 1, 3], [1, 2, 3]).then_some(1) }
 }
 
 /// Angles of a cell, computed from its points.

@@ -35,12 +35,7 @@ struct Body {
 /// A closed shell with positive volume is the outer shell of a solid. One with negative volume is a void of the smallest
 /// solid around it; where there is none, its faces are inside out as they are in the input, and it is left a surface.
 /// So is a closed shell without volume.
-pub fn shells(
-    scene: &Scene,
-    pieces: &[Piece],
-    chains: &Chains,
-    ctx: &Context,
-) -> Result<Shells> {
+pub fn shells(scene: &Scene, pieces: &[Piece], chains: &Chains, ctx: &Context) -> Result<Shells> {
     let shells = connected(pieces.len(), chains);
     let (mut outer, mut inner) = (Vec::new(), Vec::new());
     for (k, shell) in shells.iter().enumerate().filter(|(_, s)| s.closed) {

@@ -179,7 +179,12 @@ impl<'a> Problem<'a> {
         let (m, n) = (u.count(), v.count());
         let (us, vs) = (greville(u), greville(v));
         let mut net: Vec<DVec3> = vs.iter().flat_map(|&v| us.iter().map(move |&u| self.cell_point(u, v))).collect();
-        let sides = [self.frame.curve_on(0, u)?, self.frame.curve_on(2, u)?, self.frame.curve_on(1, v)?, self.frame.curve_on(3, v)?];
+        let sides = [
+            self.frame.curve_on(0, u)?,
+            self.frame.curve_on(2, u)?,
+            self.frame.curve_on(1, v)?,
+            self.frame.curve_on(3, v)?,
+        ];
         for i in 0..m {
             net[i] = sides[0].points()[i];
             net[(n - 1) * m + i] = sides[1].points()[i];
