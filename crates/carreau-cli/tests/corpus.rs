@@ -1,5 +1,7 @@
 //! The command on the corpus of real and broken models, where it is at hand; see `common::shared`.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)] // a test fails by panicking
+
 mod common;
 
 use common::{carreau, record, shared, text};

@@ -1,5 +1,7 @@
 //! The direction of knowledge: which part of the library may name which.
 
+#![allow(clippy::unwrap_used)] // a test fails by panicking
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

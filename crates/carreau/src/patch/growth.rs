@@ -147,7 +147,7 @@ impl<'a> Grower<'a> {
     /// Grows the largest rectangle reachable from a seed pair; returns its number of cells. Nothing is taken yet.
     pub fn grow(&mut self, seed: u32) -> usize {
         let opposite = self.candidates.triangles.opposite(seed);
-        self.start(Base::Pair(seed), |side| std::iter::once(side), self.candidates.sides(seed));
+        self.start(Base::Pair(seed), std::iter::once, self.candidates.sides(seed));
         self.mark[seed as usize / 3] = self.epoch;
         self.mark[opposite as usize / 3] = self.epoch;
         while self.add_row() {}
@@ -271,7 +271,7 @@ impl<'a> Grower<'a> {
     /// Marks the row's triangles; undone when one would be used twice (a side that runs around a thin neck).
     fn claim_row(&mut self) -> bool {
         for k in 0..2 * self.row.len() {
-            let half_edge = |k: usize| if k % 2 == 0 { self.row[k / 2].base } else { self.row[k / 2].partner };
+            let half_edge = |k: usize| if k.is_multiple_of(2) { self.row[k / 2].base } else { self.row[k / 2].partner };
             if !self.is_open(half_edge(k)) {
                 (0..k).map(half_edge).for_each(|h| self.mark[h as usize / 3] = 0);
                 return false;

@@ -297,7 +297,8 @@ fn barriers(mesh: &SurfaceMesh, angle: Option<f64>, options: &PatchOptions) -> R
         tags: options.tagged_edges,
         edges: options.feature_edges.clone(),
     };
-    if limits.angle_deg.is_none() && limits.edges.is_empty() && !(limits.tags && !mesh.tagged_edges.is_empty()) {
+    let tagged = limits.tags && !mesh.tagged_edges.is_empty();
+    if limits.angle_deg.is_none() && limits.edges.is_empty() && !tagged {
         return Ok(vec![false; mesh.corner_count()]);
     }
     let features = feature_edges(mesh, &limits)?;

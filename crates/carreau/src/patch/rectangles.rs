@@ -473,7 +473,7 @@ mod tests {
     fn largest_first_is_not_minimal() {
         let p = drawing(&["##..", "####", "####", "..##"]);
         assert_eq!(dissect(&p, CornerRule::AnyWidth).len(), 3);
-        assert_eq!(super::super::minimum(&p, &Context::new()).unwrap().len(), 2);
+        assert_eq!(crate::patch::dissection::minimum(&p, &Context::new()).unwrap().len(), 2);
     }
 
     #[test]

@@ -156,7 +156,7 @@ impl CellShape {
         let angle = |o: usize, a: usize, b: usize| between(at(a) - at(o), at(b) - at(o));
         let angles = [angle(0, 1, 2) + angle(0, 2, 3), angle(1, 0, 2), angle(2, 0, 1) + angle(2, 0, 3), angle(3, 0, 2)];
         let normals = [(at(1) - at(0)).cross(at(2) - at(0)), (at(2) - at(0)).cross(at(3) - at(0))];
-        let flat = normals.iter().any(|n| *n == DVec3::ZERO);
+        let flat = normals.contains(&DVec3::ZERO);
         CellShape { angles, bend: if flat { f64::NAN } else { between(normals[0], normals[1]) } }
     }
 

@@ -197,7 +197,14 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
 
 /// A chain as an edge of a loop, with its way in the parameter plane: between two corners the border is straight there.
 /// A polyline on a surface whose parameters are not indices needs all its stops, for it does not advance evenly.
-fn edge_use(outline: &Outline, of: &ChainUse, nodes: u32, stops: Option<&[u32]>, under: &PieceSurface) -> EdgeUse {
+fn edge_use(
+    outline: &Outline,
+    of: &ChainUse,
+    nodes: u32,
+    curve: &Curve,
+    stops: Option<&[u32]>,
+    under: &PieceSurface,
+) -> EdgeUse {
     let mut parameters = Vec::new();
     if let (false, Surface::Spline(_)) = (outline.at.is_empty(), &under.surface) {
         let last = nodes - 1;
@@ -209,8 +216,10 @@ fn edge_use(outline: &Outline, of: &ChainUse, nodes: u32, stops: Option<&[u32]>,
                 None => [f64::from(c), f64::from(r)],
             }
         };
-        match stops {
-            Some(stops) if under.scale.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
+        match (stops, curve) {
+            (Some(stops), _) if under.scale.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
+            // A break at every row lets readers integrate the face between the kinks that it may have there.
+            (None, Curve::Spline(c)) if c.knots().degree() == 1 => parameters.extend((0..=last).map(at)),
             _ => parameters.extend([at(0), at(last)]),
         }
     }
