@@ -1,1 +1,3 @@
-//! numeric
+//! Numerical methods that know nothing of meshes.
+
+pub mod matching;
