@@ -58,8 +58,8 @@ pub const UNMATCHED: u32 = u32::MAX;
 ///
 /// The graph may have any number of components and parallel edges; costs may be negative. The same input gives the same
 /// matching. Where most nodes find a partner nearby, as in dual graphs of meshes, time grows almost in proportion to the
-/// number of nodes. The worst case is that of single trees, nodes · edges up to logarithms and the depth of blossoms;
-/// what comes near it are large regular grids with many nodes that have to be left, or far from each other, and are dear.
+/// number of nodes. The worst case is that of growing single trees: nodes · edges, up to logarithms and the depth of the
+/// blossoms. Large regular grids come near it when their free nodes are dear to leave and far apart.
 ///
 /// # Errors
 /// - [`Error::Input`]: an edge has an end that is not a node, or two equal ends.
@@ -72,6 +72,7 @@ pub fn minimum_cost_matching(edges: &[Edge], unmatched: &[i64], context: &Contex
     let graph = Graph::new(edges, unmatched);
     let search = solve(&graph, FIRST_LIMIT, context)?;
     tracing::debug!(target: "carreau::matching", nodes = unmatched.len(), edges = edges.len(), work = ?search.counts);
+    context.check()?;
     let matching = read_off(&graph, search.family, edges, unmatched);
     certify(edges, unmatched, &matching)?;
     Ok(matching)
