@@ -1,7 +1,6 @@
 //! What the tests of the command share.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)] // a test fails by panicking
-
 #![allow(dead_code)] // each test file uses its own part
 
 use assert_cmd::Command;

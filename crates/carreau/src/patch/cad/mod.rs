@@ -185,7 +185,8 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
         let of_loop = |(outline, uses): (&Outline, &Vec<ChainUse>)| {
             let edge = |of: &ChainUse| {
                 let nodes = chains.paths[of.chain as usize].len() as u32;
-                edge_use(outline, of, nodes, stops[of.chain as usize].as_deref(), &under)
+                let curve = &brep.edges[of.chain as usize].curve;
+                edge_use(outline, of, nodes, curve, stops[of.chain as usize].as_deref(), &under)
             };
             uses.iter().map(edge).collect()
         };
