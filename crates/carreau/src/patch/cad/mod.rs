@@ -18,23 +18,25 @@ mod chain;
 mod exact;
 mod fit;
 #[cfg(test)]
-mod models;
+pub(crate) mod models;
 mod piece;
 mod scene;
 mod shell;
+#[cfg(test)]
+mod tests;
 mod trimmed;
 
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
+use crate::length::Length;
 use crate::mesh::{FaceId, SurfaceMesh};
 use crate::patch::Patch;
-use crate::length::Length;
 use chain::{ChainUse, Chains};
 use piece::{Outline, Piece};
 use scene::Scene;
-pub use trimmed::{QuadCell, QuadPolygon, to_trimmed_brep};
 use serde::{Deserialize, Serialize};
+pub use trimmed::{QuadCell, QuadPolygon, to_trimmed_brep};
 
 /// What the faces of patches are to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

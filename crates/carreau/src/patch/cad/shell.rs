@@ -35,12 +35,7 @@ struct Body {
 /// A closed shell with positive volume is the outer shell of a solid. One with negative volume is a void of the smallest
 /// solid around it; where there is none, its faces are inside out as they are in the input, and it is left a surface.
 /// So is a closed shell without volume.
-pub fn shells(
-    scene: &Scene,
-    pieces: &[Piece],
-    chains: &Chains,
-    ctx: &Context,
-) -> Result<Shells> {
+pub fn shells(scene: &Scene, pieces: &[Piece], chains: &Chains, ctx: &Context) -> Result<Shells> {
     let shells = connected(pieces.len(), chains);
     let (mut outer, mut inner) = (Vec::new(), Vec::new());
     for (k, shell) in shells.iter().enumerate().filter(|(_, s)| s.closed) {
@@ -172,7 +167,7 @@ fn around(void: &Body, outer: &[Body]) -> Option<usize> {
 /// Volume between the origin and the bilinear patch through four points: ∫ S·(S_u × S_v) / 3, exact with 2 × 2 Gauss
 /// points because the integrand is at most cubic in u and in v.
 fn bilinear_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
-    const GAUSS: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
+    const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
     let (e1, e2, e3) = (b - a, d - a, a - b + c - d);
     let mut sum = 0.0;
     for u in GAUSS {

@@ -94,7 +94,10 @@ fn check(mesh: &SurfaceMesh, polygon: usize, of: &QuadPolygon) -> Result<()> {
         if a == b || a == c || a == d || b == c || b == d || c == d {
             return wrong("two corners of a cell are the same vertex", k);
         }
-        if !places.insert((cell.row, cell.col)) || cell.row.checked_add(1).is_none() || cell.col.checked_add(1).is_none() {
+        if !places.insert((cell.row, cell.col))
+            || cell.row.checked_add(1).is_none()
+            || cell.col.checked_add(1).is_none()
+        {
             return wrong("the place of a cell is taken or out of range", k);
         }
         for (side, &next) in cell.next.iter().enumerate().filter(|(_, next)| **next != NONE) {
@@ -357,8 +360,7 @@ fn filled(net: &[Option<DVec3>], columns: usize) -> Vec<DVec3> {
     let trend = nearest_affine(net, columns);
     let at = |k: usize| trend * DVec3::new(1.0, (k % columns) as f64, (k / columns) as f64);
     let known: Vec<bool> = net.iter().map(Option::is_some).collect();
-    let mut rest: Vec<DVec3> =
-        net.iter().enumerate().map(|(k, p)| p.map_or(DVec3::ZERO, |p| p - at(k))).collect();
+    let mut rest: Vec<DVec3> = net.iter().enumerate().map(|(k, p)| p.map_or(DVec3::ZERO, |p| p - at(k))).collect();
     relax(&mut rest, &known, columns);
     (0..net.len()).map(|k| net[k].unwrap_or_else(|| at(k) + rest[k])).collect()
 }

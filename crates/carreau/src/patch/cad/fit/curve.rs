@@ -321,8 +321,10 @@ mod tests {
         bent.extend((1..6).map(|k| DVec3::new(64.0, f64::from(k), 1.0)));
         assert!(matches!(check(&bent, 1e-9).shape, Shape::Polyline(s) if s == [0, 8, 13]));
         let half = 0.5f64.sqrt();
-        let rounded: Vec<DVec3> =
-            arc(16, 1.0).into_iter().chain((1..9).map(|k| DVec3::new(1f64.cos(), 1f64.sin() - half * f64::from(k), 0.3))).collect();
+        let rounded: Vec<DVec3> = arc(16, 1.0)
+            .into_iter()
+            .chain((1..9).map(|k| DVec3::new(1f64.cos(), 1f64.sin() - half * f64::from(k), 0.3)))
+            .collect();
         assert!(control_points(&check(&rounded, 1e-3)) < 12);
     }
 

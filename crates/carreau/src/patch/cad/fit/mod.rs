@@ -79,7 +79,13 @@ struct Ladder<'a> {
 }
 
 impl<'a> Ladder<'a> {
-    fn new(scene: &'a Scene, pieces: &'a [Piece], chains: &'a Chains, tolerance: f64, ctx: &'a Context) -> Result<Self> {
+    fn new(
+        scene: &'a Scene,
+        pieces: &'a [Piece],
+        chains: &'a Chains,
+        tolerance: f64,
+        ctx: &'a Context,
+    ) -> Result<Self> {
         let curves: Result<Vec<ChainCurve>> = ctx.install(|| {
             let fit = |path: &Vec<u32>| {
                 ctx.check()?;

@@ -65,7 +65,12 @@ impl Stencil {
         let scaled = |r: &[DVec3]| -> Vec<DVec3> { r.iter().zip(&inverse).map(|(&r, &w)| w * r).collect() };
         let mut product = vec![DVec3::ZERO; n];
         self.times(x, &mut product);
-        let mut r: Vec<DVec3> = rhs.iter().zip(&product).zip(&inverse).map(|((b, p), &w)| if w > 0.0 { b - p } else { DVec3::ZERO }).collect();
+        let mut r: Vec<DVec3> = rhs
+            .iter()
+            .zip(&product)
+            .zip(&inverse)
+            .map(|((b, p), &w)| if w > 0.0 { b - p } else { DVec3::ZERO })
+            .collect();
         let mut z = scaled(&r);
         let mut direction = z.clone();
         let mut size = dot(&r, &z);
