@@ -91,9 +91,9 @@ mod tests {
             let rhs: Vec<DVec3> = (0..n).map(|k| DVec3::new(seed[k], seed[k + 1], seed[k + 2])).collect();
             let mut x = rhs.clone();
             prop_assert!(a.solve(&mut x));
-            for i in 0..n {
+            for (i, rhs) in rhs.iter().enumerate() {
                 let product: DVec3 = (0..n).map(|j| entry(i, j) * x[j]).sum();
-                prop_assert!(product.distance(rhs[i]) < 1e-12);
+                prop_assert!(product.distance(*rhs) < 1e-12);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! B-spline curves in space.
 
 use super::knots::Knots;
+use super::surface::{MAX_HALVINGS, MAX_STEPS, TINY};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -136,23 +137,22 @@ impl BSplineCurve {
     /// the target than the start is.
     pub fn project(&self, target: DVec3, start: f64) -> f64 {
         let [low, high] = self.knots.domain();
-        let (mut best, mut t) = ((f64::INFINITY, start), start);
-        for _ in 0..12 {
+        let mut t = start;
+        for _ in 0..MAX_STEPS {
             let [c, d, dd] = self.derivatives(t);
             let r = c - target;
-            if r.length_squared() < best.0 {
-                best = (r.length_squared(), t);
-            }
             let curved = d.length_squared() + r.dot(dd);
             // Where the Hessian is not positive, the Gauss-Newton one is.
             let step = r.dot(d) / if curved > 0.0 { curved } else { d.length_squared() };
-            let next = (t - step).clamp(low, high);
-            if !step.is_finite() || (next - t).abs() <= 1e-12 * (high - low) {
+            if step.abs() <= TINY * (high - low) {
                 break;
             }
+            let next = (0..=MAX_HALVINGS).map(|k| (t - 0.5f64.powi(k) * step).clamp(low, high));
+            let nearer = |&s: &f64| self.point(s).distance_squared(target) < r.length_squared();
+            let Some(next) = next.into_iter().find(nearer) else { break };
             t = next;
         }
-        best.1
+        t
     }
 }
 

@@ -123,10 +123,10 @@ impl Knots {
         n[0] = 1.0;
         for d in 1..=degree {
             let mut saved = 0.0;
-            for r in 0..d {
+            for (r, value) in n.iter_mut().enumerate().take(d) {
                 let (right, left) = (self.values[span + 1 + r], self.values[span + 1 + r - d]);
-                let part = n[r] / (right - left);
-                n[r] = saved + (right - t) * part;
+                let part = *value / (right - left);
+                *value = saved + (right - t) * part;
                 saved = (t - left) * part;
             }
             n[d] = saved;

@@ -18,10 +18,12 @@ mod chain;
 mod exact;
 mod fit;
 #[cfg(test)]
-mod models;
+pub(crate) mod models;
 mod piece;
 mod scene;
 mod shell;
+#[cfg(test)]
+mod tests;
 mod trimmed;
 
 use crate::context::Context;

@@ -106,10 +106,7 @@ fn is_flat(corners: [DVec3; 3]) -> bool {
     let [a, b, c] = [0, 1, 2].map(|j| corners[(k + j) % 3]);
     let side = b - a;
     let scale = side.length();
-    if !(scale > 0.0) {
-        return true;
-    }
-    let axis = side / scale;
+    let Some(axis) = side.try_normalize() else { return true };
     let height = (c - a) - axis * axis.dot(c - a);
     height.length() <= FLAT * scale
 }

@@ -167,7 +167,7 @@ fn around(void: &Body, outer: &[Body]) -> Option<usize> {
 /// Volume between the origin and the bilinear patch through four points: ∫ S·(S_u × S_v) / 3, exact with 2 × 2 Gauss
 /// points because the integrand is at most cubic in u and in v.
 fn bilinear_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
-    const GAUSS: [f64; 2] = [0.211_324_865_405_187_12, 0.788_675_134_594_812_9];
+    const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
     let (e1, e2, e3) = (b - a, d - a, a - b + c - d);
     let mut sum = 0.0;
     for u in GAUSS {

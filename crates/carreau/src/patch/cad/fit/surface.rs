@@ -43,6 +43,8 @@ pub struct Problem<'a> {
     /// Numbers of nodes: columns, rows.
     nodes: [usize; 2],
     points: Vec<DVec3>,
+    /// Mean lengths of rows and columns.
+    lengths: [f64; 2],
     tolerance: f64,
     /// Most control points.
     limit: usize,
@@ -52,8 +54,17 @@ impl<'a> Problem<'a> {
     pub fn new(scene: &Scene, block: &Block, frame: &'a Frame, tolerance: f64, limit: usize) -> Self {
         let [m, n] = block.size;
         let at = |r, c| scene.point(block.vertex(scene.patches, r, c));
-        let points = (0..=m).flat_map(|r| (0..=n).map(move |c| at(r, c))).collect();
-        Problem { frame, nodes: [n as usize + 1, m as usize + 1], points, tolerance, limit }
+        let points: Vec<DVec3> = (0..=m).flat_map(|r| (0..=n).map(move |c| at(r, c))).collect();
+        let nodes = [n as usize + 1, m as usize + 1];
+        let total = |step: usize, skip: &dyn Fn(usize) -> bool| -> f64 {
+            let starts = (0..points.len() - step).filter(|&k| !skip(k));
+            starts.map(|k| points[k].distance(points[k + step])).sum()
+        };
+        let rows = total(1, &|k| (k + 1) % nodes[0] == 0) / nodes[1] as f64;
+        let columns = total(nodes[0], &|_| false) / nodes[0] as f64;
+        // Never zero: coinciding vertices have no length.
+        let least = 1e-6 * (rows + columns) + f64::MIN_POSITIVE;
+        Problem { frame, nodes, points, lengths: [rows.max(least), columns.max(least)], tolerance, limit }
     }
 
     /// A surface within the tolerance and with no more control points than the limit, if one is found.
@@ -61,7 +72,7 @@ impl<'a> Problem<'a> {
         let Some(mut best) = self.attempt(Plan::default(), None)? else { return Ok(None) };
         for _ in 0..LEVELS {
             if best.deviation <= self.tolerance {
-                return Ok(if self.folds(&best) { None } else { Some(best) });
+                return Ok(if self.strays(&best) { None } else { Some(best) });
             }
             // Whichever direction gains more per control point is refined; both where neither does.
             let size = best.surface.points().len() as f64;
@@ -158,17 +169,13 @@ impl<'a> Problem<'a> {
 
     /// Parameters of columns and rows, shifted as the vertices on the sides are against them.
     fn first_parameters(&self) -> Vec<[f64; 2]> {
-        let [columns, rows] = self.nodes;
         let [bottom, right, top, left] = &self.frame.sides;
         let [us, vs] = &self.frame.scale;
-        let mut out = Vec::with_capacity(columns * rows);
-        for r in 0..rows {
-            for c in 0..columns {
-                let (u, v) = (us[c], vs[r]);
-                out.push([
-                    bottom.parameters[c] * (1.0 - v) + top.parameters[c] * v,
-                    left.parameters[r] * (1.0 - u) + right.parameters[r] * u,
-                ]);
+        let between = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
+        let mut out = Vec::with_capacity(self.points.len());
+        for (&v, (&l, &r)) in vs.iter().zip(left.parameters.iter().zip(&right.parameters)) {
+            for (&u, (&b, &t)) in us.iter().zip(bottom.parameters.iter().zip(&top.parameters)) {
+                out.push([between(b, t, v), between(l, r, u)]);
             }
         }
         out
@@ -207,12 +214,12 @@ impl<'a> Problem<'a> {
         at(r, c).lerp(at(r, c + 1), s).lerp(at(r + 1, c).lerp(at(r + 1, c + 1), s), t)
     }
 
-    /// The inner control points that minimise Σ |S(uᵢ, vᵢ) − pᵢ|² plus the bending energy
-    /// λᵤ ∫∫ |S_uu|² + 2 √(λᵤλᵥ) ∫∫ |S_uv|² + λᵥ ∫∫ |S_vv|².
+    /// The inner control points that minimise Σ |S(uᵢ, vᵢ) − pᵢ|² + λ ∫∫ |S_xx|² + 2 |S_xy|² + |S_yy|², where x and y are
+    /// u and v times the mean lengths of rows and columns.
     ///
-    /// The weights λ fall with the fourth power of the length of the spans, so that they flatten nothing as wide as a
-    /// span; they decide where there are no vertices. A hundredth of them on the first derivatives keeps the equations
-    /// definite where a direction is of degree 1.
+    /// λ falls with the fourth power of the length of the shorter spans, so that it flattens nothing as wide as a span;
+    /// it decides where there are no vertices. A hundredth of it on the first derivatives keeps the equations definite
+    /// where a direction is of degree 1.
     fn least_squares(&self, u: &Knots, v: &Knots, parameters: &[[f64; 2]], net: &mut [DVec3]) {
         let (m, n) = (u.count(), v.count());
         let mut matrix = Stencil::new(m, n);
@@ -232,8 +239,10 @@ impl<'a> Problem<'a> {
             }
         }
         let data = self.inner().count().max(1) as f64;
-        let weight = |k: &Knots| STIFFNESS * data / ((k.breaks().len() - 1) as f64 * PI).powi(4);
-        let (gu, gv, lu, lv) = (grams(u), grams(v), weight(u), weight(v));
+        let span = |k: &Knots, length: f64| length / ((k.breaks().len() - 1) as f64 * PI);
+        let shorter = span(u, self.lengths[0]).min(span(v, self.lengths[1]));
+        let [lu, lv] = self.lengths.map(|length| STIFFNESS * data * (shorter / length).powi(4));
+        let (gu, gv) = (grams(u), grams(v));
         let mixed = 2.0 * (lu * lv).sqrt();
         for j in 0..n {
             for l in j.saturating_sub(v.degree())..=(j + v.degree()).min(n - 1) {
@@ -252,19 +261,33 @@ impl<'a> Problem<'a> {
     }
 
     /// Whether the surface turns over or leaves the mesh between its vertices: at the middle of every cell its normal
-    /// must be on the side of the cell's, and its distance from the cell's middle a fraction of the cell.
-    fn folds(&self, fit: &Fitted) -> bool {
+    /// must be on the side of the cell's, and its distance from the cell's middle what the bend of the mesh there explains
+    /// (an arc leaves its chord by an eighth of the second difference).
+    fn strays(&self, fit: &Fitted) -> bool {
         let [columns, rows] = self.nodes;
+        let bend = |k: usize| {
+            let (r, c) = (k / columns, k % columns);
+            let second = |step: usize| (self.points[k - step] + self.points[k + step] - 2.0 * self.points[k]).length();
+            let along = if c > 0 && c + 1 < columns { second(1) } else { 0.0 };
+            let across = if r > 0 && r + 1 < rows { second(columns) } else { 0.0 };
+            along + across
+        };
         (0..rows - 1).flat_map(|r| (0..columns - 1).map(move |c| r * columns + c)).any(|k| {
             let corners = [k, k + 1, k + columns + 1, k + columns];
             let [a, b, c, d] = corners.map(|k| self.points[k]);
             let [u, v] = [0, 1].map(|x| corners.iter().map(|&k| fit.parameters[k][x]).sum::<f64>() / 4.0);
             let jet = fit.surface.jet(u, v);
             let turned = jet.first[0].cross(jet.first[1]).dot((c - a).cross(d - b)) <= 0.0;
-            let size = a.distance(c).min(b.distance(d));
-            turned || jet.point.distance((a + b + c + d) / 4.0) > self.tolerance + 0.25 * size
+            let explained = 0.25 * corners.map(bend).into_iter().fold(0.0, f64::max);
+            turned || off_cell(jet.point, [a, b, c, d]) > 2.0 * self.tolerance + explained
         })
     }
+}
+
+/// Distance of a point from the bilinear cell, along its normal in the middle.
+fn off_cell(p: DVec3, [a, b, c, d]: [DVec3; 4]) -> f64 {
+    let normal = (c - a).cross(d - b).normalize_or_zero();
+    (p - (a + b + c + d) / 4.0).dot(normal).abs()
 }
 
 /// Averages of `degree` successive knots: where a control point has most influence.
