@@ -245,13 +245,7 @@ impl Patch {
             _ => cad::to_brep(mesh, &result.patches, &result.leftover, &options.brep, &context),
         })?;
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let cad = CadOptions {
-            unit: options.common.unit,
-            schema: options.schema,
-            name,
-            parameter_curves: true,
-            ..CadOptions::default()
-        };
+        let cad = CadOptions { unit: options.common.unit, schema: options.schema, name, ..CadOptions::default() };
         let mut bytes = Vec::new();
         write_cad(file, &model.brep, &cad, &mut bytes)?;
         model.warnings.into_iter().for_each(|w| session.warn(w));

@@ -13,7 +13,7 @@
 //! T S      1G      3D      2P      7                                      T      1
 //! ```
 
-use super::cad::{CadOptions, Unit, push_real, resolution};
+use super::cad::{CadOptions, Unit, needs_parameter_curves, push_real, resolution};
 use super::text::push_integer;
 use crate::error::{Error, Result};
 use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
@@ -222,7 +222,7 @@ impl Writer {
 impl Writer {
     fn face(&mut self, brep: &Brep, face: &Face) {
         let surface = match &face.surface {
-            Surface::Spline(spline) if !face.trimmed => {
+            Surface::Spline(spline) if !needs_parameter_curves(face) => {
                 self.spline_surface(spline, INDEPENDENT);
                 return;
             }

@@ -4,7 +4,7 @@
 //! are written once per position and referenced wherever they occur, in control nets too: neighbours then agree exactly,
 //! and files are about a third smaller.
 
-use super::cad::{CadOptions, StepSchema, Unit, push_real, resolution};
+use super::cad::{CadOptions, StepSchema, Unit, needs_parameter_curves, push_real, resolution};
 use super::text::push_integer;
 use crate::error::Result;
 use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Shell, Surface};
@@ -289,7 +289,7 @@ impl Writer<'_> {
     /// The PCURVEs of every edge.
     fn curves_on_faces(&mut self, brep: &Brep, surfaces: &[Id], all: bool) -> Vec<Vec<Id>> {
         let mut out = vec![Vec::new(); brep.edges.len()];
-        let wanted = |f: &Face| all || f.trimmed;
+        let wanted = |f: &Face| all || needs_parameter_curves(f);
         if !brep.faces.iter().any(wanted) {
             return out;
         }
