@@ -70,7 +70,7 @@ pub struct Patch {
     /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16, fewer on large meshes]
     #[arg(long, value_name = "N")]
     probes: Option<u32>,
-    /// Strategy grow: rectangles end at sharper creases; merging may join them along complete sides [default: 50]
+    /// Strategy grow: rectangles end at sharper creases; merging may join them along complete sides [default: 40]
     #[arg(long, value_name = "DEG")]
     crease_angle: Option<f64>,
     /// Never crosses edges with more than this angle between the faces [default: none; 35 for bicubic faces]

@@ -39,6 +39,7 @@ mod weld;
 
 pub use area::{area_vector, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
+pub(crate) use disjoint_sets::DisjointSets;
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;

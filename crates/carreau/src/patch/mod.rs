@@ -7,6 +7,7 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
+//! | edges that limit patches | `creases` | §5 |
 //! | which pairs are quads, and how good | `quality` | §3.1, equation 1 |
 //! | zones of quads | `zones` | §3.2 |
 //! | or: the optimal choice of quads | `pairing` | – |
@@ -29,6 +30,7 @@
 
 pub mod cad;
 mod concave;
+mod creases;
 mod dissection;
 mod grid;
 mod growth;
@@ -49,7 +51,6 @@ mod zones;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::{CornerId, FaceId, SurfaceMesh, Triangles, VertexId};
 use cad::{QuadCell, QuadPolygon};
 use grid::Grid;
@@ -124,8 +125,8 @@ pub struct PatchOptions {
     /// How many rectangles [`Strategy::Grow`] tries through each triangle: more take longer and give larger patches.
     /// Low 1, high 32; 0 tries every seed. By default 16, fewer on large meshes so that the time stays linear.
     pub probes: Option<u32>,
-    /// Rectangles of [`Strategy::Grow`] end at edges with more than this angle between the face normals, in degrees, as a
-    /// person would draw them; merging may join them across, along complete sides. 180: creases are nothing special.
+    /// Rectangles of [`Strategy::Grow`] end at creases: connected edges with more than this angle between the face
+    /// normals, in degrees. Merging may join them across, along complete sides. 180: creases are nothing special.
     pub crease_angle: f64,
     /// Edges with more than this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
@@ -150,7 +151,7 @@ impl Default for PatchOptions {
             dissection: Dissection::default(),
             merge: true,
             probes: None,
-            crease_angle: 50.0,
+            crease_angle: 40.0,
             feature_angle: None,
             feature_edges: Vec::new(),
             tagged_edges: true,
@@ -260,14 +261,11 @@ pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) 
     }
     let candidates = {
         let _stage = context.stage("quality");
-        Candidates::new(triangles, &options.filters(), barriers(mesh, options.feature_angle, options)?, context)?
+        Candidates::new(triangles, &options.filters(), creases::barriers(mesh, options)?, context)?
     };
     // Where rows of triangles may not be added, be it in growing or in absorbing what is left.
     let walls = match options.strategy {
-        Strategy::Grow => {
-            let sharpest = options.feature_angle.unwrap_or(180.0).min(options.crease_angle);
-            barriers(mesh, Some(sharpest), options)?
-        }
+        Strategy::Grow => creases::creases(mesh, options.crease_angle, &candidates.barrier)?,
         _ => candidates.barrier.clone(),
     };
     let min_cells = options.min_cells as usize;
@@ -287,28 +285,6 @@ pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) 
     let mut result = finish(mesh, patches, &candidates.barrier, options, context)?;
     result.polygons = polygons;
     Ok(result)
-}
-
-/// Whether each half-edge lies on an edge that is not to be crossed: sharper than `angle`, tagged or listed.
-fn barriers(mesh: &SurfaceMesh, angle: Option<f64>, options: &PatchOptions) -> Result<Vec<bool>> {
-    let limits = FeatureOptions {
-        angle_deg: angle.filter(|&a| a < 180.0),
-        borders: false,
-        tags: options.tagged_edges,
-        edges: options.feature_edges.clone(),
-    };
-    let tagged = limits.tags && !mesh.tagged_edges.is_empty();
-    if limits.angle_deg.is_none() && limits.edges.is_empty() && !tagged {
-        return Ok(vec![false; mesh.corner_count()]);
-    }
-    let features = feature_edges(mesh, &limits)?;
-    let wanted = &options.feature_edges;
-    match features.missing.iter().find(|edge| wanted.contains(edge) || wanted.contains(&[edge[1], edge[0]])) {
-        Some([a, b]) => {
-            Err(Error::input("the mesh has no such feature edge", format!("vertices {a} {b}"), "ids are 0-based"))
-        }
-        None => Ok(features.corners),
-    }
 }
 
 /// Quads first, then polygons of quads, then rectangles: the paper's way.
