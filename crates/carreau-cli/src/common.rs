@@ -39,19 +39,13 @@ pub struct Common {
 }
 
 /// The common options that belong to a record: what replays a run.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CommonValues {
     pub threads: usize,
     pub seed: u64,
     pub deadline: Option<f64>,
     pub unit: Unit,
-}
-
-impl Default for CommonValues {
-    fn default() -> Self {
-        CommonValues { threads: 0, seed: 0, deadline: None, unit: Unit::default() }
-    }
 }
 
 impl Common {

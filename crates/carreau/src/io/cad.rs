@@ -165,6 +165,21 @@ pub(super) fn resolution(brep: &Brep) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::bspline::Knots;
+
+    /// A strip of two cells, folded by an angle along the middle.
+    fn folded(degrees: f64) -> BSplineSurface {
+        let fold = degrees.to_radians();
+        let points = [0.0, 1.0]
+            .map(|y| [DVec3::new(-1.0, y, 0.0), DVec3::new(0.0, y, 0.0), DVec3::new(fold.cos(), y, fold.sin())]);
+        BSplineSurface::new(Knots::index(2), Knots::index(1), points.as_flattened().to_vec()).unwrap()
+    }
+
+    #[test]
+    fn kinks_are_found_along_grid_lines() {
+        assert!(!has_kinks(&folded(0.0)) && !has_kinks(&folded(4.0)));
+        assert!(has_kinks(&folded(6.0)) && has_kinks(&folded(90.0)));
+    }
 
     #[test]
     fn reals_have_a_point_and_read_back() {

@@ -252,13 +252,15 @@ fn the_validator_notices_damage() {
     };
     assert!(check(&good.patches, &good.leftover));
     assert!(!check(&good.patches[1..], &good.leftover), "a lost patch");
-    let mut damages: Vec<(&str, Box<dyn Fn(&mut Patch)>)> = Vec::new();
-    damages.push(("a wrong vertex", Box::new(|p| p.vertices[0] = p.vertices[1])));
-    damages.push(("a triangle twice", Box::new(|p| p.triangles[0] = p.triangles[1])));
-    damages.push(("a missing row", Box::new(|p| p.rows -= 1)));
-    damages.push(("a vertex too many", Box::new(|p| p.vertices.push(VertexId(0)))));
-    damages.push(("cells in another order", Box::new(|p| p.triangles.rotate_left(2))));
-    damages.push(("reversed", Box::new(|p| *p = mirrored(p))));
+    type Damage = (&'static str, fn(&mut Patch));
+    let damages: [Damage; 6] = [
+        ("a wrong vertex", |p| p.vertices[0] = p.vertices[1]),
+        ("a triangle twice", |p| p.triangles[0] = p.triangles[1]),
+        ("a missing row", |p| p.rows -= 1),
+        ("a vertex too many", |p| p.vertices.push(VertexId(0))),
+        ("cells in another order", |p| p.triangles.rotate_left(2)),
+        ("reversed", |p| *p = mirrored(p)),
+    ];
     for (name, damage) in damages {
         let mut patches = good.patches.clone();
         damage(&mut patches[0]);

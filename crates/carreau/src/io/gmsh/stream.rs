@@ -20,6 +20,8 @@ pub(super) struct Stream<'a> {
     form: Form<'a>,
 }
 
+// One per file: its size does not matter.
+#[allow(clippy::large_enum_variant)]
 enum Form<'a> {
     Text(Scanner<'a>),
     /// With `long`, a size_t has 8 bytes, else 4.

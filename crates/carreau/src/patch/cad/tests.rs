@@ -493,8 +493,8 @@ fn trim(model: &Model, polygon: QuadPolygon) -> Brep {
 /// Area of a face's loops in the parameter plane: its number of cells.
 fn cells(face: &Face) -> f64 {
     let segment = |of: &EdgeUse| {
-        let [a, b] = [of.parameters[0], of.parameters[1]];
-        (a[0] * b[1] - b[0] * a[1]) * if of.reversed { -0.5 } else { 0.5 }
+        let twice: f64 = of.parameters.windows(2).map(|w| w[0][0] * w[1][1] - w[1][0] * w[0][1]).sum();
+        twice * if of.reversed { -0.5 } else { 0.5 }
     };
     face.loops.iter().flatten().map(segment).sum()
 }
