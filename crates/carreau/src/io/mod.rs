@@ -2,7 +2,7 @@
 //!
 //! Readers take the bytes of a file and return a [`RawMesh`]; they never panic, never allocate by a number they have
 //! not checked against the size of the file, and say at which line or byte they stopped. Writers fill a buffer, which
-//! [`write`] puts in place in one step.
+//! [`write()`] puts in place in one step.
 
 mod atomic;
 mod binary;

@@ -63,7 +63,7 @@ pub struct Cell {
     pub col: i32,
     /// The quad that lies here; the polygon itself never looks at it.
     pub quad: u32,
-    /// The neighbouring cell across side 0 bottom, 1 right, 2 top, 3 left; [`NONE`] where there is a border or a wall.
+    /// The neighbouring cell across side 0 bottom, 1 right, 2 top, 3 left; `u32::MAX` where there is a border or a wall.
     pub next: [u32; 4],
 }
 
