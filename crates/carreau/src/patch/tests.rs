@@ -316,6 +316,18 @@ fn the_quad_mesh_has_the_input_vertices_and_every_face_once() {
     assert!((area(&out.faces, &out.points) - area(mesh.faces(), mesh.points())).abs() < 1e-9);
 }
 
+#[test]
+fn a_corner_far_away_is_measured_as_it_is() {
+    // One vertex lies at 1e23 times the size of the mesh: differences to it swallow all others.
+    let mesh = bumpy(8, 8, 10);
+    let (mut points, faces, ..) = mesh.into_parts();
+    points[40] *= 1e23;
+    let mesh = SurfaceMesh::new(points, faces).unwrap();
+    for options in all_options() {
+        run(&mesh, &PatchOptions { q_max: 90.0, dihedral: 180.0, ..options });
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 

@@ -149,8 +149,11 @@ impl CellShape {
 
     /// A quad cut along the diagonal that starts at corner `d`.
     fn new(p: [DVec3; 4], d: usize) -> Self {
-        let scale = (0..4).map(|k| (p[k] - p[0]).abs().max_element()).fold(0.0, f64::max);
-        let p = p.map(|x| (x - p[0]) / scale);
+        // Scaled by a power of two, which rounds nothing: differences stay those of the input, even where one corner is
+        // out of all proportion to the others.
+        let extent = (0..4).map(|k| (p[k] - p[0]).abs().max_element()).fold(0.0, f64::max);
+        let scale = 2f64.powi(extent.log2().floor() as i32);
+        let p = p.map(|x| x / scale);
         let at = |k: usize| p[(d + k) % 4];
         // The halves are (0, 1, 2) and (0, 2, 3), counted from the start of the diagonal.
         let angle = |o: usize, a: usize, b: usize| between(at(a) - at(o), at(b) - at(o));
