@@ -328,6 +328,19 @@ fn a_corner_far_away_is_measured_as_it_is() {
     }
 }
 
+#[test]
+fn no_size_is_too_small_or_too_large() {
+    let mesh = bumpy(6, 6, 10);
+    let patches = run(&mesh, &PatchOptions::default()).patches;
+    let (points, faces, ..) = mesh.into_parts();
+    for scale in [1e-310, 1e-300, 1e-160, 1e160, 1e300] {
+        let scaled = SurfaceMesh::new(points.iter().map(|&p| p * scale).collect(), faces.clone()).unwrap();
+        let found = run(&scaled, &PatchOptions::default()).patches;
+        // A denormal has too few digits for the angles to stay the same.
+        assert!(scale < 1e-308 || found == patches, "{scale}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 

@@ -150,15 +150,19 @@ impl CellShape {
     /// A quad cut along the diagonal that starts at corner `d`.
     fn new(p: [DVec3; 4], d: usize) -> Self {
         // Scaled by a power of two, which rounds nothing: differences stay those of the input, even where one corner is
-        // out of all proportion to the others.
+        // out of all proportion to the others. Large extents are scaled before subtracting, which might overflow, small
+        // ones after, and in two halves, as the power itself may be out of range.
         let extent = (0..4).map(|k| (p[k] - p[0]).abs().max_element()).fold(0.0, f64::max);
-        let scale = 2f64.powi(extent.log2().floor() as i32);
-        let p = p.map(|x| x / scale);
+        let exponent = if extent > 0.0 { extent.log2().floor().min(1023.0) as i32 } else { 0 };
+        let halves = [-exponent / 2, -exponent - -exponent / 2].map(|e| 2f64.powi(e));
+        let scaled = |x: DVec3| x * halves[0] * halves[1];
         let at = |k: usize| p[(d + k) % 4];
+        let edge =
+            |o: usize, a: usize| if extent < 1.0 { scaled(at(a) - at(o)) } else { scaled(at(a)) - scaled(at(o)) };
         // The halves are (0, 1, 2) and (0, 2, 3), counted from the start of the diagonal.
-        let angle = |o: usize, a: usize, b: usize| between(at(a) - at(o), at(b) - at(o));
+        let angle = |o: usize, a: usize, b: usize| between(edge(o, a), edge(o, b));
         let angles = [angle(0, 1, 2) + angle(0, 2, 3), angle(1, 0, 2), angle(2, 0, 1) + angle(2, 0, 3), angle(3, 0, 2)];
-        let normals = [(at(1) - at(0)).cross(at(2) - at(0)), (at(2) - at(0)).cross(at(3) - at(0))];
+        let normals = [edge(0, 1).cross(edge(0, 2)), edge(0, 2).cross(edge(0, 3))];
         let flat = normals.contains(&DVec3::ZERO);
         CellShape { angles, bend: if flat { f64::NAN } else { between(normals[0], normals[1]) } }
     }
