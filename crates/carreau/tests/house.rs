@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Every part and what it may know, besides itself and the ground floor (`error`, `context`, `length`).
 const MAY_KNOW: &[(&str, &[&str])] = &[
     ("mesh", &[]),
-    ("geometry", &["mesh"]),
+    ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
     ("patch", &["mesh", "geometry", "numeric"]),
     ("io", &["mesh", "geometry", "patch"]),

@@ -6,6 +6,7 @@
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
 //! | `bspline` | B-spline curves and surfaces |
 //! | `brep` | boundary representation: what CAD files hold |
+//! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
 //! | `summary` | minimum, mean, percentiles, histogram |
 //! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
@@ -17,6 +18,7 @@ pub mod bspline;
 pub mod distance;
 pub mod features;
 pub mod normals;
+pub mod primitive;
 pub mod quality;
 pub mod search_tree;
 pub mod summary;

@@ -1,0 +1,183 @@
+//! The best surface of a kind through points, and the simplest kind that will do.
+//!
+//! Every start takes a few steps of the minimisation; the best ones go on to the end. Trials stop as soon as one is good
+//! enough, so that clean data pay for one start only.
+
+use super::anchored::{Anchored, Distances};
+use super::refine::{Fit, descend, measured};
+use super::starts::{self, Sample};
+use super::unit::UnitBox;
+use super::{Kind, Primitive};
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// Steps that a start has to show what it is worth.
+const TRIAL_STEPS: usize = 5;
+/// Steps of those that go on.
+const MOST_STEPS: usize = 60;
+/// Number of starts that go on.
+const FINALISTS: usize = 3;
+/// A root mean square distance in the unit box that says: exact samples, no start will do better.
+const EXACT: f64 = 1e-13;
+/// Of the tolerance: the root mean square distance at which no other start is tried.
+const GOOD_ENOUGH: f64 = 0.2;
+
+/// Memory that fits use again and again.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// All points, in the unit box.
+    points: Vec<DVec3>,
+    /// The points with a normal, and their normals.
+    oriented: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    pub(super) weights: Vec<f64>,
+    pub(super) distances: Vec<f64>,
+}
+
+/// What [`simplest`] asks of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// Largest distance of a point.
+    pub tolerance: f64,
+    /// Largest angle in radians between a given normal and the surface's, whatever their signs; π/2 or more asks for
+    /// nothing.
+    pub angle: f64,
+    /// Share of the points that may be farther away or of another direction.
+    pub outliers: f64,
+}
+
+impl Demand {
+    /// All points within a distance, whatever their normals.
+    pub fn within(tolerance: f64) -> Self {
+        Demand { tolerance, angle: std::f64::consts::PI, outliers: 0.0 }
+    }
+
+    /// Whether enough points and normals agree with a surface.
+    pub fn is_met(&self, surface: &Primitive, points: &[DVec3], normals: &[DVec3]) -> bool {
+        let least_cosine = if self.angle < std::f64::consts::FRAC_PI_2 { self.angle.cos() } else { -1.0 };
+        let agrees = |(p, n): &(&DVec3, &DVec3)| {
+            // Where either normal is missing the product is zero.
+            let product = surface.normal(**p).dot(**n).abs();
+            surface.distance(**p).abs() <= self.tolerance && (product == 0.0 || product >= least_cosine)
+        };
+        let outliers = points.iter().zip(normals).filter(|pair| !agrees(pair)).count();
+        outliers as f64 <= self.outliers * points.len() as f64
+    }
+}
+
+/// The surface of a kind with the least sum of squared distances, from the best of several starts.
+///
+/// `normals` holds for every point an estimate of the unit normal there, zero where there is none; they serve as starts only.
+/// Signs must agree between neighbours but may be those of either side. `None` where the points do not determine a
+/// surface of the kind: too few, coincident, flat for a curved kind, not finite; or the lists differ in length.
+///
+/// ```
+/// use carreau::geometry::primitive::{fit, Kind, Primitive, Scratch};
+/// use glam::DVec3;
+/// let points: Vec<DVec3> = (0..6)
+///     .map(|k| (f64::from(k % 3) * 0.2, f64::from(k / 3)))
+///     .map(|(u, z)| DVec3::new(2.0 * u.cos(), 2.0 * u.sin(), z))
+///     .collect();
+/// let found = fit(Kind::Cylinder, &points, &[DVec3::ZERO; 6], &mut Scratch::default()).unwrap();
+/// assert!(matches!(found.primitive, Primitive::Cylinder { radius, .. } if (radius - 2.0).abs() < 1e-9));
+/// ```
+pub fn fit(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut Scratch) -> Option<Fit> {
+    let unit = scratch.enter(points, normals)?;
+    best(kind, scratch, EXACT)?.leave(&unit)
+}
+
+/// The fit of the simplest kind that meets the demand.
+///
+/// Kinds are tried in the order of their number of parameters, each only where there are more points than parameters: fewer
+/// points fit anything. `None` where no kind will do.
+pub fn simplest(points: &[DVec3], normals: &[DVec3], demand: &Demand, scratch: &mut Scratch) -> Option<Fit> {
+    let unit = scratch.enter(points, normals)?;
+    let enough = (unit.length_inside(demand.tolerance) * GOOD_ENOUGH).max(EXACT);
+    Kind::ALL.into_iter().filter(|kind| points.len() > kind.parameters()).find_map(|kind| {
+        let found = best(kind, scratch, enough)?.leave(&unit)?;
+        demand.is_met(&found.primitive, points, normals).then_some(found)
+    })
+}
+
+impl Scratch {
+    /// Takes points and normals in; `None` where there is no unit box or the lists differ in length.
+    pub(super) fn enter(&mut self, points: &[DVec3], normals: &[DVec3]) -> Option<UnitBox> {
+        if points.len() != normals.len() {
+            return None;
+        }
+        let unit = UnitBox::of(points)?;
+        self.points.clear();
+        self.points.extend(points.iter().map(|p| unit.enter(*p)));
+        self.oriented.clear();
+        self.normals.clear();
+        for (p, n) in self.points.iter().zip(normals) {
+            if let Some(n) = n.try_normalize() {
+                self.oriented.push(*p);
+                self.normals.push(n);
+            }
+        }
+        Some(unit)
+    }
+
+    /// The points that were taken in.
+    pub(super) fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+}
+
+/// The best fit of a kind to the points in the scratch memory, in the unit box; the search stops at a root mean square
+/// distance that is good `enough`.
+pub(super) fn best(kind: Kind, scratch: &Scratch, enough: f64) -> Option<Fit> {
+    if scratch.points.len() < kind.parameters() {
+        return None;
+    }
+    let sample = Sample { points: &scratch.points, oriented: &scratch.oriented, normals: &scratch.normals };
+    let data = Distances { points: &scratch.points, weights: None };
+    let enough = enough * enough * scratch.points.len() as f64;
+    let mut finalists = Finalists::default();
+    // Broken off or not: the finalists are what the search was for.
+    let _ = starts::offer(kind, &sample, &mut |start: Option<Anchored>| match start
+        .and_then(|start| descend(&data, start, TRIAL_STEPS, enough))
+    {
+        Some((surface, cost)) => {
+            finalists.insert(surface, cost);
+            if cost <= enough && surface.primitive().is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        }
+        None => ControlFlow::Continue(()),
+    });
+    let mut winner: Option<Fit> = None;
+    for (surface, _) in finalists.0.into_iter().flatten() {
+        let found = descend(&data, surface, MOST_STEPS, 0.0).and_then(|(surface, _)| measured(&data, &surface));
+        winner = match (winner, found) {
+            (Some(a), Some(b)) => Some(if b.rms < a.rms { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        if winner.is_some_and(|w| w.rms * w.rms * data.points.len() as f64 <= enough) {
+            break;
+        }
+    }
+    winner
+}
+
+/// The surfaces of least cost so far, best first.
+#[derive(Default)]
+struct Finalists([Option<(Anchored, f64)>; FINALISTS]);
+
+impl Finalists {
+    fn insert(&mut self, surface: Anchored, cost: f64) {
+        let mut newcomer = Some((surface, cost));
+        for place in &mut self.0 {
+            let better = match (&newcomer, &*place) {
+                (Some((_, new)), Some((_, old))) => new < old,
+                (new, _) => new.is_some(),
+            };
+            if better {
+                std::mem::swap(place, &mut newcomer);
+            }
+        }
+    }
+}
