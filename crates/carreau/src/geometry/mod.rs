@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `normals` | normals of faces, vertices and corners; angles |
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
+//! | `curvature` | principal curvatures and directions |
 //! | `bspline` | B-spline curves and surfaces |
 //! | `brep` | boundary representation: what CAD files hold |
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
@@ -15,6 +16,7 @@
 
 pub mod brep;
 pub mod bspline;
+pub mod curvature;
 pub mod distance;
 pub mod features;
 pub mod normals;

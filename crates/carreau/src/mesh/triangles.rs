@@ -33,6 +33,14 @@ impl<'a> Triangles<'a> {
         })
     }
 
+    /// The same triangles on other points, one for each of the present ones; unchanged where there are not as many.
+    pub fn with_points<'b>(&self, points: &'b [DVec3]) -> Triangles<'b>
+    where
+        'a: 'b,
+    {
+        Triangles { points: if points.len() == self.points.len() { points } else { self.points }, ..*self }
+    }
+
     /// Number of triangles.
     pub fn len(&self) -> usize {
         self.vertices.len() / 3
