@@ -22,7 +22,7 @@ mod robust;
 mod starts;
 mod unit;
 
-pub use fit::{Demand, Scratch, fit, simplest};
+pub use fit::{Demand, Scratch, fit, fit_within, simplest};
 pub use refine::{Fit, refine};
 pub use robust::{RobustFit, fit_robust};
 

@@ -36,18 +36,35 @@ pub fn refine(start: Primitive, points: &[DVec3], weights: Option<&[f64]>, itera
     let inside: Vec<DVec3> = points.iter().map(|p| unit.enter(*p)).collect();
     let start = Anchored::of(&unit.enter_surface(start)?, central(&inside)?)?;
     let data = Distances { points: &inside, weights };
-    let (surface, _) = descend(&data, start, iterations, 0.0)?;
+    let (surface, _) = descend(&data, start, Effort::full(iterations, 0.0))?;
     measured(&data, &surface)?.leave(&unit)
 }
 
-/// Minimises over the parameters of the start's kind down to a sum of squares `floor`, or to rounding if that is more.
-/// Returns the surface and the sum.
-pub(super) fn descend(data: &Distances, start: Anchored, iterations: usize, floor: f64) -> Option<(Anchored, f64)> {
+/// How far a minimisation goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// Most steps.
+    pub iterations: usize,
+    /// A sum of squares that will do.
+    pub floor: f64,
+    /// It stops where a step promises to lower the sum by less than this share.
+    pub gain: f64,
+}
+
+impl Effort {
+    /// Down to the minimum.
+    pub fn full(iterations: usize, floor: f64) -> Self {
+        Effort { iterations, floor, gain: GAIN }
+    }
+}
+
+/// Minimises over the parameters of the start's kind, at most down to rounding. Returns the surface and the sum.
+pub(super) fn descend(data: &Distances, start: Anchored, effort: Effort) -> Option<(Anchored, f64)> {
     if data.count() < start.kind.parameters() {
         return None;
     }
-    let floor = floor.max(ROUNDING * data.points.len() as f64);
-    let stop = Stop { iterations, floor, gain: GAIN };
+    let floor = effort.floor.max(ROUNDING * data.points.len() as f64);
+    let stop = Stop { iterations: effort.iterations, floor, gain: effort.gain };
     match start.kind {
         Kind::Plane => minimise::<3, _>(data, start, stop),
         Kind::Sphere => minimise::<4, _>(data, start, stop),

@@ -6,8 +6,8 @@
 //! points, so it is wide, and narrows from round to round.
 
 use super::anchored::{Anchored, Distances};
-use super::fit::{Scratch, best};
-use super::refine::{Fit, central, descend, measured};
+use super::fit::{PATIENT, Scratch, best};
+use super::refine::{Effort, Fit, central, descend, measured};
 use super::{Kind, Primitive};
 use glam::DVec3;
 
@@ -32,14 +32,14 @@ pub struct RobustFit {
 /// The surface of a kind through most of the points; arguments as for [`super::fit`].
 pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut Scratch) -> Option<RobustFit> {
     let unit = scratch.enter(points, normals)?;
-    let start = best(kind, scratch, SMALLEST_SCALE)?;
+    let start = best(kind, scratch, SMALLEST_SCALE, PATIENT)?;
     let mut surface = Anchored::of(&start.primitive, central(scratch.points())?)?;
     let (mut weights, mut distances) = (std::mem::take(&mut scratch.weights), std::mem::take(&mut scratch.distances));
     let mut found = RobustFit { fit: start, inliers: 1.0 };
     for _ in 0..ROUNDS {
         let Some(scale) = reweigh(&found.fit.primitive, scratch.points(), &mut distances, &mut weights) else { break };
         let data = Distances { points: scratch.points(), weights: Some(&weights) };
-        let Some((moved, _)) = descend(&data, surface, STEPS_PER_ROUND, 0.0) else { break };
+        let Some((moved, _)) = descend(&data, surface, Effort::full(STEPS_PER_ROUND, 0.0)) else { break };
         let Some(fit) = measured(&data, &moved) else { break };
         surface = moved;
         let settled = (fit.rms - found.fit.rms).abs() <= 1e-6 * scale;
