@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::geometry::features::{FeatureOptions, feature_edges};
-use crate::mesh::test_models::*;
 use crate::mesh::SurfaceMesh;
+use crate::mesh::test_models::*;
 
 fn curvatures(mesh: &SurfaceMesh, options: &CurvatureOptions) -> Curvature {
     let features = feature_edges(mesh, &FeatureOptions { angle_deg: Some(40.0), ..FeatureOptions::default() }).unwrap();

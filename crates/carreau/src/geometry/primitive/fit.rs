@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Steps that a start has to show what it is worth.
-const TRIAL_STEPS: usize = 5;
+const TRIAL_STEPS: usize = 4;
 /// Steps of those that go on.
 const MOST_STEPS: usize = 60;
 /// Number of starts that go on.
@@ -20,6 +20,11 @@ const FINALISTS: usize = 3;
 /// The gain per step below which a minimisation stops, see [`Effort`]: at the minimum, or where it slows down.
 pub(super) const PATIENT: f64 = 1e-10;
 const HASTY: f64 = 0.02;
+/// Costs that agree to this share are those of one minimum.
+const SAME: f64 = 1e-4;
+/// Where a limit of the kind, like a cylinder of infinite radius, has a sum of squares smaller by this factor, the points are
+/// of that simpler kind.
+const LIMIT_IS_BETTER: f64 = 4.0;
 /// A root mean square distance in the unit box that says: exact samples, no start will do better.
 const EXACT: f64 = 1e-13;
 /// Of the tolerance: the root mean square distance at which no other start is tried.
@@ -136,9 +141,9 @@ impl Scratch {
         Some(unit)
     }
 
-    /// The points that were taken in.
-    pub(super) fn points(&self) -> &[DVec3] {
-        &self.points
+    /// The points and normals that were taken in.
+    pub(super) fn sample(&self) -> Sample<'_> {
+        Sample { points: &self.points, oriented: &self.oriented, normals: &self.normals }
     }
 }
 
@@ -148,12 +153,11 @@ pub(super) fn best(kind: Kind, scratch: &Scratch, enough: f64, gain: f64) -> Opt
     if scratch.points.len() < kind.parameters() {
         return None;
     }
-    let sample = Sample { points: &scratch.points, oriented: &scratch.oriented, normals: &scratch.normals };
     let data = Distances { points: &scratch.points, weights: None };
     let enough = enough * enough * scratch.points.len() as f64;
     let mut finalists = Finalists::default();
     // Broken off or not: the finalists are what the search was for.
-    let _ = starts::offer(kind, &sample, &mut |start: Option<Anchored>| match start
+    let _ = starts::offer(kind, &scratch.sample(), &mut |start: Option<Anchored>| match start
         .and_then(|start| descend(&data, start, Effort { iterations: TRIAL_STEPS, floor: enough, gain }))
     {
         Some((surface, cost)) => {
@@ -166,26 +170,39 @@ pub(super) fn best(kind: Kind, scratch: &Scratch, enough: f64, gain: f64) -> Opt
         }
         None => ControlFlow::Continue(()),
     });
-    let mut winner: Option<Fit> = None;
+    let last = Effort { iterations: MOST_STEPS, floor: if gain > PATIENT { enough } else { 0.0 }, gain };
+    let (mut winner, mut least): (Option<Fit>, f64) = (None, f64::INFINITY);
     for (surface, _) in finalists.0.into_iter().flatten() {
-        let found = descend(&data, surface, Effort { iterations: MOST_STEPS, floor: if gain > PATIENT { enough } else { 0.0 }, gain }).and_then(|(surface, _)| measured(&data, &surface));
-        winner = match (winner, found) {
+        let Some((surface, cost)) = descend(&data, surface, last) else { continue };
+        least = least.min(cost);
+        winner = match (winner, measured(&data, &surface)) {
             (Some(a), Some(b)) => Some(if b.rms < a.rms { b } else { a }),
             (a, b) => a.or(b),
         };
-        if winner.is_some_and(|w| w.rms * w.rms * data.points.len() as f64 <= enough) {
+        if winner.is_some_and(|w| w.cost(&data) <= enough) {
             break;
         }
     }
-    winner
+    winner.filter(|w| w.cost(&data) <= (least * LIMIT_IS_BETTER).max(enough))
 }
 
-/// The surfaces of least cost so far, best first.
+impl Fit {
+    /// Sum of the squared distances.
+    fn cost(&self, data: &Distances) -> f64 {
+        self.rms * self.rms * data.points.len() as f64
+    }
+}
+
+/// The surfaces of least cost so far, best first; starts that arrive at the same minimum count once.
 #[derive(Default)]
 struct Finalists([Option<(Anchored, f64)>; FINALISTS]);
 
 impl Finalists {
     fn insert(&mut self, surface: Anchored, cost: f64) {
+        let known = |place: &Option<(Anchored, f64)>| place.is_some_and(|(_, old)| (cost - old).abs() <= SAME * old);
+        if self.0.iter().any(known) {
+            return;
+        }
         let mut newcomer = Some((surface, cost));
         for place in &mut self.0 {
             let better = match (&newcomer, &*place) {

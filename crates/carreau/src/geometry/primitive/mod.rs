@@ -20,6 +20,8 @@ mod paraboloid;
 mod refine;
 mod robust;
 mod starts;
+#[cfg(test)]
+mod tests;
 mod unit;
 
 pub use fit::{Demand, Scratch, fit, fit_within, simplest};

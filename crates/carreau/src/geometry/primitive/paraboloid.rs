@@ -79,7 +79,7 @@ mod tests {
         let (n, u) = (DVec3::new(1.0, 2.0, 2.0) / 3.0, DVec3::new(2.0, 1.0, -2.0) / 3.0);
         let v = n.cross(u);
         let points: Vec<DVec3> = (0..25)
-            .map(|k| (0.1 * f64::from(k % 5 - 2), 0.1 * f64::from(k / 5 - 2)))
+            .map(|k| (0.5 * f64::from(k % 5 - 2), 0.5 * f64::from(k / 5 - 2)))
             .map(|(x, y)| u * x + v * y + n * (0.3 * x * x - 1.0 * y * y))
             .collect();
         let patch = Paraboloid::through(&points, n).unwrap();

@@ -9,7 +9,7 @@ use glam::DVec3;
 /// A sum of squares below this per point, in the unit box, is rounding.
 const ROUNDING: f64 = 1e-31;
 /// A step that promises less than this share of the cost changes the distances by nothing that matters.
-const GAIN: f64 = 1e-10;
+const GAIN: f64 = 1e-7;
 
 /// A surface with the distances of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
