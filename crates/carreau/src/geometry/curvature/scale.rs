@@ -31,6 +31,11 @@ impl Scale {
             .then(|| points.iter().map(|p| DVec3::from_array(p.to_array().map(|x| times(x, -self.0)))).collect())
     }
 
+    /// A length of the model as one to work with.
+    pub fn length(self, x: f64) -> f64 {
+        times(x, -self.0)
+    }
+
     /// A curvature as one of the model.
     pub fn curvature(self, k: f64) -> f64 {
         times(k, -self.0)

@@ -76,6 +76,23 @@ impl Frame {
         }
     }
 
+    /// The form u ↦ (u · v)² of a vector.
+    #[inline]
+    pub fn square(&self, v: DVec3) -> Form {
+        let (x, y) = (self.first.dot(v), self.second.dot(v));
+        Form { a: x * x, b: x * y, c: y * y }
+    }
+
+    /// [`Frame::square`] of a vector laid into the plane in its full length. Steep vectors, which have no direction to
+    /// speak of in the plane, are lengthened no more than twofold.
+    #[inline]
+    pub fn laid_square(&self, v: DVec3) -> Form {
+        let flat = self.square(v);
+        let (full, seen) = (v.length_squared(), flat.a + flat.c);
+        let stretch = if full < 4.0 * seen { full / seen } else { 4.0 };
+        Form { a: stretch * flat.a, b: stretch * flat.b, c: stretch * flat.c }
+    }
+
     /// This frame of the plane across `from`, turned with it by the smallest rotation that takes `from` to `to`.
     pub fn carried(&self, from: DVec3, to: DVec3) -> Self {
         let w = 1.0 + from.dot(to);
