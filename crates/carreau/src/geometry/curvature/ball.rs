@@ -3,14 +3,18 @@
 //! From the faces around the vertex, those in the ball are visited across the edges that reach into it, never across a
 //! feature; every edge and every face is clipped by the ball exactly.
 //!
-//! Departures from the paper's authors' program: it follows only edges that lead away from the centre and so loses those
-//! along the rim (a quarter of the curvature at two edge lengths); it divides by the disc's area even at borders.
+//! Departures: on a curved surface edges away from the centre are tilted against its tangent plane; each is laid into it
+//! in full length, where its projection would make spheres a few per cent too flat. The program of the paper's authors
+//! follows only edges that lead away from the centre, and so loses those along the rim (a quarter of the curvature at two
+//! edge lengths), and divides by the disc's area even at borders; both is exact here.
 
+use super::NO_AREA;
 use super::clip::{clipped_area, clipped_part};
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame};
 use crate::context::Context;
 use crate::mesh::NONE;
+use glam::DVec3;
 
 /// What the visits of one thread remember.
 pub(super) struct Visits {
@@ -64,37 +68,39 @@ impl Ball<'_> {
             let [i, j, k] = t.triangle(triangle);
             let points = t.points();
             let p = [points[i as usize] - centre, points[j as usize] - centre, points[k as usize] - centre];
-            let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
             let face = &sectors.faces[triangle as usize];
-            let mut parts = [[0.0, 1.0]; 3];
-            if distance[0].max(distance[1]).max(distance[2]) <= square {
-                area += face.area;
-            } else {
-                for k in 0..3 {
-                    let n = (k + 1) % 3;
-                    parts[k] = clipped_part(p[k], p[n], [distance[k], distance[n]], square);
-                }
-                area += clipped_area(p, parts, face, square);
-            }
-            for k in 0..3 {
+            let mut measure = |k: usize, share: f64, e: DVec3| {
                 let c = (3 * triangle) as usize + k;
-                let (across, share) = (sectors.across[c], parts[k][1] - parts[k][0]);
+                let across = sectors.across[c];
                 if across == NONE || !(share > 0.0) {
-                    continue;
+                    return;
                 }
-                let neighbour = across / 3;
-                let state = &mut visits.seen[neighbour as usize];
+                let state = &mut visits.seen[across as usize / 3];
                 // An edge is measured with the first of its two faces.
                 if *state != measured {
-                    sum = sum.plus(share * self.turns[c], plane.laid_square(p[(k + 1) % 3] - p[k]));
+                    sum = sum.plus(share * self.turns[c], plane.laid_square(e));
                     if *state != found {
                         *state = found;
-                        visits.waiting.push(neighbour);
+                        visits.waiting.push(across / 3);
                     }
                 }
+            };
+            let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
+            if distance[0].max(distance[1]).max(distance[2]) <= square {
+                area += face.area;
+                measure(0, 1.0, p[1] - p[0]);
+                measure(1, 1.0, p[2] - p[1]);
+                measure(2, 1.0, p[0] - p[2]);
+            } else {
+                let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
+                let parts = [part(0, 1), part(1, 2), part(2, 0)];
+                area += clipped_area(p, parts, face, square);
+                measure(0, parts[0][1] - parts[0][0], p[1] - p[0]);
+                measure(1, parts[1][1] - parts[1][0], p[2] - p[1]);
+                measure(2, parts[2][1] - parts[2][0], p[0] - p[2]);
             }
         }
-        if !(area > 0.0) {
+        if !(area > NO_AREA) {
             return (Form::default(), 0.0);
         }
         (Form::default().plus(1.0 / area, sum.turned()), area)

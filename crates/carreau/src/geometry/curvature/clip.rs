@@ -128,7 +128,8 @@ mod tests {
         if depth == 0 {
             return area * inside as f64 / 3.0;
         }
-        let k = (0..3).max_by(|&i, &j| p[i].distance(p[(i + 1) % 3]).total_cmp(&p[j].distance(p[(j + 1) % 3]))).unwrap();
+        let k =
+            (0..3).max_by(|&i, &j| p[i].distance(p[(i + 1) % 3]).total_cmp(&p[j].distance(p[(j + 1) % 3]))).unwrap();
         let (a, b, c) = (p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
         let m = 0.5 * (a + b);
         by_halving([a, m, c], square, depth - 1) + by_halving([m, b, c], square, depth - 1)

@@ -14,9 +14,9 @@
 //! Departures: the normals are those of [`super::sectors`], so that nothing leaks over creases; Σ μ⁰ is not let below half the
 //! area, which matters only where the normals contradict the faces, and keeps every quotient finite.
 
-use super::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame, Tensor};
+use super::{NO_AREA, map};
 use crate::context::Context;
 use crate::error::Result;
 
@@ -50,7 +50,7 @@ impl Corrected {
         }
         let area = sectors.fans[sector as usize].area;
         let corrected = sum.area.max(0.5 * area);
-        if !(corrected > 0.0) {
+        if !(corrected > NO_AREA) {
             return (Form::default(), 0.0);
         }
         (Form::default().plus(1.0 / corrected, sum.bending.on(plane)), area)

@@ -31,8 +31,8 @@ use crate::mesh::{NONE, Triangles};
 use ball::{Ball, Visits};
 use corrected::Corrected;
 use glam::DVec3;
-use rayon::prelude::*;
 use normal_cycle::{MEPP_SHARE, Ring, turns};
+use rayon::prelude::*;
 use scale::Scale;
 use sectors::Sectors;
 use serde::{Deserialize, Serialize};
@@ -167,12 +167,16 @@ fn in_ball(sectors: &Sectors<'_>, radius: f64, context: &Context) -> Result<Vec<
     Ok(found)
 }
 
+/// Areas below this, of models scaled by [`scale`], are none: quotients by larger ones, and their squares, stay in range.
+const NO_AREA: f64 = 1e-100;
+
 /// Mean edge lengths in the radius of a ball.
 const DEFAULT_RADIUS: f64 = 3.0;
 
 /// The radius of a ball that is not given; edges between two faces count twice.
 fn default_radius(triangles: Triangles<'_>, context: &Context) -> Result<f64> {
-    let lengths = map(3 * triangles.len(), context, |c| triangles.point(c).distance(triangles.point(triangles.next(c))))?;
+    let lengths =
+        map(3 * triangles.len(), context, |c| triangles.point(c).distance(triangles.point(triangles.next(c))))?;
     Ok(DEFAULT_RADIUS * sum(&lengths) / lengths.len().max(1) as f64)
 }
 
@@ -244,7 +248,7 @@ fn mean_form(
             total += area;
         }
     }
-    if total > 0.0 { Form::default().plus(1.0 / total, sum) } else { Form::default() }
+    if total > NO_AREA { Form::default().plus(1.0 / total, sum) } else { Form::default() }
 }
 
 /// Vertices with a half-edge that has no regular opposite.

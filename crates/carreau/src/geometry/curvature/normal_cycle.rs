@@ -16,9 +16,9 @@
 //!
 //! Departure: angles are taken by atan2, which tells 100° from 80°; the sine that MEPP uses does not.
 
-use super::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame};
+use super::{NO_AREA, map};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -64,7 +64,7 @@ impl Ring {
             sum = sum.plus(half, plane.square(t.point(t.next(c)) - t.point(c)));
         }
         let area = sectors.fans[sector as usize].area;
-        if !(area > 0.0) {
+        if !(area > NO_AREA) {
             return (Form::default(), 0.0);
         }
         (Form::default().plus(3.0 * self.share / area, sum.turned()), area)

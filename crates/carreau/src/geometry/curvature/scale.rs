@@ -14,12 +14,9 @@ pub(super) struct Scale(i32);
 impl Scale {
     /// The scale of the vertices that faces use. A power of two rounds nothing: a mesh and its double give the same digits.
     pub fn of(triangles: Triangles<'_>) -> Self {
-        let largest = |t: u32| {
-            let points = triangles.triangle(t).map(|v| triangles.points()[v as usize].abs().max_element());
-            points[0].max(points[1]).max(points[2])
-        };
-        let largest =
-            (0..triangles.len() as u32).into_par_iter().with_min_len(4096).map(largest).reduce(|| 0.0, f64::max);
+        let largest = |c: u32| triangles.point(c).abs().max_element();
+        let corners = (0..3 * triangles.len() as u32).into_par_iter().with_min_len(4096);
+        let largest = corners.map(largest).reduce(|| 0.0, f64::max);
         let exponent = if largest > 0.0 { largest.log2().floor() as i32 } else { 0 };
         Scale(if FREE.contains(&exponent) { 0 } else { exponent })
     }

@@ -31,7 +31,7 @@ pub(super) struct Face {
     pub area_vector: DVec3,
     pub area: f64,
     /// What the area vector counts for in the normal at each corner.
-    weights: [f64; 3],
+    pub weights: [f64; 3],
 }
 
 /// What the faces of a sector have together.
