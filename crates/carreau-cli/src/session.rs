@@ -6,6 +6,7 @@ use crate::record::Record;
 use crate::timings::Timings;
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::report::figure;
+use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use std::fmt;
@@ -180,11 +181,16 @@ impl Session {
 
     /// Draws a mesh where a picture was asked for.
     pub fn draw(&mut self, mesh: &RawMesh) -> Result<(), Error> {
+        self.draw_as(|| figure(mesh))
+    }
+
+    /// Draws a figure of a verb's own where a picture was asked for.
+    pub fn draw_as(&mut self, figure: impl FnOnce() -> Image + Send) -> Result<(), Error> {
         let Some(file) = self.picture.clone() else { return Ok(()) };
         let context = self.context.clone();
         let png = context.install(|| {
             let _stage = context.stage("picture");
-            figure(mesh).to_png()
+            figure().to_png()
         })?;
         self.write_bytes(&file, &png)
     }

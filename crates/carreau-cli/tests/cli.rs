@@ -28,7 +28,7 @@ fn layout(path: &Path) -> Value {
 fn help_names_every_verb_and_each_has_an_example() {
     let help = carreau().arg("--help").assert().success().get_output().stdout.clone();
     let help = String::from_utf8(help).unwrap();
-    for verb in ["demo", "sample", "info", "convert", "repair", "compare", "patch", "completions", "man"] {
+    for verb in ["demo", "sample", "info", "convert", "repair", "compare", "curvature", "patch", "completions", "man"] {
         assert!(help.contains(verb), "{verb}");
         carreau().args([verb, "--help"]).assert().success().stdout(contains("Example"));
     }
@@ -225,4 +225,68 @@ fn features_are_read_and_kept() {
     carreau().args(["patch", text(&model), "--features", text(&list)]).assert().code(3).stderr(contains("0 1305"));
     fs::write(&list, "0 x\n").unwrap();
     carreau().args(["patch", text(&model), "--features", text(&list)]).assert().code(5).stderr(contains("line 1"));
+}
+
+/// A property of all vertices in an ASCII or binary PLY file, by way of an ASCII one.
+fn property(file: &Path, name: &str) -> Vec<f64> {
+    let ascii = file.with_extension("ascii.ply");
+    carreau().args(["convert", text(file), "--ascii", "-o", text(&ascii)]).assert().success();
+    let content = fs::read_to_string(ascii).unwrap();
+    let (header, body) = content.split_once("end_header\n").unwrap();
+    let count = header.lines().find_map(|l| l.strip_prefix("element vertex ")).unwrap().parse().unwrap();
+    let column =
+        header.lines().filter(|l| l.starts_with("property")).position(|l| l.ends_with(&format!(" {name}"))).unwrap();
+    let number = |line: &str| line.split(' ').nth(column).unwrap().parse().unwrap();
+    body.lines().take(count).map(number).collect()
+}
+
+#[test]
+fn curvature_writes_properties_picture_and_record() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let out = at("k.ply");
+    let json = record(&["curvature", text(&model), "-o", text(&out), "--picture", text(&at("k.png"))]);
+    assert!(fs::read(at("k.png")).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(json["options"]["estimator"], "corrected");
+    assert_eq!(json["options"]["feature_angle"], 25.0);
+    assert_eq!(json["warnings"].as_array().unwrap().len(), 0);
+    let (kmin, kmax) = (property(&out, "kmin"), property(&out, "kmax"));
+    // The tube's radius is 0.4: 2.5 everywhere.
+    assert!(kmax.iter().all(|k| (k - 2.5).abs() < 0.1) && kmin.iter().zip(&kmax).all(|(a, b)| a < b));
+    assert!((json["quality"]["kmax"]["p50"].as_f64().unwrap() - 2.5).abs() < 0.05);
+    let length = |d: &str| {
+        let [x, y, z] = ["x", "y", "z"].map(|c| property(&out, &format!("{d}_{c}")));
+        x.iter().zip(y).zip(z).map(|((x, y), z)| (x * x + y * y + z * z).sqrt()).collect::<Vec<_>>()
+    };
+    assert!(["dmin", "dmax"].iter().all(|d| length(d).iter().all(|l| (l - 1.0).abs() < 1e-9)));
+    for name in ["k.vtu", "k.vtk"] {
+        carreau().args(["curvature", text(&model), "-o", text(&at(name))]).assert().success();
+        assert_eq!(record(&["info", text(&at(name))])["attributes"]["vertex"]["dmin"], "vector3", "{name}");
+    }
+}
+
+#[test]
+fn curvature_replays_and_refuses() {
+    let (folder, model) = with_model("open-cylinder", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let ball = ["curvature", text(&model), "--estimator", "normal-cycle-ball", "--radius", "5%"];
+    carreau()
+        .args(ball)
+        .args(["--json", text(&at("r.json")), "--threads", "1", "-o", text(&at("a.ply"))])
+        .assert()
+        .success();
+    carreau()
+        .args(["curvature", text(&model), "--options", text(&at("r.json")), "--threads", "3", "-o", text(&at("b.ply"))])
+        .assert()
+        .success();
+    assert_eq!(fs::read(at("a.ply")).unwrap(), fs::read(at("b.ply")).unwrap());
+    let json: Value = serde_json::from_slice(&fs::read(at("r.json")).unwrap()).unwrap();
+    assert!(json["warnings"][0].as_str().unwrap().contains("border"));
+    carreau()
+        .args(["curvature", text(&model), "--radius", "1%"])
+        .assert()
+        .code(2)
+        .stderr(contains("normal-cycle-ball"));
+    carreau().args(["curvature", text(&model), "--feature-angle", "181"]).assert().code(2);
+    carreau().args(["curvature", text(&model), "--estimator", "magic"]).assert().code(2);
 }

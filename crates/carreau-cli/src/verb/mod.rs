@@ -2,6 +2,7 @@
 
 mod compare;
 mod convert;
+mod curvature;
 mod demo;
 mod info;
 mod patch;
@@ -21,6 +22,7 @@ pub enum Verb {
     Convert(convert::Convert),
     Repair(repair::Repair),
     Compare(compare::Compare),
+    Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Completions(shell::Completions),
     Man(shell::Man),
@@ -36,6 +38,7 @@ impl Verb {
             Verb::Repair(verb) => verb.run(),
             Verb::Convert(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
+            Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),

@@ -14,9 +14,9 @@
 //! Departures: the normals are those of [`super::sectors`], so that nothing leaks over creases; Σ μ⁰ is not let below half the
 //! area, which matters only where the normals contradict the faces, and keeps every quotient finite.
 
-use super::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame, Tensor};
+use super::{NO_AREA, map};
 use crate::context::Context;
 use crate::error::Result;
 
@@ -39,7 +39,7 @@ impl Corrected {
         Ok(Corrected { triangles: map(sectors.triangles.len(), context, |t| measures(sectors, t))? })
     }
 
-    /// Second fundamental form at a sector and the area that it is the mean over.
+    /// Second fundamental form at a sector and the area of the faces that it is the mean over.
     #[inline]
     pub fn at(&self, sectors: &Sectors<'_>, sector: u32, plane: &Frame) -> (Form, f64) {
         let mut sum = Measures::default();
@@ -48,9 +48,9 @@ impl Corrected {
             sum.bending += triangle.bending;
             sum.area += triangle.area;
         }
-        let area = sectors.ring_area(sector);
+        let area = sectors.fans[sector as usize].area;
         let corrected = sum.area.max(0.5 * area);
-        if !(corrected > 0.0) {
+        if !(corrected > NO_AREA) {
             return (Form::default(), 0.0);
         }
         (Form::default().plus(1.0 / corrected, sum.bending.on(plane)), area)
@@ -59,12 +59,13 @@ impl Corrected {
 
 #[inline]
 fn measures(sectors: &Sectors<'_>, t: u32) -> Measures {
-    let triangles = &sectors.triangles;
-    let [x, y, z] = [0, 1, 2].map(|k| triangles.point(3 * t + k));
-    let [u, v, w] = [0, 1, 2].map(|k| sectors.normals[sectors.of_corner[(3 * t + k) as usize] as usize]);
+    let (c, points) = (3 * t as usize, sectors.triangles.points());
+    let [i, j, k] = sectors.triangles.triangle(t);
+    let normal = |corner: usize| sectors.fans[sectors.of_corner[corner] as usize].normal;
+    let (u, v, w) = (normal(c), normal(c + 1), normal(c + 2));
     let mean = (u + v + w) / 3.0;
-    let (a, b) = (y - x, z - x);
+    let (a, b) = (points[j as usize] - points[i as usize], points[k as usize] - points[i as usize]);
     let mut bending = Tensor::product(0.5 * b.cross(mean), v - u);
     bending += Tensor::product(0.5 * mean.cross(a), w - u);
-    Measures { bending, area: mean.dot(sectors.area_vectors[t as usize]) }
+    Measures { bending, area: mean.dot(sectors.faces[t as usize].area_vector) }
 }

@@ -10,8 +10,13 @@
 //! | `tensor` | tensors, tangent planes, eigenvectors |
 //! | `scale` | models of any size |
 //! | `corrected` | interpolated corrected curvature measures over the faces around a vertex |
+//! | `normal_cycle` | normal cycles on the faces around a vertex, with and without MEPP's bias |
+//! | `ball`, `clip` | normal cycles in a ball |
 
+mod ball;
+mod clip;
 mod corrected;
+mod normal_cycle;
 mod scale;
 mod sectors;
 mod tensor;
@@ -21,9 +26,12 @@ mod tests;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::normals::unit;
+use crate::geometry::summary::sum;
 use crate::mesh::{NONE, Triangles};
+use ball::{Ball, Visits};
 use corrected::Corrected;
 use glam::DVec3;
+use normal_cycle::{MEPP_SHARE, Ring, turns};
 use rayon::prelude::*;
 use scale::Scale;
 use sectors::Sectors;
@@ -37,6 +45,19 @@ pub enum Estimator {
     /// Interpolated corrected curvature measures over the faces around a vertex (Lachaud et al. 2020).
     #[default]
     Corrected,
+    /// Normal cycles on a third of the faces around a vertex: the noisiest.
+    #[serde(rename = "normal-cycle-1ring")]
+    NormalCycle1Ring,
+    /// Normal cycles in a ball: smooths noise over its radius, and takes longest.
+    NormalCycleBall,
+    /// Normal cycles as MEPP takes them, a third too small and across features: for comparison only.
+    Mepp,
+}
+
+impl Estimator {
+    /// All of them.
+    pub const ALL: [Estimator; 4] =
+        [Estimator::Corrected, Estimator::NormalCycle1Ring, Estimator::NormalCycleBall, Estimator::Mepp];
 }
 
 /// How curvatures are computed.
@@ -45,6 +66,8 @@ pub enum Estimator {
 pub struct CurvatureOptions {
     /// The method.
     pub estimator: Estimator,
+    /// Radius of the ball, in the unit of the mesh; `None`: three mean edge lengths. Other estimators have none.
+    pub radius: Option<f64>,
 }
 
 /// Principal curvatures, one entry per vertex, in 1/(unit of length); positive where a surface oriented outwards is
@@ -71,7 +94,8 @@ pub struct Curvature {
 /// [`crate::geometry::features::feature_edges`] finds them; nothing is measured across features.
 ///
 /// # Errors
-/// [`Error::Options`] where `feature` has not one entry per corner; [`Error::Cancelled`], [`Error::Deadline`].
+/// [`Error::Options`] where `feature` has not one entry per corner, or the radius is not a positive number;
+/// [`Error::Cancelled`], [`Error::Deadline`].
 pub fn curvature(
     triangles: Triangles<'_>,
     feature: &[bool],
@@ -82,17 +106,78 @@ pub fn curvature(
         let corners = 3 * triangles.len();
         return Err(Error::Options(format!("{} feature marks were given for {corners} corners", feature.len())));
     }
+    if let Some(radius) = options.radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
+        return Err(Error::Options(format!("the radius must be a positive number, not {radius}")));
+    }
     let scale = Scale::of(triangles);
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
+    let none = if options.estimator == Estimator::Mepp { vec![false; feature.len()] } else { Vec::new() };
+    let feature = if options.estimator == Estimator::Mepp { &none } else { feature };
     let sectors = Sectors::new(triangles, feature, context)?;
     let found = match options.estimator {
         Estimator::Corrected => {
             let corrected = Corrected::new(&sectors, context)?;
-            principal(&sectors, context, |s, plane| corrected.at(&sectors, s, plane))?
+            principal(&sectors, context, || (), |(), s, plane| corrected.at(&sectors, s, plane))?
+        }
+        Estimator::NormalCycle1Ring => ring(&sectors, 1.0, context)?,
+        Estimator::Mepp => ring(&sectors, MEPP_SHARE, context)?,
+        Estimator::NormalCycleBall => {
+            let radius = options.radius.map_or_else(|| default_radius(triangles, context), |r| Ok(scale.length(r)))?;
+            in_ball(&sectors, radius, context)?
         }
     };
     Ok(collect(found, border_vertices(triangles), scale))
+}
+
+/// Magnitudes of the principal curvatures, (larger, smaller), of the whole normal-cycle tensor on the faces around each
+/// vertex: creases count like all other edges. What separates two regions at a sharp edge.
+///
+/// Entries of vertices that `wanted` leaves out are zero; an empty `wanted` means all.
+///
+/// # Errors
+/// [`Error::Cancelled`], [`Error::Deadline`].
+pub fn full_magnitudes(triangles: Triangles<'_>, wanted: &[bool], context: &Context) -> Result<Vec<[f64; 2]>> {
+    let scale = Scale::of(triangles);
+    let scaled = scale.points(triangles.points());
+    let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
+    let none = vec![false; 3 * triangles.len()];
+    let sectors = Sectors::new(triangles, &none, context)?;
+    let ring = Ring { turns: turns(&sectors, context)?, share: 1.0 };
+    map(triangles.points().len(), context, |v| {
+        if !wanted.get(v as usize).copied().unwrap_or(wanted.is_empty()) {
+            return [0.0; 2];
+        }
+        let found = at_vertex(&sectors, v, |s, plane| ring.at(&sectors, s, plane));
+        let [a, b] = found.values.map(|k| scale.curvature(k).abs());
+        [a.max(b), a.min(b)]
+    })
+}
+
+fn ring(sectors: &Sectors<'_>, share: f64, context: &Context) -> Result<Vec<Principal>> {
+    let ring = Ring { turns: turns(sectors, context)?, share };
+    principal(sectors, context, || (), |(), s, plane| ring.at(sectors, s, plane))
+}
+
+fn in_ball(sectors: &Sectors<'_>, radius: f64, context: &Context) -> Result<Vec<Principal>> {
+    let ball = Ball { turns: turns(sectors, context)?, radius, context };
+    let visits = || Visits::new(sectors.triangles.len());
+    let found = principal(sectors, context, visits, |visits, s, plane| ball.at(sectors, visits, s, plane))?;
+    context.check()?;
+    Ok(found)
+}
+
+/// Areas below this, of models scaled by [`scale`], are none: quotients by larger ones, and their squares, stay in range.
+const NO_AREA: f64 = 1e-100;
+
+/// Mean edge lengths in the radius of a ball.
+const DEFAULT_RADIUS: f64 = 3.0;
+
+/// The radius of a ball that is not given; edges between two faces count twice.
+fn default_radius(triangles: Triangles<'_>, context: &Context) -> Result<f64> {
+    let lengths =
+        map(3 * triangles.len(), context, |c| triangles.point(c).distance(triangles.point(triangles.next(c))))?;
+    Ok(DEFAULT_RADIUS * sum(&lengths) / lengths.len().max(1) as f64)
 }
 
 /// What is found at a vertex.
@@ -104,23 +189,30 @@ struct Principal {
 }
 
 /// Eigenvalues and eigenvectors at every vertex of the second fundamental forms that `form` gives for its sectors, each
-/// with the area that it is the mean over.
-fn principal(
+/// with the area that it is the mean over. `memory` makes what `form` works with on one thread.
+fn principal<M>(
     sectors: &Sectors<'_>,
     context: &Context,
-    form: impl Fn(u32, &Frame) -> (Form, f64) + Sync,
+    memory: impl Fn() -> M + Send + Sync,
+    form: impl Fn(&mut M, u32, &Frame) -> (Form, f64) + Send + Sync,
 ) -> Result<Vec<Principal>> {
-    map(sectors.triangles.points().len(), context, |v| {
-        let (normal, ring_area) = vertex_normal(sectors, v);
-        let mut found = Principal { area: ring_area / 3.0, ..Principal::default() };
-        if normal != DVec3::ZERO {
-            let plane = Frame::across(normal);
-            let whole = sectors.further(v).is_empty();
-            let form = if whole { form(v, &plane).0 } else { mean_form(sectors, v, normal, &plane, &form) };
-            (found.values, found.directions) = form.eigen(&plane);
-        }
-        found
+    map_with(sectors.triangles.points().len(), context, memory, |memory, v| {
+        at_vertex(sectors, v, |s, plane| form(memory, s, plane))
     })
+}
+
+/// [`principal`] at one vertex.
+#[inline]
+fn at_vertex(sectors: &Sectors<'_>, v: u32, mut form: impl FnMut(u32, &Frame) -> (Form, f64)) -> Principal {
+    let (normal, ring_area) = vertex_normal(sectors, v);
+    let mut found = Principal { area: ring_area / 3.0, ..Principal::default() };
+    if normal != DVec3::ZERO {
+        let plane = Frame::across(normal);
+        let whole = sectors.further(v).is_empty();
+        let form = if whole { form(v, &plane).0 } else { mean_form(sectors, v, normal, &plane, form) };
+        (found.values, found.directions) = form.eigen(&plane);
+    }
+    found
 }
 
 /// Unit normal of a vertex, its sectors' weighted by their areas, and the area of the faces around it.
@@ -128,12 +220,13 @@ fn principal(
 fn vertex_normal(sectors: &Sectors<'_>, v: u32) -> (DVec3, f64) {
     let further = sectors.further(v);
     if further.is_empty() {
-        return (sectors.normals[v as usize], sectors.ring_area(v));
+        let fan = &sectors.fans[v as usize];
+        return (fan.normal, fan.area);
     }
     let all = [v].into_iter().chain(further.iter().map(|&(_, s)| s));
     let (sum, area) = all.fold((DVec3::ZERO, 0.0), |(sum, total), s| {
-        let area = sectors.ring_area(s);
-        (sum + area * sectors.normals[s as usize], total + area)
+        let fan = &sectors.fans[s as usize];
+        (sum + fan.area * fan.normal, total + fan.area)
     });
     (unit(sum), area)
 }
@@ -144,18 +237,18 @@ fn mean_form(
     v: u32,
     normal: DVec3,
     plane: &Frame,
-    form: impl Fn(u32, &Frame) -> (Form, f64),
+    mut form: impl FnMut(u32, &Frame) -> (Form, f64),
 ) -> Form {
     let (mut sum, mut total) = (Form::default(), 0.0);
     for s in [v].into_iter().chain(sectors.further(v).iter().map(|&(_, s)| s)) {
-        let own = sectors.normals[s as usize];
+        let own = sectors.fans[s as usize].normal;
         if own != DVec3::ZERO {
             let (form, area) = form(s, &plane.carried(normal, own));
             sum = sum.plus(area, form);
             total += area;
         }
     }
-    if total > 0.0 { Form::default().plus(1.0 / total, sum) } else { Form::default() }
+    if total > NO_AREA { Form::default().plus(1.0 / total, sum) } else { Form::default() }
 }
 
 /// Vertices with a half-edge that has no regular opposite.
@@ -181,13 +274,27 @@ fn collect(found: Vec<Principal>, border: Vec<bool>, scale: Scale) -> Curvature 
 }
 
 /// `f` of 0..count, in parallel; the result does not depend on the number of threads.
-fn map<T: Default + Clone + Send>(count: usize, context: &Context, f: impl Fn(u32) -> T + Sync) -> Result<Vec<T>> {
-    const CHUNK: usize = 4096;
+fn map<T: Default + Clone + Send>(
+    count: usize,
+    context: &Context,
+    f: impl Fn(u32) -> T + Send + Sync,
+) -> Result<Vec<T>> {
+    map_with(count, context, || (), |(), i| f(i))
+}
+
+/// [`map`] with a memory for each thread.
+fn map_with<T: Default + Clone + Send, M>(
+    count: usize,
+    context: &Context,
+    memory: impl Fn() -> M + Send + Sync,
+    f: impl Fn(&mut M, u32) -> T + Send + Sync,
+) -> Result<Vec<T>> {
+    const CHUNK: usize = 2048;
     let mut all = vec![T::default(); count];
-    all.par_chunks_mut(CHUNK).enumerate().try_for_each(|(k, chunk)| {
+    all.par_chunks_mut(CHUNK).enumerate().try_for_each_init(memory, |memory, (k, chunk)| {
         context.check()?;
         for (at, i) in chunk.iter_mut().zip((k * CHUNK) as u32..) {
-            *at = f(i);
+            *at = f(memory, i);
         }
         Ok::<(), Error>(())
     })?;

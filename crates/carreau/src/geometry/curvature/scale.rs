@@ -14,12 +14,9 @@ pub(super) struct Scale(i32);
 impl Scale {
     /// The scale of the vertices that faces use. A power of two rounds nothing: a mesh and its double give the same digits.
     pub fn of(triangles: Triangles<'_>) -> Self {
-        let largest = |t: u32| {
-            let points = triangles.triangle(t).map(|v| triangles.points()[v as usize].abs().max_element());
-            points[0].max(points[1]).max(points[2])
-        };
-        let largest =
-            (0..triangles.len() as u32).into_par_iter().with_min_len(4096).map(largest).reduce(|| 0.0, f64::max);
+        let largest = |c: u32| triangles.point(c).abs().max_element();
+        let corners = (0..3 * triangles.len() as u32).into_par_iter().with_min_len(4096);
+        let largest = corners.map(largest).reduce(|| 0.0, f64::max);
         let exponent = if largest > 0.0 { largest.log2().floor() as i32 } else { 0 };
         Scale(if FREE.contains(&exponent) { 0 } else { exponent })
     }
@@ -29,6 +26,11 @@ impl Scale {
         // Vertices without faces may lie anywhere; nothing depends on them.
         (self.0 != 0)
             .then(|| points.iter().map(|p| DVec3::from_array(p.to_array().map(|x| times(x, -self.0)))).collect())
+    }
+
+    /// A length of the model as one to work with.
+    pub fn length(self, x: f64) -> f64 {
+        times(x, -self.0)
     }
 
     /// A curvature as one of the model.

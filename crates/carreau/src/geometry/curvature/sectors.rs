@@ -24,16 +24,37 @@ use glam::DVec3;
 /// without bound, and its normal is mostly rounding.
 const SHORTEST: f64 = 1e-4;
 
+/// What the measures need of a triangle.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Face {
+    /// As long as the area is large.
+    pub area_vector: DVec3,
+    pub area: f64,
+    /// What the area vector counts for in the normal at each corner.
+    pub weights: [f64; 3],
+}
+
+/// What the faces of a sector have together.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fan {
+    /// Unit normal; zero without a face of positive area.
+    pub normal: DVec3,
+    /// Area of the faces.
+    pub area: f64,
+}
+
 /// A triangle mesh cut along its features.
 pub(super) struct Sectors<'a> {
     /// The mesh.
     pub triangles: Triangles<'a>,
     /// Sector of every corner.
     pub of_corner: Vec<u32>,
-    /// Area vector of every triangle.
-    pub area_vectors: Vec<DVec3>,
-    /// Unit normal of every sector; zero without a face of positive area.
-    pub normals: Vec<DVec3>,
+    /// The half-edge on the other side of every half-edge, [`NONE`] where there is no way across.
+    pub across: Vec<u32>,
+    /// One per triangle.
+    pub faces: Vec<Face>,
+    /// One per sector.
+    pub fans: Vec<Fan>,
     /// (vertex, sector) of all sectors that are not their vertex, sorted.
     further: Vec<(u32, u32)>,
     /// The corners of sector `s` are `corners[start[s]..start[s + 1]]`, ascending.
@@ -44,14 +65,14 @@ pub(super) struct Sectors<'a> {
 impl<'a> Sectors<'a> {
     /// Cuts a mesh; `feature[c]` tells whether the half-edge that leaves corner `c` lies on a feature.
     pub fn new(triangles: Triangles<'a>, feature: &[bool], context: &Context) -> Result<Self> {
-        let (of_corner, further, count) = cut(triangles, feature, context)?;
+        let open = |(&closed, c)| if closed { NONE } else { triangles.opposite(c) };
+        let across: Vec<u32> = feature.iter().zip(0u32..).map(open).collect();
+        let (of_corner, further, count) = cut(triangles, &across, context)?;
         let (start, corners) = grouped(&of_corner, count);
-        let area_vectors = map(triangles.len(), context, |t| {
-            let [a, b, c] = triangles.triangle(t).map(|v| triangles.points()[v as usize]);
-            triangle_area_vector(a, b, c)
-        })?;
-        let mut sectors = Sectors { triangles, of_corner, area_vectors, normals: Vec::new(), further, start, corners };
-        sectors.normals = map(count, context, |s| sectors.normal(s))?;
+        let faces = map(triangles.len(), context, |t| face(&triangles, t))?;
+        let fans = Vec::new();
+        let mut sectors = Sectors { triangles, of_corner, across, faces, fans, further, start, corners };
+        sectors.fans = map(count, context, |s| sectors.fan(s))?;
         Ok(sectors)
     }
 
@@ -73,36 +94,42 @@ impl<'a> Sectors<'a> {
         &self.further[from..from + more]
     }
 
-    /// Area of the faces around a sector.
     #[inline]
-    pub fn ring_area(&self, sector: u32) -> f64 {
-        self.corners(sector).iter().map(|&c| self.area_vectors[c as usize / 3].length()).sum()
+    fn fan(&self, sector: u32) -> Fan {
+        let (mut normal, mut area) = (DVec3::ZERO, 0.0);
+        for &c in self.corners(sector) {
+            let face = &self.faces[c as usize / 3];
+            normal += face.weights[c as usize % 3] * face.area_vector;
+            area += face.area;
+        }
+        Fan { normal: unit(normal), area }
     }
+}
 
-    fn normal(&self, sector: u32) -> DVec3 {
-        let t = &self.triangles;
-        let weighted = |&c: &u32| {
-            let here = t.point(c);
-            let a = (t.point(t.next(c)) - here).length_squared();
-            let b = (t.point(t.previous(c)) - here).length_squared();
-            let least = SHORTEST * SHORTEST * a.max(b);
-            let weight = 1.0 / (a.max(least) * b.max(least));
-            if weight.is_finite() { weight * self.area_vectors[c as usize / 3] } else { DVec3::ZERO }
-        };
-        unit(self.corners(sector).iter().map(weighted).sum())
-    }
+#[inline]
+fn face(triangles: &Triangles<'_>, t: u32) -> Face {
+    let [i, j, k] = triangles.triangle(t);
+    let points = triangles.points();
+    let (x, y, z) = (points[i as usize], points[j as usize], points[k as usize]);
+    let area_vector = triangle_area_vector(x, y, z);
+    let (a, b, c) = (y.distance_squared(z), z.distance_squared(x), x.distance_squared(y));
+    let weight = |p: f64, q: f64| {
+        let least = SHORTEST * SHORTEST * p.max(q);
+        let weight = 1.0 / (p.max(least) * q.max(least));
+        if weight.is_finite() { weight } else { 0.0 }
+    };
+    Face { area_vector, area: area_vector.length(), weights: [weight(b, c), weight(c, a), weight(a, b)] }
 }
 
 /// Sector of every corner, the (vertex, sector) pairs of sectors that are not their vertex, and the number of sectors.
 type Cut = (Vec<u32>, Vec<(u32, u32)>, usize);
 
 /// Numbers the sectors: of each vertex the one with the smallest corner gets the vertex's id, others new ones.
-fn cut(triangles: Triangles<'_>, feature: &[bool], context: &Context) -> Result<Cut> {
+fn cut(triangles: Triangles<'_>, across: &[u32], context: &Context) -> Result<Cut> {
     let vertices = triangles.points().len();
     let mut of_corner = vec![NONE; 3 * triangles.len()];
     let mut taken = vec![false; vertices];
     let mut further = Vec::new();
-    let open = |c: u32| if feature[c as usize] { NONE } else { triangles.opposite(c) };
     for c in 0..3 * triangles.len() as u32 {
         context.check_every(c as usize)?;
         if of_corner[c as usize] != NONE {
@@ -119,13 +146,13 @@ fn cut(triangles: Triangles<'_>, feature: &[bool], context: &Context) -> Result<
         let mut at = c;
         while at != NONE && of_corner[at as usize] == NONE {
             of_corner[at as usize] = sector;
-            let across = open(at);
-            at = if across == NONE { NONE } else { triangles.next(across) };
+            let other = across[at as usize];
+            at = if other == NONE { NONE } else { triangles.next(other) };
         }
-        let mut at = open(triangles.previous(c));
+        let mut at = across[triangles.previous(c) as usize];
         while at != NONE && of_corner[at as usize] == NONE {
             of_corner[at as usize] = sector;
-            at = open(triangles.previous(at));
+            at = across[triangles.previous(at) as usize];
         }
     }
     let count = vertices + further.len();
@@ -179,12 +206,12 @@ mod tests {
             for c in 0..mesh.corner_count() {
                 let s = sectors.of_corner[c];
                 assert!(sectors.corners(s).contains(&(c as u32)));
-                assert!(sectors.normals[s as usize].dot(expected[c]) > 0.99);
+                assert!(sectors.fans[s as usize].normal.dot(expected[c]) > 0.99);
                 let v = mesh.vertex(CornerId::new(c)).0;
                 assert!(s == v || sectors.further(v).contains(&(v, s)));
             }
             assert_eq!(
-                (0..sectors.normals.len() as u32).map(|s| sectors.corners(s).len()).sum::<usize>(),
+                (0..sectors.fans.len() as u32).map(|s| sectors.corners(s).len()).sum::<usize>(),
                 mesh.corner_count()
             );
         }
@@ -197,6 +224,6 @@ mod tests {
             moved(&sphere(2), |p| unit(p + 0.1 * DVec3::new((9.0 * p.y).sin(), (7.0 * p.z).sin(), (8.0 * p.x).cos())));
         let none = vec![false; mesh.corner_count()];
         let sectors = Sectors::new(Triangles::of(&mesh).unwrap(), &none, &Context::new()).unwrap();
-        assert!(mesh.points().iter().zip(&sectors.normals).all(|(p, n)| p.distance(*n) < 1e-12));
+        assert!(mesh.points().iter().zip(&sectors.fans).all(|(p, fan)| p.distance(fan.normal) < 1e-12));
     }
 }

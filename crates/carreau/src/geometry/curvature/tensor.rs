@@ -1,6 +1,5 @@
 //! Symmetric tensors in space, their restriction to tangent planes, and its eigenvectors.
 
-use crate::geometry::normals::unit;
 use glam::DVec3;
 use std::ops::AddAssign;
 
@@ -76,6 +75,23 @@ impl Frame {
         }
     }
 
+    /// The form u ↦ (u · v)² of a vector.
+    #[inline]
+    pub fn square(&self, v: DVec3) -> Form {
+        let (x, y) = (self.first.dot(v), self.second.dot(v));
+        Form { a: x * x, b: x * y, c: y * y }
+    }
+
+    /// [`Frame::square`] of a vector laid into the plane in its full length. Steep vectors, which have no direction to
+    /// speak of in the plane, are lengthened no more than twofold.
+    #[inline]
+    pub fn laid_square(&self, v: DVec3) -> Form {
+        let flat = self.square(v);
+        let (full, seen) = (v.length_squared(), flat.a + flat.c);
+        let stretch = if full < 4.0 * seen { full / seen } else { 4.0 };
+        Form { a: stretch * flat.a, b: stretch * flat.b, c: stretch * flat.c }
+    }
+
     /// This frame of the plane across `from`, turned with it by the smallest rotation that takes `from` to `to`.
     pub fn carried(&self, from: DVec3, to: DVec3) -> Self {
         let w = 1.0 + from.dot(to);
@@ -87,6 +103,9 @@ impl Frame {
         Frame { first: carry(self.first), second: carry(self.second) }
     }
 }
+
+/// Eigenvalues are equal whose difference squared is below this, the end of the range of exact squares.
+const ROUND: f64 = 1e-290;
 
 /// A quadratic form on a tangent plane: a x² + 2 b x y + c y² in the coordinates of a [`Frame`].
 #[derive(Debug, Clone, Copy, Default)]
@@ -101,14 +120,16 @@ impl Form {
     #[inline]
     pub fn eigen(&self, plane: &Frame) -> ([f64; 2], [DVec3; 2]) {
         let (mean, half) = (0.5 * (self.a + self.c), 0.5 * (self.a - self.c));
-        let radius = (half * half + self.b * self.b).sqrt();
-        if !(radius > 0.0) {
-            return ([mean; 2], [DVec3::ZERO; 2]);
+        let square = half * half + self.b * self.b;
+        let radius = square.sqrt();
+        if !(square > ROUND) {
+            return ([mean - radius, mean + radius], [DVec3::ZERO; 2]);
         }
         // Of the two equivalent formulas the one without cancellation.
-        let [x, y] = if half >= 0.0 { [half + radius, self.b] } else { [self.b, radius - half] };
-        let large = unit(x * plane.first + y * plane.second);
-        let small = unit(-y * plane.first + x * plane.second);
+        let (x, y) = if half >= 0.0 { (half + radius, self.b) } else { (self.b, radius - half) };
+        let unit = 1.0 / (x * x + y * y).sqrt();
+        let (x, y) = (x * unit, y * unit);
+        let (small, large) = (x * plane.second - y * plane.first, x * plane.first + y * plane.second);
         ([mean - radius, mean + radius], [small, large])
     }
 
@@ -128,6 +149,7 @@ impl Form {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::normals::unit;
     use proptest::prelude::*;
 
     fn direction() -> impl Strategy<Value = DVec3> {

@@ -1,0 +1,108 @@
+//! Normal cycles in a ball: the tensor of [`super::normal_cycle`] with B the part of the surface within a distance.
+//!
+//! From the faces around the vertex, those in the ball are visited across the edges that reach into it, never across a
+//! feature; every edge and every face is clipped by the ball exactly.
+//!
+//! Departures: on a curved surface edges away from the centre are tilted against its tangent plane; each is laid into it
+//! in full length, where its projection would make spheres a few per cent too flat. The program of the paper's authors
+//! follows only edges that lead away from the centre, and so loses those along the rim (a quarter of the curvature at two
+//! edge lengths), and divides by the disc's area even at borders; both is exact here.
+
+use super::NO_AREA;
+use super::clip::{clipped_area, clipped_part};
+use super::sectors::Sectors;
+use super::tensor::{Form, Frame};
+use crate::context::Context;
+use crate::mesh::NONE;
+use glam::DVec3;
+
+/// What the visits of one thread remember.
+pub(super) struct Visits {
+    /// Twice the number of the last visit that found a triangle, one more once it was measured.
+    seen: Vec<u64>,
+    visit: u64,
+    /// Triangles found and not yet measured.
+    waiting: Vec<u32>,
+}
+
+impl Visits {
+    pub fn new(triangles: usize) -> Self {
+        Visits { seen: vec![0; triangles], visit: 0, waiting: Vec::new() }
+    }
+}
+
+/// The second fundamental form in a ball around a vertex.
+pub(super) struct Ball<'a> {
+    /// β/|e| of every half-edge.
+    pub turns: Vec<f64>,
+    /// Radius of the ball.
+    pub radius: f64,
+    /// Stops long visits.
+    pub context: &'a Context,
+}
+
+impl Ball<'_> {
+    /// The form at a sector and the area of the surface in the ball. The result means nothing once the context has
+    /// failed; the caller asks it again.
+    pub fn at(&self, sectors: &Sectors<'_>, visits: &mut Visits, sector: u32, plane: &Frame) -> (Form, f64) {
+        let Some(&first) = sectors.corners(sector).first() else { return (Form::default(), 0.0) };
+        let t = &sectors.triangles;
+        let centre = t.point(first);
+        let square = self.radius * self.radius;
+        visits.visit += 1;
+        let (found, measured) = (2 * visits.visit, 2 * visits.visit + 1);
+        visits.waiting.clear();
+        for &c in sectors.corners(sector) {
+            if visits.seen[c as usize / 3] != found {
+                visits.seen[c as usize / 3] = found;
+                visits.waiting.push(c / 3);
+            }
+        }
+        let (mut sum, mut area, mut steps) = (Form::default(), 0.0, 0usize);
+        while let Some(triangle) = visits.waiting.pop() {
+            steps += 1;
+            if self.context.check_every(steps).is_err() {
+                break;
+            }
+            visits.seen[triangle as usize] = measured;
+            let [i, j, k] = t.triangle(triangle);
+            let points = t.points();
+            let p = [points[i as usize] - centre, points[j as usize] - centre, points[k as usize] - centre];
+            let face = &sectors.faces[triangle as usize];
+            let mut measure = |k: usize, share: f64, e: DVec3| {
+                let c = (3 * triangle) as usize + k;
+                let across = sectors.across[c];
+                if across == NONE || !(share > 0.0) {
+                    return;
+                }
+                let state = &mut visits.seen[across as usize / 3];
+                // An edge is measured with the first of its two faces.
+                if *state != measured {
+                    sum = sum.plus(share * self.turns[c], plane.laid_square(e));
+                    if *state != found {
+                        *state = found;
+                        visits.waiting.push(across / 3);
+                    }
+                }
+            };
+            let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
+            if distance[0].max(distance[1]).max(distance[2]) <= square {
+                area += face.area;
+                measure(0, 1.0, p[1] - p[0]);
+                measure(1, 1.0, p[2] - p[1]);
+                measure(2, 1.0, p[0] - p[2]);
+            } else {
+                let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
+                let parts = [part(0, 1), part(1, 2), part(2, 0)];
+                area += clipped_area(p, parts, face, square);
+                measure(0, parts[0][1] - parts[0][0], p[1] - p[0]);
+                measure(1, parts[1][1] - parts[1][0], p[2] - p[1]);
+                measure(2, parts[2][1] - parts[2][0], p[0] - p[2]);
+            }
+        }
+        if !(area > NO_AREA) {
+            return (Form::default(), 0.0);
+        }
+        (Form::default().plus(1.0 / area, sum.turned()), area)
+    }
+}
