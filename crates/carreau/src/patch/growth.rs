@@ -381,9 +381,9 @@ pub(super) fn cover(grower: &mut Grower, probes: u32, min_cells: usize, context:
         for (k, &rank) in ranks.iter().enumerate() {
             context.check_every(k)?;
             let seed = order[rank as usize];
-            // The first test spares most seeds a look at their triangles.
+            // The first test spares most seeds a look at their triangles; only seeds have a half-edge across.
             let is_probed = |h: u32| probed[h as usize / 3] >= probes;
-            if is_probed(seed) || is_probed(grower.across(seed)) || !grower.is_seed(seed) {
+            if is_probed(seed) || !grower.is_seed(seed) || is_probed(grower.across(seed)) {
                 continue;
             }
             let pair = [seed / 3, grower.across(seed) / 3];
