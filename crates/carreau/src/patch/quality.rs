@@ -66,6 +66,9 @@ pub(super) struct Candidates<'a> {
 /// Geometry of one triangle: its angles and unit normal; `None` for a triangle without area.
 type Shape = Option<([f64; 3], DVec3)>;
 
+/// Twice the area below which a triangle of edge length one has none: its square would be too small for a double.
+const LEAST_AREA: f64 = 1e-150;
+
 fn shape(p: [DVec3; 3]) -> Shape {
     // Scaled to edge length one: products of tiny or huge coordinates neither vanish nor overflow.
     let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
@@ -75,7 +78,14 @@ fn shape(p: [DVec3; 3]) -> Shape {
     }
     let edges = edges.map(|e| e / scale);
     let angle = |out: DVec3, back: DVec3| out.cross(-back).length().atan2(out.dot(-back));
-    let normal = edges[0].cross(-edges[2]).try_normalize()?;
+    // At the corner between the shorter edges, where the difference between these is not lost in rounding.
+    let longest =
+        (0..3).fold(1, |k, other| if edges[other].length_squared() > edges[k].length_squared() { other } else { k });
+    let normal = edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]);
+    if normal.abs().max_element() < LEAST_AREA {
+        return None;
+    }
+    let normal = normal.normalize();
     Some(([angle(edges[0], edges[2]), angle(edges[1], edges[0]), angle(edges[2], edges[1])], normal))
 }
 

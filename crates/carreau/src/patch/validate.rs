@@ -177,7 +177,10 @@ fn triangle_shape(p: [DVec3; 3]) -> ([f64; 3], DVec3) {
     let scaled = |x: DVec3| x * halves[0] * halves[1];
     let edge = |o: usize, a: usize| if extent < 1.0 { scaled(p[a] - p[o]) } else { scaled(p[a]) - scaled(p[o]) };
     let angle = |o: usize, a: usize, b: usize| between(edge(o, a), edge(o, b));
-    ([angle(0, 1, 2), angle(1, 2, 0), angle(2, 0, 1)], edge(0, 1).cross(edge(0, 2)))
+    // Of the three corners, the one between the shorter edges: at the others the small edge is lost in rounding.
+    let length = |o: usize| edge((o + 1) % 3, (o + 2) % 3).length_squared();
+    let o = (0..3).fold(0, |o, other| if length(other) > length(o) { other } else { o });
+    ([angle(0, 1, 2), angle(1, 2, 0), angle(2, 0, 1)], edge(o, (o + 1) % 3).cross(edge(o, (o + 2) % 3)))
 }
 
 /// Angle between two vectors, in 0..=π.
