@@ -3,7 +3,7 @@
 //! Features are the sharp edges, the borders, the edges tagged in the file and those the user lists. Edges without a
 //! regular neighbour on the other side (non-manifold, inconsistently oriented) always count.
 
-use super::normals::{angle_between, face_normals};
+use super::normals::{AngleLimit, angle_between, face_normals};
 use crate::error::{Error, Result};
 use crate::mesh::{CornerId, Side, SurfaceMesh, VertexId};
 use glam::DVec3;
@@ -67,15 +67,12 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
         return Err(Error::Options(format!("the feature angle must be between 0 and 180 degrees, not {angle}")));
     }
     let normals = face_normals(mesh);
-    let limit = options.angle_deg.map(|a| (a + MARGIN_DEG).to_radians());
-    let least = limit.map_or(1.0, f64::cos) + 1e-9;
-    let is_sharp = |c: CornerId, o: CornerId, limit: f64| {
-        // The angle itself, which takes most of the time, only where the cosine leaves a doubt.
-        let cos = normals[mesh.face_of(c).index()].dot(normals[mesh.face_of(o).index()]);
-        cos <= least && turn(mesh, &normals, c, o) > limit
-    };
+    let limit = options.angle_deg.map(|a| AngleLimit::new((a + MARGIN_DEG).to_radians()));
     let is_feature = |c: CornerId| match mesh.side(c) {
-        Side::Inner(o) => limit.is_some_and(|limit| is_sharp(c, o, limit)),
+        Side::Inner(o) => limit.is_some_and(|limit| {
+            let [a, b] = sides(mesh, &normals, c, o);
+            limit.is_exceeded(a, b)
+        }),
         Side::Border => options.borders,
         Side::Inconsistent | Side::NonManifold => true,
     };
@@ -96,11 +93,9 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
     Ok(Features { corners, missing })
 }
 
-/// Angle between the normals on both sides of a half-edge; zero where a face has no area. Taken in the order of the
-/// corners, so that both half-edges get the same number.
-fn turn(mesh: &SurfaceMesh, normals: &[DVec3], c: CornerId, o: CornerId) -> f64 {
-    let [a, b] = [c.min(o), c.max(o)].map(|c| normals[mesh.face_of(c).index()]);
-    angle_between(a, b)
+/// The normals on both sides of a half-edge, in the order of the corners, so that both half-edges get the same angle.
+fn sides(mesh: &SurfaceMesh, normals: &[DVec3], c: CornerId, o: CornerId) -> [DVec3; 2] {
+    [c.min(o), c.max(o)].map(|c| normals[mesh.face_of(c).index()])
 }
 
 /// Signed angle between the normals on both sides of a regular inner edge, in radians: 0 where the surface is flat,
@@ -111,7 +106,8 @@ pub fn dihedral_turn(mesh: &SurfaceMesh, face_normals: &[DVec3], c: CornerId) ->
     let o = mesh.opposite(c)?;
     let along = mesh.point(mesh.vertex(mesh.next(c))) - mesh.point(mesh.vertex(c));
     let [own, other] = [c, o].map(|c| face_normals[mesh.face_of(c).index()]);
-    let angle = turn(mesh, face_normals, c, o);
+    let [a, b] = sides(mesh, face_normals, c, o);
+    let angle = angle_between(a, b);
     Some(if own.cross(other).dot(along) < 0.0 { -angle } else { angle })
 }
 

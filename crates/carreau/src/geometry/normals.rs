@@ -5,6 +5,7 @@
 
 use crate::mesh::{CornerId, SurfaceMesh, area_vector};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// The vector with length one; zero for a zero vector. No scale is too small or too large.
 #[inline]
@@ -18,6 +19,28 @@ pub fn unit(v: DVec3) -> DVec3 {
 #[inline]
 pub fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
+}
+
+/// A limit for the angle between unit vectors. In doubt the angle decides, but most are so far below the limit that the
+/// cosine tells without it.
+#[derive(Debug, Clone, Copy)]
+pub struct AngleLimit {
+    angle: f64,
+    /// Of an angle that rounding cannot bring above the limit.
+    cosine_below: f64,
+}
+
+impl AngleLimit {
+    /// A limit in radians.
+    pub fn new(angle: f64) -> Self {
+        AngleLimit { angle, cosine_below: if angle >= PI { f64::NEG_INFINITY } else { angle.cos() + 1e-9 } }
+    }
+
+    /// Whether the angle between two vectors of length one or zero is larger; [`angle_between`] says the same.
+    #[inline]
+    pub fn is_exceeded(&self, a: DVec3, b: DVec3) -> bool {
+        !(a.dot(b) > self.cosine_below) && angle_between(a, b) > self.angle
+    }
 }
 
 /// Unit normal of every face; zero where a face has no area.
@@ -95,6 +118,21 @@ fn collect_fan(mesh: &SurfaceMesh, feature: &[bool], c: CornerId, fan: &mut Vec<
 mod tests {
     use super::*;
     use crate::mesh::test_models::*;
+
+    #[test]
+    fn an_angle_limit_says_the_same_as_the_angle() {
+        let at = |angle: f64| DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let angles: Vec<f64> = (0..=36).map(|k| f64::from(k) * PI / 36.0).collect();
+        for &limit in &angles {
+            for near in &angles {
+                for shift in [-1e-6, -1e-9, -1e-12, 0.0, 1e-15, 1e-12, 1e-9, 1e-6] {
+                    let (a, b) = (at(0.3), at(0.3 + near + shift));
+                    assert_eq!(AngleLimit::new(limit).is_exceeded(a, b), angle_between(a, b) > limit);
+                }
+            }
+            assert!(!AngleLimit::new(limit).is_exceeded(DVec3::ZERO, DVec3::X));
+        }
+    }
 
     #[test]
     fn normals_do_not_depend_on_scale() {

@@ -22,7 +22,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// The cell data array with the reference numbers of lines, faces and volume cells.
-pub(super) const TAGS: &str = "tag";
+pub(super) const TAGS: &str = "ref";
 
 /// Numbers of the cell types, as in `vtkCellType.h`.
 pub(super) mod kind {

@@ -1,10 +1,25 @@
 //! Lists of polygons in two flat arrays.
 
 /// Polygons as vertex indices: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`.
+///
+/// Corners have `u32` ids. A list that outgrows them keeps all corners, but its offsets stay at the largest id;
+/// [`Polygons::fits`] tells, and [`RawMesh::check`](super::RawMesh::check) refuses it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Polygons {
     offsets: Vec<u32>,
     corners: Vec<u32>,
+}
+
+/// Ids from here up mark what is missing.
+const CORNER_LIMIT: usize = super::surface::SurfaceMesh::FIRST_MARK as usize;
+
+fn fits(corners: usize) -> bool {
+    corners <= CORNER_LIMIT
+}
+
+/// The offset after that many corners, saturated: offsets never decrease, whatever is pushed.
+fn offset(corners: usize) -> u32 {
+    u32::try_from(corners).unwrap_or(u32::MAX)
 }
 
 impl Default for Polygons {
@@ -22,7 +37,7 @@ impl Polygons {
     /// Triangles as polygons.
     pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
         Polygons {
-            offsets: (0..=triangles.len() as u32).map(|k| 3 * k).collect(),
+            offsets: (0..=triangles.len()).map(|k| offset(3 * k)).collect(),
             corners: triangles.as_flattened().to_vec(),
         }
     }
@@ -37,14 +52,19 @@ impl Polygons {
     #[inline]
     pub fn push(&mut self, face: &[u32]) {
         self.corners.extend_from_slice(face);
-        self.offsets.push(self.corners.len() as u32);
+        self.offsets.push(offset(self.corners.len()));
     }
 
     /// Appends one face given by an iterator.
     #[inline]
     pub fn push_iter(&mut self, face: impl IntoIterator<Item = u32>) {
         self.corners.extend(face);
-        self.offsets.push(self.corners.len() as u32);
+        self.offsets.push(offset(self.corners.len()));
+    }
+
+    /// Whether every corner has an id.
+    pub fn fits(&self) -> bool {
+        fits(self.corners.len())
     }
 
     /// Number of faces.
@@ -131,5 +151,17 @@ impl<'a> FromIterator<&'a [u32]> for Polygons {
         let mut out = Polygons::new();
         faces.into_iter().for_each(|f| out.push(f));
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_beyond_the_ids_saturate_and_do_not_fit() {
+        let most = CORNER_LIMIT;
+        assert!(fits(0) && fits(most) && !fits(most + 1) && !fits(1 << 32) && !fits((1 << 32) + 3));
+        assert_eq!([most, 1 << 32, (1 << 32) + 3].map(offset), [CORNER_LIMIT as u32, u32::MAX, u32::MAX]);
     }
 }

@@ -66,6 +66,13 @@ impl RawMesh {
     /// Checks that all indices exist and all coordinates are finite; readers call it last.
     pub fn check(&self) -> Result<()> {
         let n = self.points.len();
+        if !self.faces.fits() {
+            return Err(Error::input(
+                "the faces have more corners than a mesh can number (about four thousand million)",
+                format!("{} faces", self.faces.len()),
+                "split the file",
+            ));
+        }
         if let Some(v) = self.points.iter().position(|p| !p.is_finite()) {
             return Err(Error::input("a coordinate is not finite", format!("vertex {v}"), "remove it and its faces"));
         }

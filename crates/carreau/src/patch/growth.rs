@@ -45,14 +45,16 @@ struct Above {
     top: u32,
 }
 
-/// What the inner loop reads of a half-edge, side by side in memory.
+/// What the inner loop reads of a triangle: all of it in one cache line, for rectangles are grown all over the mesh.
 #[derive(Clone, Copy)]
-struct Link {
-    /// The half-edge across, unless a border or a barrier is in the way.
-    across: u32,
-    /// The half-edge across, if the pair is a candidate.
-    partner: u32,
-    cost: f64,
+#[repr(align(64))]
+struct Node {
+    /// For each half-edge the one across, unless a border or a barrier is in the way.
+    across: [u32; 3],
+    /// [`USED`] in a finished patch, the current epoch in the rectangle being grown.
+    mark: u32,
+    /// For each half-edge the cost of the pair; infinite if the pair is no candidate.
+    cost: [f64; 3],
 }
 
 /// One way to build the row so far: what the next cell's left side must be, and the total cost.
@@ -82,9 +84,7 @@ enum Base {
 /// Grows one rectangle at a time; reusable, so that nothing is allocated per rectangle.
 pub(super) struct Grower<'a> {
     candidates: &'a Candidates<'a>,
-    links: Vec<Link>,
-    /// Of every triangle: [`USED`] in a finished patch, the current epoch in the rectangle being grown.
-    mark: Vec<u32>,
+    nodes: Vec<Node>,
     epoch: u32,
     base: Base,
     /// Inside half-edges of the border: bottom, right, top, left, counter-clockwise.
@@ -103,20 +103,15 @@ const USED: u32 = u32::MAX;
 impl<'a> Grower<'a> {
     /// No triangle is used yet. Rows do not cross the half-edges in `walls`; the candidates' own barriers hold anyway.
     pub fn new(candidates: &'a Candidates<'a>, walls: &[bool]) -> Self {
-        let link = |h: u32| {
-            let wall = walls[h as usize];
-            let ranked = candidates.rank[h as usize] != NONE && !wall;
-            Link {
-                across: if wall { NONE } else { candidates.across(h) },
-                partner: if ranked { candidates.triangles.opposite(h) } else { NONE },
-                cost: candidates.cost[h as usize],
-            }
+        let across = |h: u32| if walls[h as usize] { NONE } else { candidates.across(h) };
+        let cost = |h: u32| if across(h) == NONE { f64::INFINITY } else { candidates.cost[h as usize] };
+        let node = |t: u32| {
+            let half_edges = [3 * t, 3 * t + 1, 3 * t + 2];
+            Node { across: half_edges.map(across), mark: 0, cost: half_edges.map(cost) }
         };
-        let n = candidates.triangles.len();
         Grower {
             candidates,
-            links: (0..3 * n as u32).map(link).collect(),
-            mark: vec![0; n],
+            nodes: (0..candidates.triangles.len() as u32).map(node).collect(),
             epoch: 0,
             base: Base::Pair(NONE),
             sides: Default::default(),
@@ -130,13 +125,29 @@ impl<'a> Grower<'a> {
 
     /// Whether no triangle of a patch belongs to another, finished one.
     pub fn is_free(&self, patch: &Patch) -> bool {
-        patch.triangles.iter().all(|t| self.mark[t.index()] != USED)
+        patch.triangles.iter().all(|t| self.nodes[t.index()].mark != USED)
+    }
+
+    /// The half-edge across `h`, or [`NONE`].
+    #[inline]
+    fn across(&self, h: u32) -> u32 {
+        self.nodes[h as usize / 3].across[h as usize % 3]
+    }
+
+    /// Cost of the pair across `h`; infinite if it is no candidate.
+    #[inline]
+    fn cost(&self, h: u32) -> f64 {
+        self.nodes[h as usize / 3].cost[h as usize % 3]
+    }
+
+    #[inline]
+    fn mark(&mut self, h: u32, mark: u32) {
+        self.nodes[h as usize / 3].mark = mark;
     }
 
     /// Whether a pair may be a seed: its triangles are free and no wall runs between them.
     fn is_seed(&self, h: u32) -> bool {
-        self.links[h as usize].partner != NONE
-            && [h, self.candidates.triangles.opposite(h)].iter().all(|&h| self.mark[h as usize / 3] != USED)
+        self.cost(h).is_finite() && [h, self.across(h)].iter().all(|&h| self.nodes[h as usize / 3].mark != USED)
     }
 
     /// Number of cells of the current rectangle.
@@ -146,17 +157,16 @@ impl<'a> Grower<'a> {
 
     /// Grows the largest rectangle reachable from a seed pair; returns its number of cells. Nothing is taken yet.
     pub fn grow(&mut self, seed: u32) -> usize {
-        let opposite = self.candidates.triangles.opposite(seed);
         self.start(Base::Pair(seed), std::iter::once, self.candidates.sides(seed));
-        self.mark[seed as usize / 3] = self.epoch;
-        self.mark[opposite as usize / 3] = self.epoch;
+        self.mark(seed, self.epoch);
+        self.mark(self.across(seed), self.epoch);
         while self.add_row() {}
         self.cells()
     }
 
     /// Marks the triangles of finished patches.
     pub fn occupy(&mut self, patches: &[Patch]) {
-        patches.iter().flat_map(|p| &p.triangles).for_each(|t| self.mark[t.index()] = USED);
+        patches.iter().flat_map(|p| &p.triangles).for_each(|t| self.nodes[t.index()].mark = USED);
     }
 
     /// Extends a finished patch by whole rows over free triangles; `None` when no side can grow.
@@ -180,11 +190,8 @@ impl<'a> Grower<'a> {
 
     /// The triangles of the current rectangle beyond those it started from.
     pub fn added_triangles(&self) -> impl Iterator<Item = u32> + '_ {
-        let t = self.candidates.triangles;
-        self.layers
-            .iter()
-            .flat_map(|l| &l.cells)
-            .flat_map(move |&(base, diagonal)| [base / 3, t.opposite(diagonal) / 3])
+        let cells = self.layers.iter().flat_map(|l| &l.cells);
+        cells.flat_map(|&(base, diagonal)| [base / 3, self.across(diagonal) / 3])
     }
 
     /// Adds a row to the longest side that still can grow.
@@ -201,7 +208,7 @@ impl<'a> Grower<'a> {
 
     #[inline]
     fn is_open(&self, half_edge: u32) -> bool {
-        let mark = self.mark[half_edge as usize / 3];
+        let mark = self.nodes[half_edge as usize / 3].mark;
         mark != USED && mark != self.epoch
     }
 
@@ -211,8 +218,11 @@ impl<'a> Grower<'a> {
         let t = self.candidates.triangles;
         let (next, previous) = (t.next(base), t.previous(base));
         let diagonal = if state == LEFT { next } else { previous };
-        let partner = self.links[diagonal as usize].partner;
-        if partner == NONE || !self.is_open(partner) {
+        if !self.cost(diagonal).is_finite() {
+            return None;
+        }
+        let partner = self.across(diagonal);
+        if !self.is_open(partner) {
             return None;
         }
         let (after, back) = (t.next(partner), t.previous(partner));
@@ -228,7 +238,7 @@ impl<'a> Grower<'a> {
         self.before.clear();
         let mut partial = [IMPOSSIBLE; 2];
         for k in 0..self.sides[side].len() {
-            let base = self.links[self.sides[side][k] as usize].across;
+            let base = self.across(self.sides[side][k]);
             if base == NONE || !self.is_open(base) {
                 return false;
             }
@@ -240,8 +250,8 @@ impl<'a> Grower<'a> {
                 let s = usize::from(reach(RIGHT) < reach(LEFT));
                 let so_far = if k == 0 { 0.0 } else { reach(s) };
                 if so_far.is_finite() {
-                    let total = so_far + self.links[cell.diagonal as usize].cost;
-                    best[state] = Partial { joint: self.links[cell.right as usize].across, total };
+                    let total = so_far + self.cost(cell.diagonal);
+                    best[state] = Partial { joint: self.across(cell.right), total };
                     from[state] = s as u8;
                 }
             }
@@ -259,7 +269,7 @@ impl<'a> Grower<'a> {
         self.row.clear();
         let mut state = last;
         for k in (0..self.before.len()).rev() {
-            let base = self.links[self.sides[side][k] as usize].across;
+            let base = self.across(self.sides[side][k]);
             let Some(cell) = self.cell_above(base, state) else { return false };
             self.row.push(cell);
             state = self.before[k][state].into();
@@ -273,10 +283,10 @@ impl<'a> Grower<'a> {
         for k in 0..2 * self.row.len() {
             let half_edge = |k: usize| if k.is_multiple_of(2) { self.row[k / 2].base } else { self.row[k / 2].partner };
             if !self.is_open(half_edge(k)) {
-                (0..k).map(half_edge).for_each(|h| self.mark[h as usize / 3] = 0);
+                (0..k).map(half_edge).for_each(|h| self.nodes[h as usize / 3].mark = 0);
                 return false;
             }
-            self.mark[half_edge(k) as usize / 3] = self.epoch;
+            self.nodes[half_edge(k) as usize / 3].mark = self.epoch;
         }
         true
     }
@@ -345,7 +355,7 @@ impl<'a> Grower<'a> {
             }
         }
         let patch = grid.finish();
-        patch.triangles.iter().for_each(|t| self.mark[t.index()] = USED);
+        patch.triangles.iter().for_each(|t| self.nodes[t.index()].mark = USED);
         patch
     }
 }
@@ -364,17 +374,22 @@ pub(super) fn cover(grower: &mut Grower, probes: u32, min_cells: usize, context:
     let mut patches = Vec::new();
     let mut heap = BinaryHeap::new();
     let mut covered = 0;
+    // Places in `order` whose triangles are still free.
+    let mut ranks: Vec<u32> = (0..order.len() as u32).collect();
     loop {
         let mut probed = vec![0u32; triangles.len()];
-        for (rank, &seed) in order.iter().enumerate() {
-            context.check_every(rank)?;
-            let pair = [seed / 3, triangles.opposite(seed) / 3];
-            if !grower.is_seed(seed) || pair.iter().any(|&t| probed[t as usize] >= probes) {
+        for (k, &rank) in ranks.iter().enumerate() {
+            context.check_every(k)?;
+            let seed = order[rank as usize];
+            // The first test spares most seeds a look at their triangles; only seeds have a half-edge across.
+            let is_probed = |h: u32| probed[h as usize / 3] >= probes;
+            if is_probed(seed) || !grower.is_seed(seed) || is_probed(grower.across(seed)) {
                 continue;
             }
+            let pair = [seed / 3, grower.across(seed) / 3];
             let cells = grower.grow(seed);
             if cells >= min_cells {
-                heap.push((cells, Reverse(rank as u32)));
+                heap.push((cells, Reverse(rank)));
                 grower.added_triangles().chain(pair).for_each(|t| probed[t as usize] += 1);
             }
         }
@@ -395,5 +410,6 @@ pub(super) fn cover(grower: &mut Grower, probes: u32, min_cells: usize, context:
                 heap.push((now, Reverse(rank)));
             }
         }
+        ranks.retain(|&rank| grower.is_seed(order[rank as usize]));
     }
 }

@@ -17,6 +17,7 @@
 
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::normals::{AngleLimit, angle_between};
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -65,6 +66,9 @@ pub(super) struct Candidates<'a> {
 /// Geometry of one triangle: its angles and unit normal; `None` for a triangle without area.
 type Shape = Option<([f64; 3], DVec3)>;
 
+/// Twice the area below which a triangle of edge length one has none: its square would be too small for a double.
+const LEAST_AREA: f64 = 1e-150;
+
 fn shape(p: [DVec3; 3]) -> Shape {
     // Scaled to edge length one: products of tiny or huge coordinates neither vanish nor overflow.
     let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
@@ -74,13 +78,15 @@ fn shape(p: [DVec3; 3]) -> Shape {
     }
     let edges = edges.map(|e| e / scale);
     let angle = |out: DVec3, back: DVec3| out.cross(-back).length().atan2(out.dot(-back));
-    let normal = edges[0].cross(-edges[2]).try_normalize()?;
+    // At the corner between the shorter edges, where the difference between these is not lost in rounding.
+    let longest =
+        (0..3).fold(1, |k, other| if edges[other].length_squared() > edges[k].length_squared() { other } else { k });
+    let normal = edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]);
+    if normal.abs().max_element() < LEAST_AREA {
+        return None;
+    }
+    let normal = normal.normalize();
     Some(([angle(edges[0], edges[2]), angle(edges[1], edges[0]), angle(edges[2], edges[1])], normal))
-}
-
-/// Angle between two unit vectors.
-fn between(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
 }
 
 /// Lexicographic order of positions.
@@ -101,12 +107,26 @@ impl<'a> Candidates<'a> {
             Quality::Adapted => Some(target_angles(triangles, &shapes)),
             _ => None,
         };
-        let rater = Rater { triangles, shapes: &shapes, targets: targets.as_deref(), filters };
-        let cost: Vec<f64> = (0..3 * triangles.len() as u32)
+        let rater = Rater {
+            triangles,
+            shapes: &shapes,
+            targets: targets.as_deref(),
+            filters,
+            dihedral: AngleLimit::new(filters.dihedral),
+        };
+        // The cost is the same from both sides, to the last bit: the half-edge with the smaller number is rated.
+        let mut cost: Vec<f64> = (0..3 * triangles.len() as u32)
             .into_par_iter()
-            .map(|h| if barrier[h as usize] { None } else { rater.cost(h) }.unwrap_or(f64::INFINITY))
+            .map(|h| if h > triangles.opposite(h) { None } else { rater.cost(h) }.unwrap_or(f64::INFINITY))
             .collect();
         context.check()?;
+        for h in 0..cost.len() {
+            let o = triangles.opposite(h as u32);
+            if o != NONE && (o as usize) < h {
+                cost[h] = cost[o as usize];
+            }
+        }
+        barrier.iter().zip(&mut cost).filter(|(barred, _)| **barred).for_each(|(_, cost)| *cost = f64::INFINITY);
         let (order, rank) = ranking(triangles, &cost);
         Ok(Candidates { triangles, cost, rank, order, barrier })
     }
@@ -130,6 +150,7 @@ struct Rater<'a> {
     shapes: &'a [Shape],
     targets: Option<&'a [f64]>,
     filters: &'a Filters,
+    dihedral: AngleLimit,
 }
 
 impl Rater<'_> {
@@ -142,8 +163,9 @@ impl Rater<'_> {
         }
         let (angles0, normal0) = self.shapes[h as usize / 3]?;
         let (angles1, normal1) = self.shapes[o as usize / 3]?;
-        let bend = between(normal0, normal1);
-        if bend > f.dihedral && !(f.adapt_dihedral && bend <= self.surrounding_bend(h, o)) {
+        if self.dihedral.is_exceeded(normal0, normal1)
+            && !(f.adapt_dihedral && angle_between(normal0, normal1) <= self.surrounding_bend(h, o))
+        {
             return None;
         }
         let at = |angles: &[f64; 3], c: u32| angles[c as usize % 3];
@@ -177,7 +199,7 @@ impl Rater<'_> {
                 return None;
             }
             let (inside, outside) = (self.shapes[side as usize / 3]?, self.shapes[other as usize / 3]?);
-            Some(between(inside.1, outside.1))
+            Some(angle_between(inside.1, outside.1))
         };
         let pair = |a: u32, b: u32| [bend(a), bend(b)].iter().flatten().fold((0.0, 0), |(s, n), x| (s + x, n + 1));
         let (mine, theirs) = (pair(t.next(h), t.previous(h)), pair(t.next(o), t.previous(o)));
@@ -211,15 +233,17 @@ fn target_angles(triangles: Triangles, shapes: &[Shape]) -> Vec<f64> {
 /// One half-edge per pair, best first, and the place of every half-edge's pair.
 fn ranking(triangles: Triangles, cost: &[f64]) -> (Vec<u32>, Vec<u32>) {
     let leads = |h: u32, o: u32| by_position(triangles.point(h), triangles.point(o)).then(h.cmp(&o)) == Ordering::Less;
-    let mut order: Vec<u32> = (0..cost.len() as u32)
+    let middle = |h: u32| triangles.point(h) + triangles.point(triangles.opposite(h));
+    // The costs lie beside the half-edges while they are sorted: a look at a table for each comparison would be slow.
+    let mut pairs: Vec<(f64, u32)> = (0..cost.len() as u32)
         .into_par_iter()
         .filter(|&h| cost[h as usize].is_finite() && leads(h, triangles.opposite(h)))
+        .map(|h| (cost[h as usize], h))
         .collect();
-    let middle = |h: u32| triangles.point(h) + triangles.point(triangles.opposite(h));
-    order.par_sort_unstable_by(|&a, &b| {
-        let by_cost = cost[a as usize].total_cmp(&cost[b as usize]);
-        by_cost.then_with(|| by_position(middle(a), middle(b))).then(a.cmp(&b))
+    pairs.par_sort_unstable_by(|&(p, a), &(q, b)| {
+        p.total_cmp(&q).then_with(|| by_position(middle(a), middle(b))).then(a.cmp(&b))
     });
+    let order: Vec<u32> = pairs.into_iter().map(|(_, h)| h).collect();
     let mut rank = vec![NONE; cost.len()];
     for (k, &h) in order.iter().enumerate() {
         rank[h as usize] = k as u32;

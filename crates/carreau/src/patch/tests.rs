@@ -344,6 +344,22 @@ fn no_size_is_too_small_or_too_large() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
+    /// Coordinates of every magnitude side by side, as a file read from the wrong byte on has them: the triangles of a
+    /// cell then differ in size by any factor.
+    #[test]
+    fn wild_coordinates_give_valid_results(
+        exponents in prop::collection::vec(prop::array::uniform3(-300i32..300), 16),
+        digits in prop::collection::vec(prop::array::uniform3(-2.0..2.0), 16),
+    ) {
+        let wild = exponents.iter().zip(&digits);
+        let points = wild.map(|(e, d)| DVec3::from_array(std::array::from_fn(|k| d[k] * 10f64.powi(e[k])))).collect();
+        let (_, faces, ..) = bumpy(3, 3, 10).into_parts();
+        let mesh = SurfaceMesh::new(points, faces).unwrap();
+        let options = PatchOptions { dihedral: 180.0, min_cells: 1, ..PatchOptions::default() };
+        let result = decompose(&mesh, &options, &Context::new());
+        prop_assert!(result.is_ok(), "{:?}", result.err());
+    }
+
     /// Any triangles at all: non-manifold, degenerate, one-sided. The result is valid or a clear error.
     #[test]
     fn soups_give_valid_results(

@@ -5,6 +5,7 @@
 
 use super::grid::Patch;
 use crate::error::{Error, Result};
+use crate::geometry::normals::unit;
 use crate::mesh::{FaceId, SurfaceMesh, VertexId};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -149,28 +150,37 @@ impl CellShape {
 
     /// A quad cut along the diagonal that starts at corner `d`.
     fn new(p: [DVec3; 4], d: usize) -> Self {
-        // Scaled by a power of two, which rounds nothing: differences stay those of the input, even where one corner is
-        // out of all proportion to the others. Large extents are scaled before subtracting, which might overflow, small
-        // ones after, and in two halves, as the power itself may be out of range.
-        let extent = (0..4).map(|k| (p[k] - p[0]).abs().max_element()).fold(0.0, f64::max);
-        let exponent = if extent > 0.0 { extent.log2().floor().min(1023.0) as i32 } else { 0 };
-        let halves = [-exponent / 2, -exponent - -exponent / 2].map(|e| 2f64.powi(e));
-        let scaled = |x: DVec3| x * halves[0] * halves[1];
+        // Counted from the start of the diagonal.
         let at = |k: usize| p[(d + k) % 4];
-        let edge =
-            |o: usize, a: usize| if extent < 1.0 { scaled(at(a) - at(o)) } else { scaled(at(a)) - scaled(at(o)) };
-        // The halves are (0, 1, 2) and (0, 2, 3), counted from the start of the diagonal.
-        let angle = |o: usize, a: usize, b: usize| between(edge(o, a), edge(o, b));
-        let angles = [angle(0, 1, 2) + angle(0, 2, 3), angle(1, 0, 2), angle(2, 0, 1) + angle(2, 0, 3), angle(3, 0, 2)];
-        let normals = [edge(0, 1).cross(edge(0, 2)), edge(0, 2).cross(edge(0, 3))];
-        let flat = normals.contains(&DVec3::ZERO);
-        CellShape { angles, bend: if flat { f64::NAN } else { between(normals[0], normals[1]) } }
+        let (first, normal) = triangle_shape([at(0), at(1), at(2)]);
+        let (second, other) = triangle_shape([at(0), at(2), at(3)]);
+        let angles = [first[0] + second[0], first[1], first[2] + second[1], second[2]];
+        let flat = [normal, other].contains(&DVec3::ZERO);
+        CellShape { angles, bend: if flat { f64::NAN } else { between(unit(normal), unit(other)) } }
     }
 
     /// Q of equation 1, in radians.
     pub fn q(&self) -> f64 {
         self.angles.iter().map(|a| (FRAC_PI_2 - a).abs()).sum::<f64>() / 4.0
     }
+}
+
+/// Angles of a triangle, and a vector along its normal; zero when it has no area.
+///
+/// Scaled by a power of two, which rounds nothing: differences stay those of the input, even where one corner is out of all
+/// proportion to the others, and where the cell's other triangle is. Large extents are scaled before subtracting, which
+/// might overflow, small ones after, and in two halves, as the power itself may be out of range.
+fn triangle_shape(p: [DVec3; 3]) -> ([f64; 3], DVec3) {
+    let extent = p.iter().map(|&q| (q - p[0]).abs().max_element()).fold(0.0, f64::max);
+    let exponent = if extent > 0.0 { extent.log2().floor().min(1023.0) as i32 } else { 0 };
+    let halves = [-exponent / 2, -exponent - -exponent / 2].map(|e| 2f64.powi(e));
+    let scaled = |x: DVec3| x * halves[0] * halves[1];
+    let edge = |o: usize, a: usize| if extent < 1.0 { scaled(p[a] - p[o]) } else { scaled(p[a]) - scaled(p[o]) };
+    let angle = |o: usize, a: usize, b: usize| between(edge(o, a), edge(o, b));
+    // Of the three corners, the one between the shorter edges: at the others the small edge is lost in rounding.
+    let length = |o: usize| edge((o + 1) % 3, (o + 2) % 3).length_squared();
+    let o = (0..3).fold(0, |o, other| if length(other) > length(o) { other } else { o });
+    ([angle(0, 1, 2), angle(1, 2, 0), angle(2, 0, 1)], edge(o, (o + 1) % 3).cross(edge(o, (o + 2) % 3)))
 }
 
 /// Angle between two vectors, in 0..=π.
