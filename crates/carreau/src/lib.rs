@@ -10,6 +10,7 @@ pub mod numeric;
 pub mod patch;
 pub mod report;
 pub mod sample;
+pub mod segment;
 
 pub use context::Context;
 pub use error::{Error, Place, Result};

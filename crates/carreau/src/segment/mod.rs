@@ -1,0 +1,421 @@
+//! Room 1: the faces of a part, with clean borders, and what surface each one is.
+//!
+//! Lavoué, Dupont, Baskurt: *Segmentation de maillages triangulaires et rectification directionnelle de frontières basées
+//! sur les tenseurs de courbure*. Vertices are classified by curvature, regions grown and merged, and their boundaries
+//! corrected along the lines of curvature.
+//!
+//! | stage | file | paper |
+//! |---|---|---|
+//! | areas, sharp edges and vertices, the automatic sharp angle | `surface` | §4.1 |
+//! | enrichment of triangles with three sharp vertices | `enrich` | §4.1 |
+//! | classification of vertices | `classify` | §4.2 |
+//! | growth of regions | `growth` | §4.3 |
+//! | merging, with a dendrogram | `merge` | §4.4, equations 1–4 |
+//! | the three in a row | `paper` | §4 |
+//! | boundary scores | `score` | §5.2, equations 5–7 |
+//! | contour following | `contour` | §5.3, equation 8 |
+//! | rectification by minimum cuts | `cut` | – |
+//! | planar facets | `facets` | – |
+//! | recognition of curved surfaces | `recognise` | – |
+//! | all surfaces of a part, rung by rung | `surfaces` | – |
+//! | what a triangle costs in a region | `price` | – |
+//! | regions with their figures and fits | `regions` | – |
+//! | boundary polylines | `boundaries` | – |
+//!
+//! Where this departs from the paper:
+//! - By default the surfaces of the part are recognised first ([`SegmentOptions::surfaces`]): the vertices of a tessellated
+//!   part lie on them, exactly. Near-constant curvature is then asked only of meshes that lie on no surfaces: scans and
+//!   organic shapes. The paper's regions fail on a coarse tessellation, which has no vertex inside a face, and where a torus
+//!   runs into a cylinder. `SegmentOptions::paper()` gives the paper's pipeline.
+//! - Curvatures are multiplied by a length, so that a threshold means the same at every scale.
+//! - The curvature of a boundary is the full tensor across creases and the smooth one elsewhere; with one of them for both,
+//!   either everything merges or nothing does.
+//! - Triangles are visited in an order of place, not of number.
+
+mod boundaries;
+mod classify;
+mod contour;
+mod cut;
+mod enrich;
+mod facets;
+mod growth;
+mod merge;
+mod paper;
+mod price;
+mod recognise;
+mod regions;
+mod score;
+mod surface;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
+use crate::geometry::primitive::Fit;
+use crate::mesh::{SurfaceMesh, Triangles};
+use paper::{CurvatureRegions, Demand, curvature_regions};
+use price::Prices;
+use rayon::prelude::*;
+use regions::Groups;
+use score::Scores;
+use serde::{Deserialize, Serialize};
+use surface::{Sharp, Surface};
+
+pub use boundaries::Boundary;
+pub use merge::{Dendrogram, Merge};
+pub use regions::Region;
+
+/// How boundaries are corrected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rectify {
+    /// Contour following, as in the paper.
+    Paper,
+    /// Minimum cuts that never lose a region nor raise the price of a triangle.
+    #[default]
+    Cut,
+    /// Not at all.
+    None,
+}
+
+/// The length that curvatures are multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// The largest side of the bounding box: the usual one, and the one that the paper's thresholds fit.
+    #[default]
+    LargestSide,
+    /// 0.673 times the root of the area: the same in every position, and as long as the side on the paper's Fandisk.
+    RootArea,
+}
+
+/// Options of [`segment`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SegmentOptions {
+    /// Recognises planes, spheres, cylinders, cones and tori first.
+    pub surfaces: bool,
+    /// K, the number of clusters in the space of curvatures; from the data by default.
+    pub clusters: Option<u32>,
+    /// The largest distance D (equation 1) of regions that are merged; from the data by default.
+    pub merge_threshold: Option<f64>,
+    /// Merges down to this number of regions instead.
+    pub regions: Option<u32>,
+    /// How boundaries are corrected.
+    pub rectify: Rectify,
+    /// Edges that bend by more than this are sharp, in degrees; from the data by default, near 25.
+    pub sharp_angle: Option<f64>,
+    /// ST: boundary edges with a lower score (equation 5, 0 to 2) are correct, for [`Rectify::Paper`].
+    pub score_threshold: f64,
+    /// How curvatures are estimated.
+    pub estimator: Estimator,
+    /// Radius of the ball of [`Estimator::NormalCycleBall`], in the unit of the file.
+    pub radius: Option<f64>,
+    /// The length that curvatures are multiplied by.
+    pub scale: Scale,
+    /// A_min of equation 4, as a share of the area.
+    pub min_area: f64,
+    /// Largest distance of a region's vertices from the surface it is given, in the unit of the file; from the data by
+    /// default.
+    pub tolerance: Option<f64>,
+    /// Starts from these labels, one per triangle, instead of finding regions.
+    #[serde(skip)]
+    pub labels: Option<Vec<u32>>,
+}
+
+impl Default for SegmentOptions {
+    fn default() -> Self {
+        SegmentOptions {
+            surfaces: true,
+            clusters: None,
+            merge_threshold: None,
+            regions: None,
+            rectify: Rectify::default(),
+            sharp_angle: None,
+            score_threshold: 0.2,
+            estimator: Estimator::default(),
+            radius: None,
+            scale: Scale::default(),
+            min_area: 1e-3,
+            tolerance: None,
+            labels: None,
+        }
+    }
+}
+
+impl SegmentOptions {
+    /// The paper's pipeline, with its threshold and the clusters of its Fandisk.
+    pub fn paper() -> Self {
+        SegmentOptions {
+            surfaces: false,
+            clusters: Some(18),
+            merge_threshold: Some(5.0),
+            sharp_angle: Some(25.0),
+            rectify: Rectify::Paper,
+            ..SegmentOptions::default()
+        }
+    }
+
+    fn check(&self, triangles: usize) -> Result<()> {
+        let refuse = |what: String| Err(Error::Options(what));
+        if self.clusters == Some(0) || self.regions == Some(0) {
+            return refuse("clusters and regions are at least 1".into());
+        }
+        if self.clusters.is_some_and(|k| k > 256) {
+            return refuse("at most 256 clusters make sense".into());
+        }
+        if self.merge_threshold.is_some_and(|t| !(t >= 0.0 && t.is_finite())) {
+            return refuse("merge-threshold is a number from 0 on, or auto".into());
+        }
+        if self.sharp_angle.is_some_and(|a| !(0.0..=180.0).contains(&a)) {
+            return refuse("sharp-angle is an angle in 0..180 degrees".into());
+        }
+        if self.tolerance.is_some_and(|t| !(t > 0.0 && t.is_finite())) {
+            return refuse("tolerance is a length above 0".into());
+        }
+        if !(0.0..1.0).contains(&self.min_area) || !(self.score_threshold >= 0.0) {
+            return refuse("min-area is a share below 1, score-threshold is not negative".into());
+        }
+        match &self.labels {
+            Some(labels) if labels.len() != triangles => {
+                refuse(format!("{} labels were given for {triangles} triangles", labels.len()))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How the regions were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// From the surfaces of the part.
+    Surfaces,
+    /// From near-constant curvature.
+    Curvature,
+    /// From given labels.
+    Labels,
+}
+
+/// What the automatic parameters were.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Chosen {
+    /// How the regions were found.
+    pub basis: Basis,
+    /// Edges that bend by more are sharp, in degrees.
+    pub sharp_angle_deg: f64,
+    /// Number of clusters; 0 where none were needed.
+    pub clusters: usize,
+    /// Threshold on D; 0 where nothing was merged.
+    pub merge_threshold: f64,
+    /// Length that curvatures were multiplied by.
+    pub scale: f64,
+    /// Largest distance of a vertex from the surface of its region.
+    pub tolerance: f64,
+    /// Share of the area that lies on recognised surfaces.
+    pub recognised: f64,
+    /// Triangles that rectification gave to another region.
+    pub rectified: usize,
+}
+
+/// The regions of a mesh.
+#[derive(Debug, Clone)]
+pub struct Segmentation {
+    /// Region of every triangle, 0 the largest.
+    pub labels: Vec<u32>,
+    /// The regions, by decreasing area.
+    pub regions: Vec<Region>,
+    /// The lines between them.
+    pub boundaries: Vec<Boundary>,
+    /// All merges of the curvature regions; empty where there were none.
+    pub dendrogram: Dendrogram,
+    /// The parameters.
+    pub chosen: Chosen,
+}
+
+/// Share of the area that must lie on recognised surfaces for the mesh to be a part.
+const PART: f64 = 0.02;
+/// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
+const TOLERANCE: f64 = 3e-5;
+/// Rounds of rectification.
+const ROUNDS: usize = 2;
+
+/// Segments a triangle mesh.
+///
+/// ```
+/// use carreau::{Context, sample, segment};
+/// let context = Context::new();
+/// let mesh = sample::make("cube-cylinders", None, &context)?;
+/// let result = segment::segment(&mesh, &segment::SegmentOptions::default(), &context)?;
+/// assert!(result.regions.iter().all(|region| region.primitive.is_some()));
+/// # Ok::<(), carreau::Error>(())
+/// ```
+pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) -> Result<Segmentation> {
+    let Some(triangles) = Triangles::of(mesh) else {
+        return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));
+    };
+    if triangles.is_empty() {
+        return Err(Error::input("the mesh has no faces", "", "segmentation needs triangles"));
+    }
+    options.check(triangles.len())?;
+    let surface = {
+        let _stage = context.stage("sharp edges");
+        Surface::new(mesh, triangles)
+    };
+    let order = surface.canonical_order();
+    let angle = match options.sharp_angle {
+        Some(degrees) => degrees.to_radians(),
+        None => surface::sharp_angle(&surface, context)?,
+    };
+    Segmenter { surface: &surface, order: &order, options, context, sharp: Sharp::new(&surface, angle), angle }.run()
+}
+
+/// The inputs of all stages.
+struct Segmenter<'a> {
+    surface: &'a Surface<'a>,
+    order: &'a [u32],
+    options: &'a SegmentOptions,
+    context: &'a Context,
+    sharp: Sharp,
+    angle: f64,
+}
+
+impl Segmenter<'_> {
+    fn run(&self) -> Result<Segmentation> {
+        let scale = self.scale();
+        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * self.surface.mesh.diagonal());
+        let mut chosen = Chosen {
+            basis: Basis::Labels,
+            sharp_angle_deg: self.angle.to_degrees(),
+            clusters: 0,
+            merge_threshold: 0.0,
+            scale,
+            tolerance,
+            recognised: 0.0,
+            rectified: 0,
+        };
+        let curvature = self.curvature(self.surface, &self.sharp)?;
+        let mut dendrogram = Dendrogram::default();
+        let mut label = match self.start(&mut chosen)? {
+            Some(label) => label,
+            None => {
+                let found = self.by_curvature(&curvature, scale)?;
+                (chosen.basis, chosen.clusters, chosen.merge_threshold) =
+                    (Basis::Curvature, found.clusters, found.threshold);
+                dendrogram = found.dendrogram;
+                found.label
+            }
+        };
+        chosen.rectified = self.rectify(&mut label, &curvature, &chosen)?;
+        self.finish(label, &curvature, dendrogram, chosen)
+    }
+
+    /// Given labels, or those of the surfaces of a part; `None` where there are neither.
+    fn start(&self, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
+        if let Some(labels) = &self.options.labels {
+            return Ok(Some(regions::dense(labels)));
+        }
+        if !self.options.surfaces {
+            return Ok(None);
+        }
+        let _stage = self.context.stage("surfaces");
+        let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
+        chosen.recognised = found.share(self.surface);
+        if chosen.recognised < PART {
+            return Ok(None);
+        }
+        chosen.basis = Basis::Surfaces;
+        Ok(Some(found.complete(self.surface, self.order, self.angle)))
+    }
+
+    fn scale(&self) -> f64 {
+        let (low, high) = self.surface.mesh.bounds();
+        match self.options.scale {
+            Scale::LargestSide => (high - low).max_element(),
+            Scale::RootArea => 0.673 * self.surface.total_area.sqrt(),
+        }
+    }
+
+    fn curvature(&self, surface: &Surface<'_>, sharp: &Sharp) -> Result<Curvature> {
+        let _stage = self.context.stage("curvature");
+        let options = CurvatureOptions { estimator: self.options.estimator, radius: self.options.radius };
+        curvature(surface.triangles, &sharp.edge, &options, self.context)
+    }
+
+    /// The paper's regions, on the enriched mesh where enrichment is needed.
+    fn by_curvature(&self, curvature: &Curvature, scale: f64) -> Result<CurvatureRegions> {
+        let Some(enriched) = enrich::enrich(self.surface, &self.sharp)? else {
+            return self.regions_on(self.surface, &self.sharp, curvature, scale, self.order);
+        };
+        let Some(triangles) = Triangles::of(&enriched.mesh) else {
+            return Err(Error::Bug("enrichment made a polygon".into()));
+        };
+        let surface = Surface::new(&enriched.mesh, triangles);
+        let sharp = Sharp::new(&surface, self.angle);
+        let curvature = self.curvature(&surface, &sharp)?;
+        let order = surface.canonical_order();
+        let found = self.regions_on(&surface, &sharp, &curvature, scale, &order)?;
+        Ok(CurvatureRegions { label: enriched.project(&found.label, self.surface.len()), ..found })
+    }
+
+    fn regions_on(
+        &self,
+        surface: &Surface<'_>,
+        sharp: &Sharp,
+        curvature: &Curvature,
+        scale: f64,
+        order: &[u32],
+    ) -> Result<CurvatureRegions> {
+        let demand = Demand {
+            clusters: self.options.clusters.map(|k| k as usize),
+            threshold: self.options.merge_threshold,
+            regions: self.options.regions.map(|n| n as usize),
+            min_area: self.options.min_area,
+        };
+        let full = full_magnitudes(surface.triangles, &vec![true; surface.triangles.points().len()], self.context)?;
+        let free = vec![true; surface.len()];
+        curvature_regions(surface, sharp, curvature, &full, scale, &free, order, &demand, self.context)
+    }
+
+    /// Corrects the boundaries; returns how many triangles changed. Boundaries between recognised surfaces are exact.
+    fn rectify(&self, label: &mut Vec<u32>, curvature: &Curvature, chosen: &Chosen) -> Result<usize> {
+        if self.options.rectify == Rectify::None || chosen.basis == Basis::Surfaces {
+            return Ok(0);
+        }
+        let _stage = self.context.stage("rectification");
+        let scores = Scores { surface: self.surface, sharp: &self.sharp, curvature, scale: chosen.scale };
+        let before = label.clone();
+        if self.options.rectify == Rectify::Paper {
+            *label = contour::follow(self.surface, &scores, label, self.options.score_threshold, self.context)?;
+        } else {
+            let prices = Prices::new(self.surface, label, curvature, chosen);
+            let price = |t: u32, l: u32| prices.of(t, l);
+            cut::cut(self.surface, &scores, &self.sharp.edge, label, &price, ROUNDS, self.context)?;
+        }
+        Ok(before.iter().zip(label.iter()).filter(|(a, b)| a != b).count())
+    }
+
+    /// Connected, numbered regions with their surfaces and boundaries.
+    fn finish(
+        &self,
+        label: Vec<u32>,
+        curvature: &Curvature,
+        dendrogram: Dendrogram,
+        chosen: Chosen,
+    ) -> Result<Segmentation> {
+        let _stage = self.context.stage("fit");
+        let mut labels = regions::connected(self.surface, &label, self.order);
+        let count = regions::by_size(self.surface, &mut labels, self.order);
+        let groups = Groups::new(&labels, count);
+        let fits: Vec<Option<Fit>> = (0..count as u32)
+            .into_par_iter()
+            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance))
+            .collect();
+        self.context.check()?;
+        let regions = regions::describe(self.surface, &labels, &groups, curvature, &fits);
+        let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);
+        Ok(Segmentation { labels, regions, boundaries, dendrogram, chosen })
+    }
+}

@@ -1,0 +1,292 @@
+//! From labels to regions: connected, numbered by size, with their figures and surfaces.
+
+use super::surface::Surface;
+use crate::geometry::curvature::Curvature;
+use crate::geometry::primitive::{Fit, Kind, Primitive, Scratch, fit, fit_robust};
+use crate::mesh::NONE;
+use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+/// A region of the result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Number of triangles.
+    pub triangles: u32,
+    /// Area, in the square of the file's unit.
+    pub area: f64,
+    /// Smallest principal curvature, area-weighted mean over its vertices (signed, 1/length).
+    pub kmin: f64,
+    /// Largest principal curvature, likewise.
+    pub kmax: f64,
+    /// The surface it lies on; `None`: freeform.
+    pub primitive: Option<Primitive>,
+    /// Root mean square distance of its vertices from the surface; 0 for freeform.
+    pub rms: f64,
+    /// Largest distance of its vertices from the surface; 0 for freeform.
+    pub max: f64,
+    /// Regions that share an edge with it, in order.
+    pub neighbours: Vec<u32>,
+}
+
+/// Labels numbered from 0 in the order of their values.
+pub fn dense(labels: &[u32]) -> Vec<u32> {
+    let mut values = labels.to_vec();
+    values.par_sort_unstable();
+    values.dedup();
+    labels.par_iter().map(|l| values.binary_search(l).map_or(NONE, |k| k as u32)).collect()
+}
+
+/// The connected parts of labels, numbered in the order of their first triangles.
+pub fn connected(surface: &Surface<'_>, label: &[u32], order: &[u32]) -> Vec<u32> {
+    let open = vec![false; label.len() * 3];
+    let mut part = vec![NONE; label.len()];
+    let mut count = 0;
+    let mut stack = Vec::new();
+    for &seed in order {
+        if part[seed as usize] != NONE {
+            continue;
+        }
+        part[seed as usize] = count;
+        stack.push(seed);
+        while let Some(t) = stack.pop() {
+            for n in (3 * t..3 * t + 3).filter_map(|c| surface.across(c, &open)) {
+                if part[n as usize] == NONE && label[n as usize] == label[seed as usize] {
+                    part[n as usize] = count;
+                    stack.push(n);
+                }
+            }
+        }
+        count += 1;
+    }
+    part
+}
+
+/// Numbers labels by area, largest first; ties by the first triangle in the order.
+pub fn by_size(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) -> usize {
+    let count = label.iter().max().map_or(0, |&m| m as usize + 1);
+    let (mut area, mut first) = (vec![0.0; count], vec![NONE; count]);
+    for (k, &t) in order.iter().enumerate() {
+        let l = label[t as usize] as usize;
+        area[l] += surface.areas[t as usize];
+        first[l] = first[l].min(k as u32);
+    }
+    let mut rank: Vec<u32> = (0..count as u32).filter(|&l| first[l as usize] != NONE).collect();
+    rank.sort_by(|&a, &b| {
+        area[b as usize].total_cmp(&area[a as usize]).then(first[a as usize].cmp(&first[b as usize]))
+    });
+    let mut number = vec![NONE; count];
+    rank.iter().enumerate().for_each(|(n, &l)| number[l as usize] = n as u32);
+    label.par_iter_mut().for_each(|l| *l = number[*l as usize]);
+    rank.len()
+}
+
+/// Triangles grouped by label.
+pub struct Groups {
+    start: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Groups {
+    pub fn new(label: &[u32], count: usize) -> Self {
+        let mut start = vec![0u32; count + 1];
+        label.iter().filter(|&&l| l != NONE).for_each(|&l| start[l as usize + 1] += 1);
+        (1..start.len()).for_each(|k| start[k] += start[k - 1]);
+        let mut members = vec![0u32; start[count] as usize];
+        let mut fill = start.clone();
+        for (t, &l) in label.iter().enumerate().filter(|(_, l)| **l != NONE) {
+            members[fill[l as usize] as usize] = t as u32;
+            fill[l as usize] += 1;
+        }
+        Groups { start, members }
+    }
+
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    pub fn of(&self, l: u32) -> &[u32] {
+        &self.members[self.start[l as usize] as usize..self.start[l as usize + 1] as usize]
+    }
+}
+
+/// Points given to a fit.
+const MAX_SAMPLES: usize = 300;
+
+/// The distinct vertices of triangles and their mean normals over these triangles alone.
+pub fn vertices_of(surface: &Surface<'_>, triangles: &[u32]) -> (Vec<u32>, Vec<DVec3>) {
+    let t = surface.triangles;
+    let mut slots: Vec<(u32, u32)> =
+        triangles.iter().flat_map(|&f| (3 * f..3 * f + 3).map(|c| (t.vertex(c), c))).collect();
+    slots.sort_unstable();
+    slots
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|group| {
+            let sum =
+                group.iter().map(|&(_, c)| surface.normals[c as usize / 3] * surface.corner_angle(c)).sum::<DVec3>();
+            (group[0].0, sum.normalize_or_zero())
+        })
+        .unzip()
+}
+
+/// The simplest surface within the tolerance of all vertices of a region; triangles must look along it.
+pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
+    let (ids, normals) = vertices_of(surface, triangles);
+    let all = surface.triangles.points();
+    let step = ids.len().div_ceil(MAX_SAMPLES).max(1);
+    let points: Vec<DVec3> = ids.iter().step_by(step).map(|&v| all[v as usize]).collect();
+    let normals: Vec<DVec3> = normals.iter().step_by(step).copied().collect();
+    let mut scratch = Scratch::default();
+    let mut best: Option<(Fit, f64)> = None;
+    for kind in [Kind::Plane, Kind::Sphere, Kind::Cylinder, Kind::Cone, Kind::Torus] {
+        if points.len() <= kind.parameters() && kind != Kind::Plane {
+            continue;
+        }
+        let Some(found) = fit(kind, &points, &normals, &mut scratch) else { continue };
+        if found.max > tolerance {
+            continue;
+        }
+        let p = found.primitive;
+        let d = ids.iter().map(|&v| p.distance(all[v as usize]).abs());
+        let (max, sum) = d.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d * d));
+        let fit = Fit { primitive: p, rms: (sum / ids.len() as f64).sqrt(), max };
+        if fit.max > tolerance || !looks_along(surface, triangles, &p) {
+            continue;
+        }
+        if kind == Kind::Plane {
+            return Some(fit);
+        }
+        let s = sagitta(surface, triangles, &p);
+        if best.as_ref().is_none_or(|b| s < 0.5 * b.1) {
+            best = Some((fit, s));
+        }
+    }
+    best.map(|b| b.0)
+}
+
+/// The simplest surface that most of a region lies on, for regions with spoiled borders: fitted to the triangles that only
+/// have neighbours of their region, if there are enough of them.
+pub fn fit_most(surface: &Surface<'_>, label: &[u32], triangles: &[u32], tolerance: f64) -> Option<Primitive> {
+    const LEAST_INLIERS: f64 = 0.5;
+    const POINTS: usize = 120;
+    let t = surface.triangles;
+    let own = |k: u32| label[k as usize];
+    let neighbours = |k: u32| (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE).map(|o| o / 3);
+    let inner: Vec<u32> = triangles.iter().copied().filter(|&k| neighbours(k).all(|n| own(n) == own(k))).collect();
+    let (ids, normals) = vertices_of(surface, if inner.len() >= 4 { &inner } else { triangles });
+    let step = ids.len().div_ceil(POINTS).max(1);
+    let points: Vec<DVec3> = ids.iter().step_by(step).map(|&v| t.points()[v as usize]).collect();
+    let normals: Vec<DVec3> = normals.into_iter().step_by(step).collect();
+    let mut scratch = Scratch::default();
+    Kind::ALL.into_iter().filter(|kind| points.len() >= kind.parameters() + 3).find_map(|kind| {
+        let found = fit_robust(kind, &points, &normals, &mut scratch)?.fit.primitive;
+        let on = points.iter().filter(|&&p| found.distance(p).abs() <= tolerance).count();
+        (on as f64 >= LEAST_INLIERS * points.len() as f64 && on >= kind.parameters() + 3).then_some(found)
+    })
+}
+
+/// Area-weighted mean distance of the edges' middles: small where the triangles follow the surface.
+pub fn sagitta(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> f64 {
+    let t = surface.triangles;
+    let (mut sum, mut area) = (0.0, f64::MIN_POSITIVE);
+    let step = triangles.len().div_ceil(MAX_SAMPLES).max(1);
+    for &f in triangles.iter().step_by(step) {
+        let q = t.triangle(f).map(|v| t.points()[v as usize]);
+        let middle = (0..3).map(|k| p.distance((q[k] + q[(k + 1) % 3]) / 2.0).abs()).fold(0.0, f64::max);
+        sum += surface.areas[f as usize] * middle;
+        area += surface.areas[f as usize];
+    }
+    sum / area
+}
+
+/// Whether most of the area looks along the surface's normals, on one side.
+fn looks_along(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> bool {
+    let t = surface.triangles;
+    let (mut with, mut against, mut off) = (0.0, 0.0, 0.0);
+    for &f in triangles {
+        let c = (3 * f..3 * f + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
+        let cos = p.normal(c).dot(surface.normals[f as usize]);
+        *(if cos > 0.7 {
+            &mut with
+        } else if cos < -0.7 {
+            &mut against
+        } else {
+            &mut off
+        }) += surface.areas[f as usize];
+    }
+    let all: f64 = with + against + off;
+    with.max(against) >= 0.95 * all
+}
+
+/// Figures of all regions.
+pub fn describe(
+    surface: &Surface<'_>,
+    label: &[u32],
+    groups: &Groups,
+    curvature: &Curvature,
+    surfaces: &[Option<Fit>],
+) -> Vec<Region> {
+    let count = groups.len();
+    let mut neighbours = neighbours(surface, label, count);
+    (0..count as u32)
+        .map(|l| {
+            let triangles = groups.of(l);
+            let area = triangles.iter().map(|&t| surface.areas[t as usize]).sum();
+            let (mut kmin, mut kmax, mut weight) = (0.0, 0.0, 0.0);
+            for v in triangles.iter().flat_map(|&t| surface.triangles.triangle(t)) {
+                let w = curvature.area[v as usize];
+                kmin += w * curvature.kmin[v as usize];
+                kmax += w * curvature.kmax[v as usize];
+                weight += w;
+            }
+            let mean = |x: f64| if weight > 0.0 { x / weight } else { 0.0 };
+            let fit = surfaces[l as usize].as_ref();
+            Region {
+                triangles: triangles.len() as u32,
+                area,
+                kmin: mean(kmin),
+                kmax: mean(kmax),
+                primitive: fit.map(|f| f.primitive),
+                rms: fit.map_or(0.0, |f| f.rms),
+                max: fit.map_or(0.0, |f| f.max),
+                neighbours: std::mem::take(&mut neighbours[l as usize]),
+            }
+        })
+        .collect()
+}
+
+/// Regions that share an edge with exactly two faces.
+fn neighbours(surface: &Surface<'_>, label: &[u32], count: usize) -> Vec<Vec<u32>> {
+    use crate::mesh::{CornerId, Side};
+    let mut found: FxHashMap<(u32, u32), ()> = FxHashMap::default();
+    let mut irregular = false;
+    for c in 0..3 * label.len() as u32 {
+        match surface.mesh.side(CornerId(c)) {
+            Side::Inner(o) => {
+                let (a, b) = (label[c as usize / 3], label[o.index() / 3]);
+                if a < b {
+                    found.insert((a, b), ());
+                }
+            }
+            Side::Inconsistent => irregular = true,
+            Side::Border | Side::NonManifold => {}
+        }
+    }
+    if irregular {
+        for edge in surface.mesh.half_edges().groups().filter(|e| e.len() == 2 && e.ends[0] != e.ends[1]) {
+            let mut sides = edge.corners().map(|c| label[c as usize / 3]);
+            if let (Some(a), Some(b)) = (sides.next(), sides.next()) {
+                if a != b {
+                    found.insert((a.min(b), a.max(b)), ());
+                }
+            }
+        }
+    }
+    let mut out = vec![Vec::new(); count];
+    for &(a, b) in found.keys() {
+        out[a as usize].push(b);
+        out[b as usize].push(a);
+    }
+    out.iter_mut().for_each(|list| list.sort_unstable());
+    out
+}

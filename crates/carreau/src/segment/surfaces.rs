@@ -1,0 +1,281 @@
+//! The surfaces of a part, from the most exact tolerance to the loosest: curved ones are recognised, planes are facets
+//! that are no strips, and free triangles that lie on a neighbour's surface join it.
+
+use super::facets::Facets;
+use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
+use super::surface::Surface;
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::normals::angle_between;
+use crate::geometry::primitive::Primitive;
+use crate::mesh::NONE;
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+use std::collections::VecDeque;
+
+/// Tolerances after the first, as shares of the diagonal: CAD kernels agree with themselves to the first, careless ones to
+/// the second.
+const RUNGS: [f64; 2] = [2e-6, 2e-5];
+/// Noise of normals, in radians.
+const TURN: f64 = 0.0175;
+/// Largest bend of an edge inside a curved surface, in radians: regular polygons of eight sides and fewer stay polygons.
+const MAX_BEND: f64 = 0.8;
+/// Vertices of the first neighbourhood.
+const SEED_VERTICES: usize = 8;
+/// A facet this many times as large as those around it is a plane.
+const LARGE: f64 = 8.0;
+/// Free triangles join a surface whose normals they miss by no more than this, in radians.
+const JOIN_TURN: f64 = 0.52;
+/// Freeform surfaces bend between triangles by no more than this, in radians, however coarse they are.
+const COARSEST_BEND: f64 = 1.05;
+/// Free pieces of no more triangles than this are none of their own.
+const CRUMB: u32 = 4;
+
+/// The surfaces that were found.
+pub struct Surfaces {
+    /// Surface of every triangle; [`NONE`] where none was found.
+    pub label: Vec<u32>,
+    pub primitives: Vec<Primitive>,
+    /// The loosest tolerance.
+    pub tolerance: f64,
+}
+
+/// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers.
+pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
+    let diagonal = surface.mesh.diagonal();
+    let floor = floor(surface, diagonal);
+    let mut by_area = order.to_vec();
+    by_area.sort_by(|&a, &b| surface.areas[b as usize].total_cmp(&surface.areas[a as usize]));
+    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
+    let rungs: Vec<f64> =
+        [floor].into_iter().chain(RUNGS.map(|r| r * diagonal).into_iter().filter(|&r| r > floor)).collect();
+    for (k, &distance) in rungs.iter().enumerate() {
+        let accuracy = Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
+        found.climb(surface, &by_area, sharp_angle, &accuracy, k + 1 == rungs.len(), context)?;
+        found.tolerance = distance;
+    }
+    found.absorb(surface);
+    Ok(found)
+}
+
+/// How exactly vertices can lie on a surface, single or double precision.
+fn floor(surface: &Surface<'_>, diagonal: f64) -> f64 {
+    let points = surface.triangles.points();
+    let single = points.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
+    let (low, high) = surface.mesh.bounds();
+    let largest = low.abs().max(high.abs()).max_element();
+    if single {
+        4.0 * f64::from(f32::EPSILON) * largest.max(diagonal / 4.0)
+    } else {
+        1e-9 * diagonal + 64.0 * f64::EPSILON * largest
+    }
+}
+
+impl Surfaces {
+    /// One rung: the surfaces among the triangles that are still free.
+    fn climb(
+        &mut self,
+        surface: &Surface<'_>,
+        by_area: &[u32],
+        sharp_angle: f64,
+        accuracy: &Accuracy,
+        last: bool,
+        context: &Context,
+    ) -> Result<()> {
+        let free: Vec<bool> = self.label.iter().map(|&l| l == NONE).collect();
+        let facets = Facets::new(surface, &free, by_area, accuracy.distance, accuracy.turn, context)?;
+        let (owner, curved) = recognise(surface, &facets, accuracy, context)?;
+        let base = self.primitives.len() as u32;
+        self.primitives.extend(curved.iter().map(|found| found.primitive));
+        let planes = Planes { surface, facets: &facets, owner: &owner, sharp_angle, accuracy, last };
+        for f in 0..facets.len() as u32 {
+            let label = match owner[f as usize] {
+                NONE if planes.contains(f) => {
+                    self.primitives.push(planes.plane(f));
+                    self.primitives.len() as u32 - 1
+                }
+                NONE => continue,
+                found => base + found,
+            };
+            facets.triangles(f).iter().for_each(|&t| self.label[t as usize] = label);
+        }
+        Ok(())
+    }
+
+    /// Gives free triangles to a neighbouring surface that all their vertices lie on and whose normals they follow: slivers,
+    /// and triangles that bend more than the rest.
+    fn absorb(&mut self, surface: &Surface<'_>) {
+        let t = surface.triangles;
+        let mut queue: VecDeque<u32> = (0..surface.len() as u32).filter(|&k| self.label[k as usize] != NONE).collect();
+        while let Some(k) = queue.pop_front() {
+            let label = self.label[k as usize];
+            let p = self.primitives[label as usize];
+            let center = (3 * k..3 * k + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
+            let sign = p.normal(center).dot(surface.normals[k as usize]).signum();
+            for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
+                let n = o / 3;
+                if self.label[n as usize] == NONE && joins(surface, &p, sign, n, self.tolerance) {
+                    self.label[n as usize] = label;
+                    queue.push_back(n);
+                }
+            }
+        }
+    }
+
+    /// Share of the area that lies on a surface.
+    pub fn share(&self, surface: &Surface<'_>) -> f64 {
+        let on = self.label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE).map(|(_, a)| a);
+        on.sum::<f64>() / surface.total_area.max(f64::MIN_POSITIVE)
+    }
+
+    /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the
+    /// free surface bends between its triangles. Single crumbs go to the free region beside them.
+    pub fn complete(&self, surface: &Surface<'_>, order: &[u32], sharp_angle: f64) -> Vec<u32> {
+        let t = surface.triangles;
+        let free = |k: u32| self.label[k as usize] == NONE;
+        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
+        let mut bends: Vec<f32> =
+            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
+        let middle = bends.len() / 2;
+        let typical =
+            if bends.is_empty() { 0.0 } else { f64::from(*bends.select_nth_unstable_by(middle, f32::total_cmp).1) };
+        let limit = (3.0 * typical).max(sharp_angle).min(COARSEST_BEND.max(sharp_angle));
+        let barrier: Vec<bool> = surface.bend.iter().map(|&b| f64::from(b) > limit).collect();
+        let mut label = self.label.clone();
+        let mut next = self.primitives.len() as u32;
+        let mut stack = Vec::new();
+        for &seed in order {
+            if label[seed as usize] != NONE {
+                continue;
+            }
+            label[seed as usize] = next;
+            stack.push(seed);
+            while let Some(k) = stack.pop() {
+                for n in (3 * k..3 * k + 3).filter_map(|c| surface.across(c, &barrier)) {
+                    if label[n as usize] == NONE {
+                        label[n as usize] = next;
+                        stack.push(n);
+                    }
+                }
+            }
+            next += 1;
+        }
+        dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
+        label
+    }
+}
+
+/// Whether a triangle lies on a surface and looks along it.
+fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64) -> bool {
+    let points = surface.triangles.triangle(n).map(|v| surface.triangles.points()[v as usize]);
+    if points.iter().any(|&x| p.distance(x).abs() > distance) {
+        return false;
+    }
+    let normals = points.map(|x| p.normal(x) * sign);
+    let spread = (0..3).map(|k| angle_between(normals[k], normals[(k + 1) % 3])).fold(0.0, f64::max);
+    let own = surface.normals[n as usize];
+    own == DVec3::ZERO || angle_between(own, normals[0] + normals[1] + normals[2]) <= 0.6 * spread + JOIN_TURN
+}
+
+/// Gives free pieces of a few triangles to the larger free piece that they have the longest boundary with, where the mesh
+/// bends no more than a coarse surface does. Labels from `first_free` on are free.
+fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
+    const ROUNDS: usize = 8;
+    let t = surface.triangles;
+    for _ in 0..ROUNDS {
+        let count = label.iter().max().map_or(0, |&m| m as usize + 1);
+        let mut size = vec![0u32; count];
+        label.iter().for_each(|&l| size[l as usize] += 1);
+        let crumb = |l: u32| l >= first_free && size[l as usize] <= CRUMB;
+        let larger = |a: u32, b: u32| b >= first_free && (size[b as usize], b) > (size[a as usize], a);
+        let mut common: FxHashMap<(u32, u32), f64> = FxHashMap::default();
+        for c in 0..3 * surface.len() as u32 {
+            let o = t.opposite(c);
+            if o == NONE || f64::from(surface.bend[c as usize]) > COARSEST_BEND {
+                continue;
+            }
+            let (a, b) = (label[c as usize / 3], label[o as usize / 3]);
+            if a != b && crumb(a) && larger(a, b) {
+                *common.entry((a, b)).or_default() += surface.edge_length(c);
+            }
+        }
+        if common.is_empty() {
+            return;
+        }
+        let mut pairs: Vec<((u32, u32), f64)> = common.into_iter().collect();
+        pairs.sort_by(|x, y| x.0.0.cmp(&y.0.0).then(y.1.total_cmp(&x.1)).then(x.0.1.cmp(&y.0.1)));
+        let mut into: Vec<u32> = (0..count as u32).collect();
+        for group in pairs.chunk_by(|x, y| x.0.0 == y.0.0) {
+            let ((crumb, home), _) = group[0];
+            into[crumb as usize] = home;
+        }
+        label.iter_mut().for_each(|l| *l = into[*l as usize]);
+    }
+}
+
+/// Which facets are planes of the part.
+struct Planes<'a> {
+    surface: &'a Surface<'a>,
+    facets: &'a Facets,
+    owner: &'a [u32],
+    sharp_angle: f64,
+    accuracy: &'a Accuracy,
+    /// No looser tolerance follows: what may be a strip of a surface that was not found is decided now.
+    last: bool,
+}
+
+impl Planes<'_> {
+    fn plane(&self, f: u32) -> Primitive {
+        let origin = self.surface.triangles.point(3 * self.facets.triangles(f)[0]);
+        Primitive::Plane { origin, normal: self.facets.normal[f as usize] }
+    }
+
+    fn contains(&self, f: u32) -> bool {
+        if self.owner[f as usize] != NONE {
+            return false;
+        }
+        let strip = self.is_strip(f);
+        let Some(around) = self.mean_area_around(f) else { return self.last || !strip };
+        let large = self.last && self.facets.area[f as usize] > LARGE * around;
+        (large || !strip) && softness(self.surface, self.facets, self.accuracy, &self.plane(f), &[f]) <= MAX_SOFT
+    }
+
+    /// Mean area of the free facets beyond smooth edges; `None` where there is none.
+    fn mean_area_around(&self, f: u32) -> Option<f64> {
+        let t = self.surface.triangles;
+        let (mut area, mut count) = (0.0, 0.0);
+        for c in self.facets.triangles(f).iter().flat_map(|&k| 3 * k..3 * k + 3) {
+            let o = t.opposite(c);
+            if o == NONE || f64::from(self.surface.bend[c as usize]) > self.sharp_angle {
+                continue;
+            }
+            let g = self.facets.of[o as usize / 3];
+            if g != NONE && g != f && self.owner[g as usize] == NONE {
+                area += self.facets.area[g as usize];
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| area / count)
+    }
+
+    /// Whether a facet may be a strip of a curved surface: up to two triangles, or all vertices on two parallel lines.
+    fn is_strip(&self, f: u32) -> bool {
+        const MOST_DIRECTIONS: usize = 64;
+        let t = self.surface.triangles;
+        let triangles = self.facets.triangles(f);
+        if triangles.len() <= 2 {
+            return true;
+        }
+        let corners = || triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
+        let size = corners().map(|c| self.surface.edge_length(c)).fold(0.0, f64::max);
+        let (normal, origin) = (self.facets.normal[f as usize], t.point(3 * triangles[0]));
+        let on_two_lines = |along: DVec3| {
+            let across = normal.cross(along).normalize_or_zero();
+            let offsets = || corners().map(|c| (t.point(c) - origin).dot(across));
+            let (low, high) = offsets().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let slack = 1e-4 * size;
+            offsets().all(|x| x < low + slack || x > high - slack)
+        };
+        corners().take(MOST_DIRECTIONS).map(|c| t.point(t.next(c)) - t.point(c)).any(on_two_lines)
+    }
+}
