@@ -124,6 +124,14 @@ impl Scratch {
         Some(unit)
     }
 
+    /// A copy without some of the points.
+    pub(super) fn without(&self, is_left_out: impl Fn(DVec3) -> bool) -> Scratch {
+        let points = self.points.iter().copied().filter(|p| !is_left_out(*p)).collect();
+        let pairs = self.oriented.iter().zip(&self.normals).filter(|(p, _)| !is_left_out(**p));
+        let (oriented, normals) = pairs.unzip();
+        Scratch { points, oriented, normals, ..Scratch::default() }
+    }
+
     /// The points and normals that were taken in.
     pub(super) fn sample(&self) -> Sample<'_> {
         Sample { points: &self.points, oriented: &self.oriented, normals: &self.normals }
