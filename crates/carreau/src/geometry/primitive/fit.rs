@@ -25,7 +25,7 @@ const LIMIT_IS_BETTER: f64 = 4.0;
 /// A root mean square distance in the unit box that says: exact samples, no start will do better.
 const EXACT: f64 = 1e-13;
 /// Of the tolerance: the root mean square distance at which no other start is tried.
-const GOOD_ENOUGH: f64 = 0.2;
+const GOOD_ENOUGH: f64 = 0.35;
 
 /// Memory that fits use again and again.
 #[derive(Debug, Default)]
