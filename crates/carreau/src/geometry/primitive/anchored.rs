@@ -35,6 +35,8 @@ use glam::{DQuat, DVec2, DVec3};
 /// Radii beyond this many sizes of the data are a plane's, half angles below this a cylinder's.
 const SMALLEST_CURVATURE: f64 = 1e-6;
 const SMALLEST_ANGLE: f64 = 1e-4;
+/// Curvatures beyond this are steps gone astray: squares would overflow and make distances vanish.
+const LARGEST_CURVATURE: f64 = 1e9;
 /// A torus with a smaller ratio of major to minor radius is a sphere.
 const SMALLEST_MAJOR: f64 = 1e-6;
 
@@ -235,6 +237,11 @@ impl<const N: usize> Problem<N> for Distances<'_> {
     fn linearise(&self, s: &Anchored, system: &mut System<N>) {
         let (n, t) = (s.normal(), s.tangent());
         let is_sphere = s.kind == Kind::Sphere;
+        if !(s.reach.abs() < LARGEST_CURVATURE && s.bend.abs() < LARGEST_CURVATURE) {
+            // An infinite cost: the step is refused.
+            system.add(f64::INFINITY, &[0.0; N], 1.0);
+            return;
+        }
         for (k, p) in self.points.iter().enumerate() {
             let q = *p - s.foot;
             let z = if is_sphere { 0.0 } else { q.dot(s.axis) };

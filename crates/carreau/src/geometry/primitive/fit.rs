@@ -28,7 +28,7 @@ const LIMIT_IS_BETTER: f64 = 4.0;
 /// A root mean square distance in the unit box that says: exact samples, no start will do better.
 const EXACT: f64 = 1e-13;
 /// Of the tolerance: the root mean square distance at which no other start is tried.
-const GOOD_ENOUGH: f64 = 0.2;
+const GOOD_ENOUGH: f64 = 0.35;
 
 /// Memory that fits use again and again.
 #[derive(Debug, Default)]
@@ -139,6 +139,14 @@ impl Scratch {
             }
         }
         Some(unit)
+    }
+
+    /// A copy without some of the points.
+    pub(super) fn without(&self, is_left_out: impl Fn(DVec3) -> bool) -> Scratch {
+        let points = self.points.iter().copied().filter(|p| !is_left_out(*p)).collect();
+        let pairs = self.oriented.iter().zip(&self.normals).filter(|(p, _)| !is_left_out(**p));
+        let (oriented, normals) = pairs.unzip();
+        Scratch { points, oriented, normals, ..Scratch::default() }
     }
 
     /// The points and normals that were taken in.

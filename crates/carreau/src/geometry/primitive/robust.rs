@@ -61,6 +61,14 @@ pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut
     let start = least_squares.and_then(|surface| Anchored::of(&surface, central(sample.points)?));
     // Broken off or not: the winner is what the search was for.
     let _ = receiver(start).is_continue() && starts::offer(kind, &sample, &mut receiver).is_continue();
+    // The outliers are known now, but the minimum may still be a poor one: once more from all starts without them.
+    if let Some((found, scale)) = winner.filter(|(_, scale)| *scale > SMALLEST_SCALE) {
+        let inliers = scratch.without(|p| found.fit.primitive.distance(p).abs() > TUKEY * scale);
+        let again =
+            best(kind, &inliers, SMALLEST_SCALE).and_then(|fit| Anchored::of(&fit.primitive, central(sample.points)?));
+        let again = again.and_then(|start| settle(start, sample.points, &mut distances, &mut weights));
+        winner = again.filter(|(_, other)| *other < scale).or(winner);
+    }
     (scratch.weights, scratch.distances) = (weights, distances);
     let (found, _) = winner?;
     Some(RobustFit { fit: found.fit.leave(&unit)?, ..found })
