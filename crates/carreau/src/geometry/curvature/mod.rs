@@ -160,7 +160,7 @@ fn ring(sectors: &Sectors<'_>, share: f64, context: &Context) -> Result<Vec<Prin
 }
 
 fn in_ball(sectors: &Sectors<'_>, radius: f64, context: &Context) -> Result<Vec<Principal>> {
-    let ball = Ball { turns: turns(sectors, context)?, radius, context };
+    let ball = Ball::new(sectors, radius, context)?;
     let visits = || Visits::new(sectors.triangles.len());
     let found = principal(sectors, context, visits, |visits, s, plane| ball.at(sectors, visits, s, plane))?;
     context.check()?;
