@@ -1,6 +1,6 @@
 //! Principal curvatures and directions at the vertices of a triangle mesh.
 //!
-//! Every estimator is one-sided: it looks at the surface cut along its features ([`sectors`]), so that a plane next to a
+//! Every estimator is one-sided: it looks at the surface cut along its features (`sectors`), so that a plane next to a
 //! crease is as flat as any other. At a vertex on a crease each side has its own curvature; the result is their mean
 //! weighted by area, after both tangent planes were turned into a common one.
 //!
