@@ -8,6 +8,7 @@ mod info;
 mod patch;
 mod repair;
 mod sample;
+mod segment;
 mod shell;
 
 use crate::session::Failure;
@@ -24,6 +25,7 @@ pub enum Verb {
     Compare(compare::Compare),
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
+    Segment(segment::Segment),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -40,6 +42,7 @@ impl Verb {
             Verb::Compare(verb) => verb.run(),
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
+            Verb::Segment(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),
         }

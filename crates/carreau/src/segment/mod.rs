@@ -112,6 +112,7 @@ pub struct SegmentOptions {
     /// How curvatures are estimated.
     pub estimator: Estimator,
     /// Radius of the ball of [`Estimator::NormalCycleBall`], in the unit of the file.
+    #[serde(skip)]
     pub radius: Option<f64>,
     /// The length that curvatures are multiplied by.
     pub scale: Scale,
@@ -119,6 +120,7 @@ pub struct SegmentOptions {
     pub min_area: f64,
     /// Largest distance of a region's vertices from the surface it is given, in the unit of the file; from the data by
     /// default.
+    #[serde(skip)]
     pub tolerance: Option<f64>,
     /// Starts from these labels, one per triangle, instead of finding regions.
     #[serde(skip)]

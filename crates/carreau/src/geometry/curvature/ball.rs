@@ -8,11 +8,13 @@
 //! follows only edges that lead away from the centre, and so loses those along the rim (a quarter of the curvature at two
 //! edge lengths), and divides by the disc's area even at borders; both is exact here.
 
-use super::NO_AREA;
 use super::clip::{clipped_area, clipped_part};
+use super::normal_cycle::turn;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame};
+use super::{NO_AREA, map};
 use crate::context::Context;
+use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec3;
 
@@ -31,23 +33,46 @@ impl Visits {
     }
 }
 
-/// The second fundamental form in a ball around a vertex.
-pub(super) struct Ball<'a> {
-    /// β/|e| of every half-edge.
-    pub turns: Vec<f64>,
-    /// Radius of the ball.
-    pub radius: f64,
-    /// Stops long visits.
-    pub context: &'a Context,
+/// What a visit reads of a triangle, in one piece: it comes by some hundred times.
+#[derive(Clone, Copy, Default)]
+#[repr(align(64))]
+struct Cell {
+    vertices: [u32; 3],
+    /// Half-edges on the other sides, or [`NONE`].
+    across: [u32; 3],
+    /// β/|e| of the half-edges.
+    turns: [f64; 3],
+    area: f64,
 }
 
-impl Ball<'_> {
+/// The second fundamental form in a ball around a vertex.
+pub(super) struct Ball<'a> {
+    cells: Vec<Cell>,
+    radius: f64,
+    /// Stops long visits.
+    context: &'a Context,
+}
+
+impl<'a> Ball<'a> {
+    pub fn new(sectors: &Sectors<'_>, radius: f64, context: &'a Context) -> Result<Self> {
+        let cells = map(sectors.triangles.len(), context, |t| {
+            let c = 3 * t as usize;
+            Cell {
+                vertices: sectors.triangles.triangle(t),
+                across: [sectors.across[c], sectors.across[c + 1], sectors.across[c + 2]],
+                turns: [turn(sectors, 3 * t), turn(sectors, 3 * t + 1), turn(sectors, 3 * t + 2)],
+                area: sectors.faces[t as usize].area,
+            }
+        })?;
+        Ok(Ball { cells, radius, context })
+    }
+
     /// The form at a sector and the area of the surface in the ball. The result means nothing once the context has
     /// failed; the caller asks it again.
     pub fn at(&self, sectors: &Sectors<'_>, visits: &mut Visits, sector: u32, plane: &Frame) -> (Form, f64) {
         let Some(&first) = sectors.corners(sector).first() else { return (Form::default(), 0.0) };
-        let t = &sectors.triangles;
-        let centre = t.point(first);
+        let points = sectors.triangles.points();
+        let centre = sectors.triangles.point(first);
         let square = self.radius * self.radius;
         visits.visit += 1;
         let (found, measured) = (2 * visits.visit, 2 * visits.visit + 1);
@@ -65,20 +90,18 @@ impl Ball<'_> {
                 break;
             }
             visits.seen[triangle as usize] = measured;
-            let [i, j, k] = t.triangle(triangle);
-            let points = t.points();
+            let cell = &self.cells[triangle as usize];
+            let [i, j, k] = cell.vertices;
             let p = [points[i as usize] - centre, points[j as usize] - centre, points[k as usize] - centre];
-            let face = &sectors.faces[triangle as usize];
             let mut measure = |k: usize, share: f64, e: DVec3| {
-                let c = (3 * triangle) as usize + k;
-                let across = sectors.across[c];
+                let across = cell.across[k];
                 if across == NONE || !(share > 0.0) {
                     return;
                 }
                 let state = &mut visits.seen[across as usize / 3];
                 // An edge is measured with the first of its two faces.
                 if *state != measured {
-                    sum = sum.plus(share * self.turns[c], plane.laid_square(e));
+                    sum = sum.plus(share * cell.turns[k], plane.laid_square(e));
                     if *state != found {
                         *state = found;
                         visits.waiting.push(across / 3);
@@ -87,14 +110,14 @@ impl Ball<'_> {
             };
             let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
             if distance[0].max(distance[1]).max(distance[2]) <= square {
-                area += face.area;
+                area += cell.area;
                 measure(0, 1.0, p[1] - p[0]);
                 measure(1, 1.0, p[2] - p[1]);
                 measure(2, 1.0, p[0] - p[2]);
             } else {
                 let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
                 let parts = [part(0, 1), part(1, 2), part(2, 0)];
-                area += clipped_area(p, parts, face, square);
+                area += clipped_area(p, parts, &sectors.faces[triangle as usize], square);
                 measure(0, parts[0][1] - parts[0][0], p[1] - p[0]);
                 measure(1, parts[1][1] - parts[1][0], p[2] - p[1]);
                 measure(2, parts[2][1] - parts[2][0], p[0] - p[2]);

@@ -1,6 +1,6 @@
 //! Principal curvatures and directions at the vertices of a triangle mesh.
 //!
-//! Every estimator is one-sided: it looks at the surface cut along its features ([`sectors`]), so that a plane next to a
+//! Every estimator is one-sided: it looks at the surface cut along its features (`sectors`), so that a plane next to a
 //! crease is as flat as any other. At a vertex on a crease each side has its own curvature; the result is their mean
 //! weighted by area, after both tangent planes were turned into a common one.
 //!
@@ -160,7 +160,7 @@ fn ring(sectors: &Sectors<'_>, share: f64, context: &Context) -> Result<Vec<Prin
 }
 
 fn in_ball(sectors: &Sectors<'_>, radius: f64, context: &Context) -> Result<Vec<Principal>> {
-    let ball = Ball { turns: turns(sectors, context)?, radius, context };
+    let ball = Ball::new(sectors, radius, context)?;
     let visits = || Visits::new(sectors.triangles.len());
     let found = principal(sectors, context, visits, |visits, s, plane| ball.at(sectors, visits, s, plane))?;
     context.check()?;

@@ -26,24 +26,27 @@ use crate::mesh::NONE;
 /// MEPP's estimate as a share of the one without its bias.
 pub(super) const MEPP_SHARE: f64 = 2.0 / 3.0;
 
-/// β/|e| of every half-edge; zero where there is no way across.
+/// β/|e| of every half-edge; see [`turn`].
 pub(super) fn turns(sectors: &Sectors<'_>, context: &Context) -> Result<Vec<f64>> {
-    map(sectors.of_corner.len(), context, |c| {
-        let across = sectors.across[c as usize];
-        if across == NONE {
-            return 0.0;
-        }
-        // In the order of the corners, so that both half-edges get the same number.
-        let (c, o) = (c.min(across), c.max(across));
-        let t = &sectors.triangles;
-        let along = t.point(t.next(c)) - t.point(c);
-        let length = along.length();
-        let own = sectors.faces[c as usize / 3].area_vector;
-        let other = sectors.faces[o as usize / 3].area_vector;
-        let turn = own.cross(other).dot(along / length).atan2(own.dot(other));
-        let share = turn / length;
-        if share.is_finite() { share } else { 0.0 }
-    })
+    map(sectors.of_corner.len(), context, |c| turn(sectors, c))
+}
+
+/// β/|e| of a half-edge; zero where there is no way across.
+#[inline]
+pub(super) fn turn(sectors: &Sectors<'_>, c: u32) -> f64 {
+    let across = sectors.across[c as usize];
+    if across == NONE {
+        return 0.0;
+    }
+    // In the order of the corners, so that both half-edges get the same number.
+    let (c, o) = (c.min(across), c.max(across));
+    let t = &sectors.triangles;
+    let along = t.point(t.next(c)) - t.point(c);
+    let length = along.length();
+    let own = sectors.faces[c as usize / 3].area_vector;
+    let other = sectors.faces[o as usize / 3].area_vector;
+    let share = own.cross(other).dot(along / length).atan2(own.dot(other)) / length;
+    if share.is_finite() { share } else { 0.0 }
 }
 
 /// The second fundamental form on the faces around a vertex.

@@ -64,8 +64,8 @@ pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut
     // The outliers are known now, but the minimum may still be a poor one: once more from all starts without them.
     if let Some((found, scale)) = winner.filter(|(_, scale)| *scale > SMALLEST_SCALE) {
         let inliers = scratch.without(|p| found.fit.primitive.distance(p).abs() > TUKEY * scale);
-        let again =
-            best(kind, &inliers, SMALLEST_SCALE).and_then(|fit| Anchored::of(&fit.primitive, central(sample.points)?));
+        let again = best(kind, &inliers, SMALLEST_SCALE, PATIENT)
+            .and_then(|fit| Anchored::of(&fit.primitive, central(sample.points)?));
         let again = again.and_then(|start| settle(start, sample.points, &mut distances, &mut weights));
         winner = again.filter(|(_, other)| *other < scale).or(winner);
     }

@@ -1,0 +1,298 @@
+//! `segment`: the faces of a part, with clean borders, and the surface of each.
+
+use crate::choice::choice;
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::geometry::curvature::Estimator;
+use carreau::geometry::primitive::Primitive;
+use carreau::io::WriteOptions;
+use carreau::mesh::{Column, RawMesh, SurfaceMesh};
+use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
+use carreau::{Error, Length, Place};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Finds the faces of a part and the surface that each lies on
+///
+/// Writes the same triangles with the face properties region (0 is the largest), primitive (0 plane, 1 sphere, 2 cylinder,
+/// 3 cone, 4 torus, 5 freeform) and fit_error (largest distance of the region's vertices from its surface). Parameters of
+/// the surfaces and the boundary lines are in the record (--json).
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau segment part.stl -o part.ply --json part.json --picture part.png\n  \
+    carreau segment scan.ply -o scan.vtu --merge-threshold 3\n  \
+    carreau segment part.ply -o clean.ply --labels face_id\n  \
+    carreau segment fandisk.obj -o fandisk.ply --preset paper --clusters 18")]
+pub struct Segment {
+    /// The mesh; polygons are fanned
+    input: PathBuf,
+    /// The file to write; PLY, VTU, VTP and VTK keep the properties, OBJ gets a group per region
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// All options of the paper's pipeline, or the defaults
+    #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>(&["default", "paper"]))]
+    preset: Option<Preset>,
+    /// Recognises planes, spheres, cylinders, cones and tori before curvature is asked [default: true]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
+    surfaces: Option<bool>,
+    /// Number of clusters of curvature [default: from the data]
+    #[arg(long, value_name = "K")]
+    clusters: Option<u32>,
+    /// Largest distance of regions that are merged [default: auto]
+    #[arg(long, value_name = "N|auto", value_parser = threshold)]
+    merge_threshold: Option<Threshold>,
+    /// Merges regions of near-constant curvature down to this number
+    #[arg(long, value_name = "N", conflicts_with = "merge_threshold")]
+    regions: Option<u32>,
+    /// How boundaries are corrected [default: cut]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Rectify>(&["paper", "cut", "none"]))]
+    rectify: Option<Rectify>,
+    /// Starts from these labels: a face property of the input, or a file with one integer per triangle
+    #[arg(long, value_name = "FILE|PROPERTY")]
+    labels: Option<String>,
+    /// Edges that bend by more are sharp, in degrees [default: from the data, near 25]
+    #[arg(long, value_name = "DEG")]
+    sharp_angle: Option<f64>,
+    /// Boundary edges with a lower score are correct, for --rectify paper [default: 0.2]
+    #[arg(long, value_name = "S")]
+    score_threshold: Option<f64>,
+    /// How curvatures are estimated [default: corrected]
+    #[arg(long, value_name = "ESTIMATOR", value_parser = choice::<Estimator>(&["corrected", "normal-cycle-1ring", "normal-cycle-ball", "mepp"]))]
+    estimator: Option<Estimator>,
+    /// Radius of estimator normal-cycle-ball [default: three mean edge lengths]
+    #[arg(long, value_name = "LENGTH")]
+    radius: Option<Length>,
+    /// The length that curvatures are multiplied by [default: largest-side]
+    #[arg(long, value_name = "LENGTH", value_parser = choice::<Scale>(&["largest-side", "root-area"]))]
+    scale: Option<Scale>,
+    /// Smaller regions are merged first, as a share of the area [default: 0.001]
+    #[arg(long, value_name = "SHARE")]
+    min_area: Option<f64>,
+    /// Largest distance of a region's vertices from its surface [default: 0.003%]
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<Length>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Preset {
+    #[default]
+    Default,
+    Paper,
+}
+
+/// A number, or from the data.
+#[derive(Debug, Clone, Copy)]
+struct Threshold(Option<f64>);
+
+fn threshold(text: &str) -> Result<Threshold, String> {
+    match text {
+        "auto" => Ok(Threshold(None)),
+        _ => text.parse().map(|x| Threshold(Some(x))).map_err(|_| format!("'{text}' is neither a number nor auto")),
+    }
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    segment: SegmentOptions,
+    labels: Option<String>,
+    radius: Option<Length>,
+    tolerance: Option<Length>,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Segment {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("segment", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.segment(session, &options)
+        })
+    }
+
+    /// Preset, then options file, then flags.
+    fn options(&self) -> Result<Options, Error> {
+        let preset = match self.preset {
+            Some(Preset::Paper) => SegmentOptions::paper(),
+            _ => SegmentOptions::default(),
+        };
+        let mut all = Options { segment: preset, ..Options::default() };
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "segment", &all)?;
+        }
+        let o = &mut all.segment;
+        o.surfaces = self.surfaces.unwrap_or(o.surfaces);
+        o.clusters = self.clusters.or(o.clusters);
+        o.merge_threshold = self.merge_threshold.map_or(o.merge_threshold, |t| t.0);
+        o.regions = self.regions.or(o.regions);
+        // Who asks for a number of regions, or for clusters and thresholds, asks for regions of near-constant curvature.
+        if self.surfaces.is_none() && (self.regions.is_some() || self.clusters.is_some()) {
+            o.surfaces = false;
+        }
+        if self.surfaces.is_none() && self.merge_threshold.is_some_and(|t| t.0.is_some()) {
+            o.surfaces = false;
+        }
+        o.rectify = self.rectify.unwrap_or(o.rectify);
+        o.sharp_angle = self.sharp_angle.or(o.sharp_angle);
+        o.score_threshold = self.score_threshold.unwrap_or(o.score_threshold);
+        o.estimator = self.estimator.unwrap_or(o.estimator);
+        o.scale = self.scale.unwrap_or(o.scale);
+        o.min_area = self.min_area.unwrap_or(o.min_area);
+        all.labels = self.labels.clone().or(all.labels);
+        all.radius = self.radius.or(all.radius);
+        all.tolerance = self.tolerance.or(all.tolerance);
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn segment(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read_triangles(&self.input)?;
+        let context = session.context.clone();
+        let mut wanted = options.segment.clone();
+        wanted.radius = options.radius.map(|r| r.resolve(mesh.diagonal()));
+        wanted.tolerance = options.tolerance.map(|t| t.resolve(mesh.diagonal()));
+        wanted.labels = options.labels.as_deref().map(|labels| read_labels(&mesh, labels)).transpose()?;
+        let result = context.install(|| segment::segment(&mesh, &wanted, &context))?;
+        tell(session, &result);
+        let out = labelled(mesh, &result);
+        session.draw(&out)?;
+        if let Some(file) = &self.output {
+            session.write_mesh(file, &out, &WriteOptions::default())?;
+            let counts =
+                json!({ "file": file.to_string_lossy(), "vertices": out.points.len(), "faces": out.faces.len() });
+            session.record.set("output", counts);
+        }
+        Ok(())
+    }
+}
+
+/// Labels from a face property of the mesh, or from a text file with one integer per triangle.
+fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
+    // Any integers do: only whether two are equal matters, and their order.
+    let shift = |l: i64| (l - i64::from(i32::MIN)) as u32;
+    match mesh.attributes.face.get(name) {
+        Some(Column::Label(labels)) => return Ok(labels.iter().map(|&l| shift(i64::from(l))).collect()),
+        Some(_) => return Err(Error::Options(format!("the face property '{name}' holds no integers"))),
+        None => {}
+    }
+    let file = Path::new(name);
+    if !file.exists() {
+        let known: Vec<&str> = mesh.attributes.face.keys().map(String::as_str).collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        return Err(Error::Options(format!(
+            "--labels {name}: no such file, and no such face property (there are: {known})"
+        )));
+    }
+    let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, Place::File, e.to_string()))?;
+    let mut labels = Vec::new();
+    for (line, number) in text.lines().zip(1..) {
+        for word in line.split('#').next().unwrap_or("").split_whitespace() {
+            let label: i32 = word.parse().map_err(|_| {
+                Error::read(file, Place::Line(number), format!("an integer is expected, found '{word}'"))
+            })?;
+            labels.push(shift(i64::from(label)));
+        }
+    }
+    if labels.len() != mesh.face_count() {
+        let what = format!("{} labels for {} triangles", labels.len(), mesh.face_count());
+        return Err(Error::read(file, Place::File, what));
+    }
+    Ok(labels)
+}
+
+/// The mesh with its regions.
+fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
+    let of = |value: &dyn Fn(&Region) -> i32| {
+        Column::Label(result.labels.iter().map(|&l| value(&result.regions[l as usize])).collect())
+    };
+    let kind = of(&|r: &Region| r.primitive.map_or(5, |p| p.kind() as i32));
+    let error = Column::Scalar(result.labels.iter().map(|&l| result.regions[l as usize].max).collect());
+    let region = Column::Label(result.labels.iter().map(|&l| l as i32).collect());
+    let face = &mut mesh.attributes.face;
+    face.extend([("region".into(), region), ("primitive".into(), kind), ("fit_error".into(), error)]);
+    RawMesh::from(mesh)
+}
+
+/// The record and the summary.
+fn tell(session: &mut Session, result: &Segmentation) {
+    let regions: Vec<Value> = result
+        .regions
+        .iter()
+        .enumerate()
+        .map(|(id, r)| {
+            json!({
+                "id": id, "triangles": r.triangles, "area": r.area, "kmin": r.kmin, "kmax": r.kmax,
+                "primitive": primitive(r), "neighbours": r.neighbours,
+            })
+        })
+        .collect();
+    let boundaries: Vec<Value> = result
+        .boundaries
+        .iter()
+        .map(|b| {
+            let vertices: Vec<u32> = b.vertices.iter().map(|v| v.0).collect();
+            json!({ "regions": [b.regions.0, b.regions.1], "vertices": vertices, "closed": b.closed, "sharp": b.sharp })
+        })
+        .collect();
+    let count = |name: &str| regions.iter().filter(|r| r["primitive"]["type"] == name).count();
+    let kinds: Vec<String> = ["plane", "cylinder", "cone", "sphere", "torus", "freeform"]
+        .into_iter()
+        .map(|name| (count(name), name))
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, name)| format!("{n} {name}"))
+        .collect();
+    let chosen = &result.chosen;
+    session.say(format!("{} regions: {}", regions.len(), kinds.join(", ")));
+    session.say(match chosen.basis {
+        Basis::Surfaces => format!(
+            "{:.1} % of the area lies on recognised surfaces; sharp edges from {:.1}° on",
+            100.0 * chosen.recognised,
+            chosen.sharp_angle_deg
+        ),
+        Basis::Curvature => format!(
+            "near-constant curvature: {} clusters, merged up to {:.3}; sharp edges from {:.1}° on",
+            chosen.clusters, chosen.merge_threshold, chosen.sharp_angle_deg
+        ),
+        Basis::Labels => format!("given labels; rectification moved {} triangles", chosen.rectified),
+    });
+    session.record.set("chosen", chosen);
+    session.record.set("dendrogram", &result.dendrogram);
+    session.record.set("boundaries", boundaries);
+    session.record.set("regions", regions);
+}
+
+fn primitive(region: &Region) -> Value {
+    let v = |p: carreau::DVec3| json!([p.x, p.y, p.z]);
+    let mut out = match region.primitive {
+        None => json!({ "type": "freeform" }),
+        Some(Primitive::Plane { origin, normal }) => {
+            json!({ "type": "plane", "origin": v(origin), "normal": v(normal) })
+        }
+        Some(Primitive::Cylinder { origin, axis, radius }) => {
+            json!({ "type": "cylinder", "origin": v(origin), "axis": v(axis), "radius": radius })
+        }
+        Some(Primitive::Cone { apex, axis, half_angle }) => {
+            json!({ "type": "cone", "apex": v(apex), "axis": v(axis), "half_angle_deg": half_angle.to_degrees() })
+        }
+        Some(Primitive::Sphere { center, radius }) => {
+            json!({ "type": "sphere", "center": v(center), "radius": radius })
+        }
+        Some(Primitive::Torus { center, axis, major_radius, minor_radius }) => json!({
+            "type": "torus", "center": v(center), "axis": v(axis),
+            "major_radius": major_radius, "minor_radius": minor_radius,
+        }),
+    };
+    out["rms"] = json!(region.rms);
+    out["max"] = json!(region.max);
+    out
+}
