@@ -28,7 +28,19 @@ fn layout(path: &Path) -> Value {
 fn help_names_every_verb_and_each_has_an_example() {
     let help = carreau().arg("--help").assert().success().get_output().stdout.clone();
     let help = String::from_utf8(help).unwrap();
-    for verb in ["demo", "sample", "info", "convert", "repair", "compare", "curvature", "patch", "completions", "man"] {
+    for verb in [
+        "demo",
+        "sample",
+        "info",
+        "convert",
+        "repair",
+        "compare",
+        "curvature",
+        "segment",
+        "patch",
+        "completions",
+        "man",
+    ] {
         assert!(help.contains(verb), "{verb}");
         carreau().args([verb, "--help"]).assert().success().stdout(contains("Example"));
     }
@@ -289,4 +301,40 @@ fn curvature_replays_and_refuses() {
         .stderr(contains("normal-cycle-ball"));
     carreau().args(["curvature", text(&model), "--feature-angle", "181"]).assert().code(2);
     carreau().args(["curvature", text(&model), "--estimator", "magic"]).assert().code(2);
+}
+
+#[test]
+fn segment_tells_faces_surfaces_and_boundaries() {
+    let (folder, model) = with_model("bracket", "bracket.ply");
+    let output = folder.path().join("regions.ply");
+    let told = record(&["segment", text(&model), "-o", text(&output)]);
+    let regions = told["regions"].as_array().unwrap();
+    let of_kind = |kind: &str| regions.iter().filter(|r| r["primitive"]["type"] == kind).count();
+    assert_eq!((of_kind("plane"), of_kind("cylinder"), regions.len()), (8, 5, 13));
+    assert_eq!(told["chosen"]["basis"], "surfaces");
+    let triangles: u64 = regions.iter().map(|r| r["triangles"].as_u64().unwrap()).sum();
+    assert_eq!(told["input"]["faces"], triangles);
+
+    // The labels that were written, taken as given, lead to the same regions.
+    let again = record(&["segment", text(&output), "--labels", "region", "--rectify", "none"]);
+    assert_eq!(again["regions"], told["regions"]);
+    let file = folder.path().join("labels.txt");
+    let lines: String = (0..triangles).map(|t| format!("{}\n", t % 2)).collect();
+    fs::write(&file, lines).unwrap();
+    let halves = record(&["segment", text(&model), "--labels", text(&file), "--rectify", "none"]);
+    assert_eq!(halves["chosen"]["basis"], "labels");
+
+    // A record replays its run.
+    let kept = folder.path().join("record.json");
+    carreau().args(["segment", text(&model), "--preset", "paper", "--json", text(&kept)]).assert().success();
+    let first: Value = serde_json::from_slice(&fs::read(&kept).unwrap()).unwrap();
+    let replayed = record(&["segment", text(&model), "--options", text(&kept)]);
+    assert_eq!(replayed["regions"], first["regions"]);
+    assert_eq!(replayed["options"], first["options"]);
+
+    for wrong in [["--labels", "nowhere"], ["--clusters", "0"], ["--merge-threshold", "much"]] {
+        carreau().args(["segment", text(&model)]).args(wrong).assert().code(2);
+    }
+    fs::write(&file, "1 2 3").unwrap();
+    carreau().args(["segment", text(&model), "--labels", text(&file)]).assert().code(5);
 }

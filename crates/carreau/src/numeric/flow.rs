@@ -136,3 +136,51 @@ impl Residual {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Capacity of the cut that separates these nodes from the sink's side.
+    fn cost(graph: &CutGraph, source_side: &[bool]) -> i64 {
+        let across = graph.edges.iter().filter(|e| source_side[e.ends[0] as usize] != source_side[e.ends[1] as usize]);
+        let terminals = (0..source_side.len()).map(|v| if source_side[v] { graph.sink[v] } else { graph.source[v] });
+        across.map(|e| e.capacity).sum::<i64>() + terminals.sum::<i64>()
+    }
+
+    fn graphs() -> impl Strategy<Value = CutGraph> {
+        (2usize..9).prop_flat_map(|n| {
+            let edge =
+                (0..n as u32, 0..n as u32, 0i64..20).prop_map(|(a, b, capacity)| Edge { ends: [a, b], capacity });
+            let terminal = || prop::collection::vec(prop_oneof![Just(0i64), 0i64..30], n);
+            (prop::collection::vec(edge, 0..20), terminal(), terminal()).prop_map(|(edges, source, sink)| CutGraph {
+                edges,
+                source,
+                sink,
+            })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_cut_is_the_least_of_all_and_the_nearest_to_the_source(graph in graphs()) {
+            let n = graph.source.len();
+            let sides = |mask: usize| (0..n).map(|v| mask >> v & 1 == 1).collect::<Vec<bool>>();
+            let least = (0..1 << n).map(|mask| cost(&graph, &sides(mask))).min().unwrap();
+            let cut = graph.min_cut();
+            prop_assert_eq!(cost(&graph, &cut), least);
+            for mask in 0..1 << n {
+                let other = sides(mask);
+                if cost(&graph, &other) == least {
+                    prop_assert!((0..n).all(|v| !cut[v] || other[v]), "{:?} {:?}", cut, other);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_graph_has_an_empty_cut() {
+        assert!(CutGraph::default().min_cut().is_empty());
+    }
+}

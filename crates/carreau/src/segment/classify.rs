@@ -49,8 +49,9 @@ fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
 
 /// Classifies samples with these weights into at most `count` clusters; chooses the number when there is none.
 pub fn classify(samples: &[Pair], weights: &[f64], count: Option<usize>, context: &Context) -> Result<Clusters> {
-    if samples.is_empty() {
-        return Ok(Clusters { of: Vec::new(), centers: Vec::new() });
+    if !weights.iter().any(|&w| w > 0.0) {
+        // Without area there is nothing to tell apart.
+        return Ok(Clusters { of: vec![0; samples.len()], centers: vec![[0.0; 2]; samples.len().min(1)] });
     }
     let limit: Pair = std::array::from_fn(|k| percentile(samples.iter().map(|s| s[k]).collect(), CLAMP));
     let clamped: Vec<Pair> = samples.iter().map(|s| [s[0].min(limit[0]), s[1].min(limit[1])]).collect();

@@ -84,8 +84,6 @@ const DEFAULT_THRESHOLD: f64 = 5.0;
 const MIN_GAP: f64 = 0.4;
 /// e of equation 4.
 const SMALL_FACTOR: f64 = 1e-3;
-/// Across a sharp boundary only regions smaller than A_min by this factor are filtered.
-const SHARP_DIVISOR: f64 = 50.0;
 
 /// What the merging needs to know of curvature: (k_max, |k_min|) times the length scale.
 pub struct BoundaryCurvature<'a> {
@@ -93,6 +91,15 @@ pub struct BoundaryCurvature<'a> {
     pub smooth: &'a (dyn Fn(u32) -> Option<Pair> + Sync),
     /// Curvature across creases: the full tensor.
     pub full: &'a (dyn Fn(u32) -> Pair + Sync),
+}
+
+/// A_min of equation 4: regions of a smaller area are merged first.
+#[derive(Debug, Clone, Copy)]
+pub struct SmallArea {
+    /// Across a smooth boundary.
+    pub smooth: f64,
+    /// Across a sharp one. On a part small faces between creases are faces; on a scan they are noise.
+    pub across_creases: f64,
 }
 
 /// A common boundary of two regions.
@@ -147,7 +154,7 @@ const STALE: f64 = 0.02;
 struct Graph {
     nodes: Vec<Node>,
     borders: FxHashMap<(u32, u32), Border>,
-    min_area: f64,
+    small: SmallArea,
     versions: u64,
 }
 
@@ -161,7 +168,7 @@ impl Graph {
         sharp: &Sharp,
         regions: &Regions,
         vertex: &BoundaryCurvature<'_>,
-        min_area: f64,
+        small: SmallArea,
     ) -> Self {
         let node =
             |&curvature| Node { area: 0.0, perimeter: 0.0, curvature, neighbours: Vec::new(), refreshed: [0.0; 2] };
@@ -196,7 +203,7 @@ impl Graph {
             border.sharp_length += if sharp.edge[c as usize] { length } else { 0.0 };
             border.curvature = [border.curvature[0] + length * k[0], border.curvature[1] + length * k[1]];
         }
-        Graph { nodes, borders, min_area, versions: 0 }
+        Graph { nodes, borders, small, versions: 0 }
     }
 
     /// D of two regions, equations 1 to 4.
@@ -207,7 +214,7 @@ impl Graph {
         let curvature = distance(a.curvature, c) + distance(b.curvature, c);
         let nesting = a.perimeter.min(b.perimeter) / common;
         let limit =
-            if 2.0 * border.sharp_length > border.length { self.min_area / SHARP_DIVISOR } else { self.min_area };
+            if 2.0 * border.sharp_length > border.length { self.small.across_creases } else { self.small.smooth };
         let filter = if a.area < limit || b.area < limit { SMALL_FACTOR } else { 1.0 };
         curvature * nesting * filter
     }
@@ -284,16 +291,16 @@ fn edge_curvature(surface: &Surface<'_>, sharp: &Sharp, vertex: &BoundaryCurvatu
     smooth(ends).or_else(|| smooth(apexes)).or_else(|| mean(&full())).unwrap_or_default()
 }
 
-/// Merges regions all the way; `min_area` is A_min of equation 4.
+/// Merges regions all the way.
 pub fn merge(
     surface: &Surface<'_>,
     sharp: &Sharp,
     regions: &Regions,
     vertex: &BoundaryCurvature<'_>,
-    min_area: f64,
+    small: SmallArea,
     context: &Context,
 ) -> Result<Dendrogram> {
-    let mut graph = Graph::new(surface, sharp, regions, vertex, min_area);
+    let mut graph = Graph::new(surface, sharp, regions, vertex, small);
     let mut pairs: Vec<(u32, u32)> = graph.borders.keys().copied().collect();
     pairs.sort_unstable();
     let mut heap = BinaryHeap::new();

@@ -241,6 +241,8 @@ pub struct Segmentation {
 const PART: f64 = 0.02;
 /// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
 const TOLERANCE: f64 = 3e-5;
+/// Across creases only regions smaller than A_min by this factor are merged first.
+const SHARP_DIVISOR: f64 = 50.0;
 /// Rounds of rectification.
 const ROUNDS: usize = 2;
 
@@ -326,6 +328,7 @@ impl Segmenter<'_> {
         let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
         if chosen.recognised < PART {
+            chosen.recognised = 0.0;
             return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
@@ -375,6 +378,8 @@ impl Segmenter<'_> {
             threshold: self.options.merge_threshold,
             regions: self.options.regions.map(|n| n as usize),
             min_area: self.options.min_area,
+            // A mesh that was asked for surfaces and has none is a scan, whose creases are noise.
+            min_area_across_creases: self.options.min_area / if self.options.surfaces { 1.0 } else { SHARP_DIVISOR },
         };
         let full = full_magnitudes(surface.triangles, &vec![true; surface.triangles.points().len()], self.context)?;
         let free = vec![true; surface.len()];

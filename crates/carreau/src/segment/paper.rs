@@ -2,7 +2,7 @@
 
 use super::classify::{Pair, classify};
 use super::growth::{Regions, grow};
-use super::merge::{BoundaryCurvature, Dendrogram, merge};
+use super::merge::{BoundaryCurvature, Dendrogram, SmallArea, merge};
 use super::surface::{Sharp, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -20,6 +20,8 @@ pub struct Demand {
     pub regions: Option<usize>,
     /// A_min of equation 4 as a share of the whole area.
     pub min_area: f64,
+    /// The same across creases.
+    pub min_area_across_creases: f64,
 }
 
 /// Regions before merging, all merges, and how many of them were done.
@@ -71,7 +73,11 @@ pub fn curvature_regions(
     let full = |v: u32| full[v as usize].map(|k| k * scale);
     let vertex = BoundaryCurvature { smooth: &smooth, full: &full };
     let regions = Regions { label: std::mem::take(&mut label), curvature: of };
-    let dendrogram = merge(surface, sharp, &regions, &vertex, demand.min_area * surface.total_area, context)?;
+    let small = SmallArea {
+        smooth: demand.min_area * surface.total_area,
+        across_creases: demand.min_area_across_creases * surface.total_area,
+    };
+    let dendrogram = merge(surface, sharp, &regions, &vertex, small, context)?;
     let threshold = demand.threshold.unwrap_or_else(|| dendrogram.automatic_threshold());
     let merges = match demand.regions {
         Some(count) => dendrogram.until_count(count),

@@ -1,9 +1,9 @@
 //! What a triangle costs in a region: by its distance from the region's surface where it lies on one, else by the
 //! difference of curvature.
 
-use super::Chosen;
 use super::regions::{Groups, fit_most};
 use super::surface::Surface;
+use super::{Basis, Chosen};
 use crate::geometry::curvature::Curvature;
 use crate::geometry::primitive::Primitive;
 use rayon::prelude::*;
@@ -49,10 +49,12 @@ impl<'a> Prices<'a> {
             })
         };
         let region = (0..count as u32).into_par_iter().map(median).collect();
-        let primitives = (0..count as u32)
-            .into_par_iter()
-            .map(|l| fit_most(surface, label, groups.of(l), chosen.tolerance))
-            .collect();
+        // Regions of near-constant curvature lie on no surface, or they would have been recognised.
+        let fitted = |l: u32| match chosen.basis {
+            Basis::Curvature => None,
+            _ => fit_most(surface, label, groups.of(l), chosen.tolerance),
+        };
+        let primitives = (0..count as u32).into_par_iter().map(fitted).collect();
         // Equilateral triangles of the mean area.
         let edge = (surface.total_area / surface.len() as f64 * 4.0 / 3f64.sqrt()).sqrt().max(f64::MIN_POSITIVE);
         Prices { surface, primitives, triangle, region, edge, tolerance: chosen.tolerance }

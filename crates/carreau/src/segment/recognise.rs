@@ -298,7 +298,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        slots.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        slots.sort_by_key(|slot| slot.0);
         for group in slots.chunk_by(|a, b| a.0 == b.0) {
             self.points.push(t.points()[group[0].0 as usize]);
             self.normals.push(group.iter().map(|s| s.1).sum::<DVec3>().normalize_or_zero());

@@ -2,11 +2,10 @@
 
 use super::surface::Surface;
 use crate::geometry::curvature::Curvature;
-use crate::geometry::primitive::{Fit, Kind, Primitive, Scratch, fit, fit_robust};
+use crate::geometry::primitive::{Fit, Kind, Primitive, Scratch, fit_robust, fit_within, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 
 /// A region of the result.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,6 +111,9 @@ impl Groups {
 
 /// Points given to a fit.
 const MAX_SAMPLES: usize = 300;
+/// Points of the first test.
+const FEW_SAMPLES: usize = 60;
+const REFINE_STEPS: usize = 30;
 
 /// The distinct vertices of triangles and their mean normals over these triangles alone.
 pub fn vertices_of(surface: &Surface<'_>, triangles: &[u32]) -> (Vec<u32>, Vec<DVec3>) {
@@ -133,19 +135,22 @@ pub fn vertices_of(surface: &Surface<'_>, triangles: &[u32]) -> (Vec<u32>, Vec<D
 pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
     let (ids, normals) = vertices_of(surface, triangles);
     let all = surface.triangles.points();
-    let step = ids.len().div_ceil(MAX_SAMPLES).max(1);
-    let points: Vec<DVec3> = ids.iter().step_by(step).map(|&v| all[v as usize]).collect();
-    let normals: Vec<DVec3> = normals.iter().step_by(step).copied().collect();
+    let sample = |most: usize| -> (Vec<DVec3>, Vec<DVec3>) {
+        let step = ids.len().div_ceil(most).max(1);
+        (0..ids.len()).step_by(step).map(|k| (all[ids[k] as usize], normals[k])).unzip()
+    };
+    let ((few, few_normals), (points, _)) = (sample(FEW_SAMPLES), sample(MAX_SAMPLES));
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
-    for kind in [Kind::Plane, Kind::Sphere, Kind::Cylinder, Kind::Cone, Kind::Torus] {
-        if points.len() <= kind.parameters() && kind != Kind::Plane {
+    for kind in Kind::ALL {
+        if few.len() <= kind.parameters() && kind != Kind::Plane {
             continue;
         }
-        let Some(found) = fit(kind, &points, &normals, &mut scratch) else { continue };
-        if found.max > tolerance {
+        // A few points refuse most kinds at once; the others are fitted to more.
+        let quick = fit_within(kind, &few, &few_normals, tolerance, &mut scratch);
+        let Some(found) = quick.and_then(|quick| refine(quick.primitive, &points, None, REFINE_STEPS)) else {
             continue;
-        }
+        };
         let p = found.primitive;
         let d = ids.iter().map(|&v| p.distance(all[v as usize]).abs());
         let (max, sum) = d.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d * d));
@@ -258,14 +263,14 @@ pub fn describe(
 /// Regions that share an edge with exactly two faces.
 fn neighbours(surface: &Surface<'_>, label: &[u32], count: usize) -> Vec<Vec<u32>> {
     use crate::mesh::{CornerId, Side};
-    let mut found: FxHashMap<(u32, u32), ()> = FxHashMap::default();
+    let mut found: Vec<(u32, u32)> = Vec::new();
     let mut irregular = false;
     for c in 0..3 * label.len() as u32 {
         match surface.mesh.side(CornerId(c)) {
             Side::Inner(o) => {
                 let (a, b) = (label[c as usize / 3], label[o.index() / 3]);
                 if a < b {
-                    found.insert((a, b), ());
+                    found.push((a, b));
                 }
             }
             Side::Inconsistent => irregular = true,
@@ -275,15 +280,17 @@ fn neighbours(surface: &Surface<'_>, label: &[u32], count: usize) -> Vec<Vec<u32
     if irregular {
         for edge in surface.mesh.half_edges().groups().filter(|e| e.len() == 2 && e.ends[0] != e.ends[1]) {
             let mut sides = edge.corners().map(|c| label[c as usize / 3]);
-            if let (Some(a), Some(b)) = (sides.next(), sides.next()) {
-                if a != b {
-                    found.insert((a.min(b), a.max(b)), ());
-                }
+            if let (Some(a), Some(b)) = (sides.next(), sides.next())
+                && a != b
+            {
+                found.push((a.min(b), a.max(b)));
             }
         }
     }
+    found.sort_unstable();
+    found.dedup();
     let mut out = vec![Vec::new(); count];
-    for &(a, b) in found.keys() {
+    for (a, b) in found {
         out[a as usize].push(b);
         out[b as usize].push(a);
     }

@@ -28,6 +28,10 @@ const LARGE: f64 = 8.0;
 const JOIN_TURN: f64 = 0.52;
 /// Freeform surfaces bend between triangles by no more than this, in radians, however coarse they are.
 const COARSEST_BEND: f64 = 1.05;
+/// Stray triangles join a surface from this many times the tolerance.
+const STRAY: f64 = 20.0;
+/// Surfaces with a smaller share of the area do not make a part.
+const WORTH: f64 = 2e-4;
 /// Free pieces of no more triangles than this are none of their own.
 const CRUMB: u32 = 4;
 
@@ -54,7 +58,7 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
         found.climb(surface, &by_area, sharp_angle, &accuracy, k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
     }
-    found.absorb(surface);
+    found.absorb(surface, found.tolerance, |_| true);
     Ok(found)
 }
 
@@ -87,24 +91,34 @@ impl Surfaces {
         let (owner, curved) = recognise(surface, &facets, accuracy, context)?;
         let base = self.primitives.len() as u32;
         self.primitives.extend(curved.iter().map(|found| found.primitive));
+        if last {
+            self.assign(&facets, &owner, base);
+            self.absorb(surface, STRAY * accuracy.distance, |t| {
+                facets.of[t as usize] == NONE || facets.triangles(facets.of[t as usize]).len() <= 2
+            });
+        }
         let planes = Planes { surface, facets: &facets, owner: &owner, sharp_angle, accuracy, last };
         for f in 0..facets.len() as u32 {
-            let label = match owner[f as usize] {
-                NONE if planes.contains(f) => {
-                    self.primitives.push(planes.plane(f));
-                    self.primitives.len() as u32 - 1
-                }
-                NONE => continue,
-                found => base + found,
-            };
-            facets.triangles(f).iter().for_each(|&t| self.label[t as usize] = label);
+            if facets.triangles(f).iter().all(|&t| self.label[t as usize] == NONE) && planes.contains(f) {
+                let label = self.primitives.len() as u32;
+                self.primitives.push(planes.plane(f));
+                facets.triangles(f).iter().for_each(|&t| self.label[t as usize] = label);
+            }
         }
+        self.assign(&facets, &owner, base);
         Ok(())
+    }
+
+    /// Labels the triangles of facets with an owner.
+    fn assign(&mut self, facets: &Facets, owner: &[u32], base: u32) {
+        for (f, &owner) in owner.iter().enumerate().filter(|(_, o)| **o != NONE) {
+            facets.triangles(f as u32).iter().for_each(|&t| self.label[t as usize] = base + owner);
+        }
     }
 
     /// Gives free triangles to a neighbouring surface that all their vertices lie on and whose normals they follow: slivers,
     /// and triangles that bend more than the rest.
-    fn absorb(&mut self, surface: &Surface<'_>) {
+    fn absorb(&mut self, surface: &Surface<'_>, distance: f64, may: impl Fn(u32) -> bool) {
         let t = surface.triangles;
         let mut queue: VecDeque<u32> = (0..surface.len() as u32).filter(|&k| self.label[k as usize] != NONE).collect();
         while let Some(k) = queue.pop_front() {
@@ -114,7 +128,7 @@ impl Surfaces {
             let sign = p.normal(center).dot(surface.normals[k as usize]).signum();
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if self.label[n as usize] == NONE && joins(surface, &p, sign, n, self.tolerance) {
+                if self.label[n as usize] == NONE && may(n) && joins(surface, &p, sign, n, distance) {
                     self.label[n as usize] = label;
                     queue.push_back(n);
                 }
@@ -122,10 +136,14 @@ impl Surfaces {
         }
     }
 
-    /// Share of the area that lies on a surface.
+    /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
     pub fn share(&self, surface: &Surface<'_>) -> f64 {
-        let on = self.label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE).map(|(_, a)| a);
-        on.sum::<f64>() / surface.total_area.max(f64::MIN_POSITIVE)
+        let mut area = vec![0.0; self.primitives.len()];
+        for (&l, &a) in self.label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE) {
+            area[l as usize] += a;
+        }
+        let total = surface.total_area.max(f64::MIN_POSITIVE);
+        area.into_iter().filter(|&a| a > WORTH * total).sum::<f64>() / total
     }
 
     /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the

@@ -1,1 +1,318 @@
+//! The room as a whole: models of known faces, invariance, broken input.
 
+use super::*;
+use crate::geometry::primitive::{Kind, Primitive};
+use crate::mesh::test_models::{cube, cubes_sharing_an_edge, moved, sphere, strip, together, triangles};
+use crate::mesh::{CornerId, FaceId, Side};
+use crate::sample;
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+fn model(name: &str) -> SurfaceMesh {
+    sample::make(name, None, &Context::new()).unwrap()
+}
+
+fn run(mesh: &SurfaceMesh, options: &SegmentOptions) -> Segmentation {
+    let result = segment(mesh, options, &Context::new()).unwrap();
+    check(mesh, &result);
+    result
+}
+
+fn default(mesh: &SurfaceMesh) -> Segmentation {
+    run(mesh, &SegmentOptions::default())
+}
+
+/// What holds for every result: labels, counts, areas, neighbours and boundaries agree; regions are connected.
+fn check(mesh: &SurfaceMesh, result: &Segmentation) {
+    let n = result.regions.len();
+    assert_eq!(result.labels.len(), mesh.face_count());
+    let mut count = vec![0; n];
+    result.labels.iter().for_each(|&l| count[l as usize] += 1);
+    assert!(result.regions.iter().zip(&count).all(|(r, &c)| r.triangles == c && c > 0));
+    assert!(result.regions.windows(2).all(|w| w[0].area >= w[1].area * (1.0 - 1e-12)));
+
+    // Connected across edges.
+    let mut seen = vec![false; mesh.face_count()];
+    let mut pieces = 0;
+    for seed in 0..mesh.face_count() {
+        if std::mem::replace(&mut seen[seed], true) {
+            continue;
+        }
+        pieces += 1;
+        let mut stack = vec![seed];
+        while let Some(f) = stack.pop() {
+            for o in mesh.corners(FaceId::new(f)).filter_map(|c| mesh.opposite(c)) {
+                let g = mesh.face_of(o).index();
+                if result.labels[g] == result.labels[f] && !std::mem::replace(&mut seen[g], true) {
+                    stack.push(g);
+                }
+            }
+        }
+    }
+    assert_eq!(pieces, n, "regions in pieces");
+
+    // Every edge between two regions, and every border edge, on exactly one boundary.
+    let mut wanted: BTreeMap<[u32; 2], (u32, Option<u32>)> = BTreeMap::new();
+    let mut pairs = vec![BTreeSet::new(); n];
+    for c in (0..mesh.corner_count()).map(CornerId::new) {
+        let (a, b) = (mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0);
+        let own = result.labels[mesh.face_of(c).index()];
+        match mesh.side(c) {
+            Side::Inner(o) => {
+                let other = result.labels[mesh.face_of(o).index()];
+                if own != other {
+                    wanted.insert([a.min(b), a.max(b)], (own.min(other), Some(own.max(other))));
+                    pairs[own as usize].insert(other);
+                }
+            }
+            Side::Border => {
+                wanted.insert([a.min(b), a.max(b)], (own, None));
+            }
+            Side::Inconsistent | Side::NonManifold => return,
+        }
+    }
+    for boundary in &result.boundaries {
+        let v: Vec<u32> = boundary.vertices.iter().map(|v| v.0).collect();
+        let closing = boundary.closed.then(|| [v[v.len() - 1], v[0]]);
+        for [a, b] in v.windows(2).map(|w| [w[0], w[1]]).chain(closing) {
+            assert_eq!(wanted.remove(&[a.min(b), a.max(b)]), Some(boundary.regions));
+        }
+    }
+    assert!(wanted.is_empty(), "{} edges on no boundary", wanted.len());
+    for (region, pairs) in result.regions.iter().zip(&pairs) {
+        assert_eq!(region.neighbours, pairs.iter().copied().collect::<Vec<_>>());
+    }
+
+    // Every vertex of a region is as near to its surface as the region says.
+    for (f, &l) in result.labels.iter().enumerate() {
+        if let Some(p) = result.regions[l as usize].primitive {
+            let max = result.regions[l as usize].max * (1.0 + 1e-9);
+            for &v in mesh.face(FaceId::new(f)) {
+                assert!(p.distance(mesh.points()[v as usize]).abs() <= max + 1e-12 * mesh.diagonal());
+            }
+        }
+    }
+}
+
+fn kinds(result: &Segmentation) -> BTreeMap<Option<Kind>, usize> {
+    let mut count = BTreeMap::new();
+    for region in &result.regions {
+        *count.entry(region.primitive.map(|p| p.kind())).or_default() += 1;
+    }
+    count
+}
+
+/// The partition, whatever the numbers of the regions.
+fn partition(labels: &[u32]) -> BTreeSet<Vec<usize>> {
+    let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    labels.iter().enumerate().for_each(|(t, &l)| parts.entry(l).or_default().push(t));
+    parts.into_values().collect()
+}
+
+#[test]
+fn parts_fall_into_their_faces() {
+    let expected: [(&str, &[(Kind, usize)]); 6] = [
+        ("wedge", &[(Kind::Plane, 5)]),
+        ("bracket", &[(Kind::Plane, 8), (Kind::Cylinder, 5)]),
+        ("rounded-box", &[(Kind::Plane, 6), (Kind::Cylinder, 12), (Kind::Sphere, 8)]),
+        ("icosphere", &[(Kind::Sphere, 1)]),
+        ("torus", &[(Kind::Torus, 1)]),
+        ("cylinder", &[(Kind::Plane, 2), (Kind::Cylinder, 1)]),
+    ];
+    for (name, faces) in expected {
+        let found = kinds(&default(&model(name)));
+        let wanted: BTreeMap<Option<Kind>, usize> = faces.iter().map(|&(kind, n)| (Some(kind), n)).collect();
+        assert_eq!(found, wanted, "{name}");
+    }
+}
+
+#[test]
+fn a_cube_has_six_faces_and_a_sphere_one() {
+    let result = default(&cube(DVec3::ZERO, 2.0).triangulated().unwrap());
+    assert_eq!(kinds(&result), BTreeMap::from([(Some(Kind::Plane), 6)]));
+    assert_eq!(result.boundaries.len(), 12);
+    let ball = default(&sphere(3));
+    assert_eq!(ball.regions.len(), 1);
+    assert!(ball.boundaries.is_empty());
+    let Some(Primitive::Sphere { center, radius }) = ball.regions[0].primitive else { panic!("no sphere") };
+    assert!(center.length() < 1e-9 && (radius - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_bracket_keeps_its_faces_in_every_position_and_size() {
+    let mesh = model("bracket");
+    let faces = partition(&default(&mesh).labels);
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    assert_eq!(partition(&default(&moved(&mesh, |p| turn * p + DVec3::new(3.0, -5.0, 2.0))).labels), faces);
+    for power in [-40, -3, 3, 40] {
+        assert_eq!(default(&moved(&mesh, |p| p * 2f64.powi(power))).labels, default(&mesh).labels);
+    }
+}
+
+#[test]
+fn relabelling_triangles_changes_nothing() {
+    for (name, options) in [
+        ("rounded-box", SegmentOptions::default()),
+        ("tube-tree", SegmentOptions::default()),
+        ("cube-cylinders", SegmentOptions::paper()),
+    ] {
+        let mesh = model(name);
+        let n = mesh.face_count();
+        // A permutation without pattern: multiplication by a number without a common divisor.
+        let step = (1_000_003..).find(|k| gcd(*k, n) == 1).unwrap();
+        let source: Vec<usize> = (0..n).map(|k| k * step % n).collect();
+        let faces: Vec<[u32; 3]> = source.iter().map(|&f| mesh.face(FaceId::new(f)).try_into().unwrap()).collect();
+        let shuffled = SurfaceMesh::from_triangles(mesh.points().to_vec(), &faces).unwrap();
+        let labels = run(&shuffled, &options).labels;
+        let mut back = vec![0; n];
+        source.iter().enumerate().for_each(|(k, &f)| back[f] = labels[k]);
+        let before = run(&mesh, &options);
+        if before.chosen.basis == Basis::Surfaces {
+            assert_eq!(partition(&back), partition(&before.labels), "{name}");
+        }
+        // Sums around a vertex are rounded differently: near the limit of two clusters a vertex may change over.
+        assert!(agreement(&mesh, &back, &before.labels) > 0.97, "{name}");
+    }
+}
+
+/// Inner edges that are boundaries for both labellings, as a share of those that are for one of them.
+fn agreement(mesh: &SurfaceMesh, a: &[u32], b: &[u32]) -> f64 {
+    let (mut both, mut one) = (0.0, 0.0f64);
+    for c in (0..mesh.corner_count()).map(CornerId::new) {
+        if let Some(o) = mesh.opposite(c) {
+            let (f, g) = (mesh.face_of(c).index(), mesh.face_of(o).index());
+            let (x, y) = (a[f] != a[g], b[f] != b[g]);
+            both += f64::from(u8::from(x && y));
+            one += f64::from(u8::from(x || y));
+        }
+    }
+    both / one.max(1.0)
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[test]
+fn threads_do_not_change_the_regions() {
+    for (name, options) in [("tube-tree", SegmentOptions::default()), ("bracket", SegmentOptions::paper())] {
+        let mesh = model(name);
+        let with = |threads: usize| {
+            let context = Context::new().with_threads(threads).unwrap();
+            context.install(|| segment(&mesh, &options, &context)).unwrap().labels
+        };
+        assert_eq!(with(1), with(2));
+        assert_eq!(with(1), with(3));
+    }
+}
+
+#[test]
+fn the_paper_s_pipeline_finds_walls_and_caps() {
+    // Two cylinders on a cube: six sides of the cube, two walls, two caps.
+    let result = run(&model("cube-cylinders"), &SegmentOptions::paper());
+    assert_eq!(result.chosen.basis, Basis::Curvature);
+    assert_eq!(kinds(&result).get(&Some(Kind::Cylinder)), Some(&2));
+    assert!((10..=12).contains(&result.regions.len()), "{}", result.regions.len());
+}
+
+#[test]
+fn the_dendrogram_gives_every_threshold_without_another_run() {
+    let mesh = model("tube-tree");
+    let with = |threshold: f64| SegmentOptions {
+        surfaces: false,
+        clusters: Some(6),
+        merge_threshold: Some(threshold),
+        rectify: Rectify::None,
+        ..SegmentOptions::default()
+    };
+    let all = run(&mesh, &with(1.0)).dendrogram;
+    for threshold in [0.0, 0.5, 2.0, 10.0] {
+        let result = run(&mesh, &with(threshold));
+        assert_eq!(result.dendrogram, all);
+        let left = all.regions as usize - all.until_threshold(threshold);
+        assert_eq!(result.regions.len(), left);
+        assert_eq!(all.cut(all.until_threshold(threshold)).iter().max().map(|&m| m as usize + 1), Some(left));
+    }
+    let result = run(&mesh, &SegmentOptions { regions: Some(4), ..with(1.0) });
+    assert_eq!(result.regions.len(), 4);
+}
+
+#[test]
+fn spoiled_labels_are_put_right() {
+    let mesh = model("bracket");
+    let truth = default(&mesh).labels;
+    // Triangles at borders go over to a neighbour, in a pattern without order.
+    let mut spoiled = truth.clone();
+    for f in 0..mesh.face_count() {
+        let beyond =
+            mesh.corners(FaceId::new(f)).filter_map(|c| mesh.opposite(c)).map(|o| truth[mesh.face_of(o).index()]);
+        if let Some(other) = beyond.filter(|&l| l != truth[f]).last() {
+            if f * 7919 % 100 < 35 {
+                spoiled[f] = other;
+            }
+        }
+    }
+    let wrong = |labels: &[u32]| labels.iter().zip(&truth).filter(|(a, b)| a != b).count();
+    assert!(wrong(&spoiled) > 20);
+    let options = SegmentOptions { labels: Some(spoiled.clone()), ..SegmentOptions::default() };
+    let mended = run(&mesh, &options);
+    assert!(partition(&mended.labels).intersection(&partition(&truth)).count() * 10 >= partition(&truth).len() * 9);
+    // Untouched where nothing is to be corrected.
+    let kept = run(&mesh, &SegmentOptions { rectify: Rectify::None, labels: Some(truth.clone()), ..options.clone() });
+    assert_eq!(partition(&kept.labels), partition(&truth));
+}
+
+#[test]
+fn open_irregular_and_separate_surfaces_are_segmented() {
+    let cubes = cubes_sharing_an_edge().triangulated().unwrap();
+    assert_eq!(default(&cubes).regions.len(), 12);
+    default(&strip(9, 1).triangulated().unwrap());
+    let two = together(&[sphere(2), moved(&sphere(2), |p| p + DVec3::X * 5.0)]);
+    assert_eq!(default(&two).regions.len(), 2);
+    // A vertex without faces, a triangle without area.
+    let mut points = sphere(2).points().to_vec();
+    points.push(DVec3::splat(9.0));
+    let faces: Vec<[u32; 3]> = sphere(2).faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    assert_eq!(default(&triangles(&points, &faces)).regions.len(), 1);
+    let flat = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::Y];
+    default(&triangles(&flat, &[[0, 1, 2], [0, 1, 3]]));
+    default(&triangles(&flat, &[[0, 1, 2]]));
+}
+
+#[test]
+fn bad_options_and_inputs_are_refused() {
+    let mesh = sphere(1);
+    let refused = |options: SegmentOptions| matches!(segment(&mesh, &options, &Context::new()), Err(Error::Options(_)));
+    let default = SegmentOptions::default;
+    assert!(refused(SegmentOptions { clusters: Some(0), ..default() }));
+    assert!(refused(SegmentOptions { regions: Some(0), ..default() }));
+    assert!(refused(SegmentOptions { merge_threshold: Some(f64::NAN), ..default() }));
+    assert!(refused(SegmentOptions { sharp_angle: Some(200.0), ..default() }));
+    assert!(refused(SegmentOptions { tolerance: Some(0.0), ..default() }));
+    assert!(refused(SegmentOptions { labels: Some(vec![0; 3]), ..default() }));
+    let empty = SurfaceMesh::from_triangles(Vec::new(), &[]).unwrap();
+    assert!(matches!(segment(&empty, &default(), &Context::new()), Err(Error::Input { .. })));
+    assert!(matches!(segment(&cube(DVec3::ZERO, 1.0), &default(), &Context::new()), Err(Error::Input { .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Any triangles at all: non-manifold, degenerate, one-sided, of any size.
+    #[test]
+    fn soups_give_valid_results(
+        points in prop::collection::vec(prop::array::uniform3(-1.0f64..1.0), 4..12),
+        faces in prop::collection::vec(prop::array::uniform3(0u32..4), 1..24),
+        exponent in -150i32..150,
+        paper in any::<bool>(),
+    ) {
+        let scale = 10f64.powi(exponent);
+        let points: Vec<DVec3> = points.into_iter().map(|p| DVec3::from_array(p) * scale).collect();
+        let mesh = triangles(&points, &faces);
+        let options = if paper { SegmentOptions::paper() } else { SegmentOptions::default() };
+        let result = segment(&mesh, &options, &Context::new()).unwrap();
+        prop_assert_eq!(result.labels.len(), faces.len());
+        prop_assert!(result.regions.iter().all(|r| r.area.is_finite() && r.kmax.is_finite() && r.max.is_finite()));
+    }
+}
