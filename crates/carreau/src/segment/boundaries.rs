@@ -87,7 +87,7 @@ pub fn boundaries(surface: &Surface<'_>, label: &[u32], sharp: &[bool]) -> Vec<B
             out.push(chain(k, pieces[k as usize].ends[0], &mut used));
         }
     }
-    out.sort_by(|a, b| (a.regions.0, a.regions.1.unwrap_or(NONE)).cmp(&(b.regions.0, b.regions.1.unwrap_or(NONE))));
+    out.sort_by_key(|a| (a.regions.0, a.regions.1.unwrap_or(NONE)));
     out
 }
 

@@ -189,11 +189,12 @@ impl<'a> Band<'a> {
             while let Some(k) = stack.pop() {
                 let m = self.members[k as usize];
                 for n in (3 * m..3 * m + 3).filter_map(|c| self.surface.across(c, self.barrier)) {
-                    if let Some(&n) = self.index.get(&n) {
-                        if !seen[n as usize] && sides[n as usize] == sides[k as usize] {
-                            seen[n as usize] = true;
-                            stack.push(n);
-                        }
+                    if let Some(&n) = self.index.get(&n)
+                        && !seen[n as usize]
+                        && sides[n as usize] == sides[k as usize]
+                    {
+                        seen[n as usize] = true;
+                        stack.push(n);
                     }
                 }
             }

@@ -101,10 +101,11 @@ pub fn recognise(
         }
     }
     for seed in weak {
-        if search.owner[seed as usize] == NONE && !search.tried[seed as usize] {
-            if let Some(found) = search.best_from(seed).filter(|f| !search.is_soft(f)) {
-                search.claim(found);
-            }
+        if search.owner[seed as usize] == NONE
+            && !search.tried[seed as usize]
+            && let Some(found) = search.best_from(seed).filter(|f| !search.is_soft(f))
+        {
+            search.claim(found);
         }
     }
     Ok((search.owner, search.found))
@@ -214,12 +215,11 @@ impl<'a> Search<'a> {
     /// The best surface through a facet and its surroundings.
     fn best_from(&mut self, seed: u32) -> Option<Candidate> {
         let (mut best, all) = self.best_within(seed, Reach::All, &[]);
-        if best.as_ref().is_none_or(|b| b.surplus < STRONG) {
-            if let Some(other) = self.best_within(seed, Reach::Sideways, &all).0 {
-                if best.as_ref().is_none_or(|b| better(&other, b)) {
-                    best = Some(other);
-                }
-            }
+        if best.as_ref().is_none_or(|b| b.surplus < STRONG)
+            && let Some(other) = self.best_within(seed, Reach::Sideways, &all).0
+            && best.as_ref().is_none_or(|b| better(&other, b))
+        {
+            best = Some(other);
         }
         if best.is_none() {
             // Neighbouring seeds of the same size see nearly the same points; after a few failures a facet is no seed any
@@ -273,10 +273,10 @@ impl<'a> Search<'a> {
             }
             let start = fit_within(kind, &self.points, &self.normals, self.accuracy.distance, &mut self.scratch);
             let Some(start) = start else { continue };
-            if let Some(candidate) = self.grow(start.primitive, seed) {
-                if best.as_ref().is_none_or(|b| better(&candidate, b)) {
-                    best = Some(candidate);
-                }
+            if let Some(candidate) = self.grow(start.primitive, seed)
+                && best.as_ref().is_none_or(|b| better(&candidate, b))
+            {
+                best = Some(candidate);
             }
             self.gather(patch);
         }

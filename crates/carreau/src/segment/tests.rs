@@ -247,10 +247,10 @@ fn spoiled_labels_are_put_right() {
     for f in 0..mesh.face_count() {
         let beyond =
             mesh.corners(FaceId::new(f)).filter_map(|c| mesh.opposite(c)).map(|o| truth[mesh.face_of(o).index()]);
-        if let Some(other) = beyond.filter(|&l| l != truth[f]).last() {
-            if f * 7919 % 100 < 35 {
-                spoiled[f] = other;
-            }
+        if let Some(other) = beyond.filter(|&l| l != truth[f]).last()
+            && f * 7919 % 100 < 35
+        {
+            spoiled[f] = other;
         }
     }
     let wrong = |labels: &[u32]| labels.iter().zip(&truth).filter(|(a, b)| a != b).count();
