@@ -243,6 +243,12 @@ const PART: f64 = 0.02;
 const TOLERANCE: f64 = 3e-5;
 /// Across creases only regions smaller than A_min by this factor are merged first.
 const SHARP_DIVISOR: f64 = 50.0;
+/// Scans: clusters, A_min, rounds of averaging of curvature, and the multiple of the median bend from which edges are sharp.
+const SCAN_CLUSTERS: usize = 5;
+const SCAN_AREA: f64 = 4e-3;
+const SCAN_SMOOTHING: usize = 12;
+const SCAN_SHARP: f64 = 6.0;
+const SCAN_SHARPEST: f64 = 1.05;
 /// Rounds of rectification.
 const ROUNDS: usize = 2;
 
@@ -287,7 +293,7 @@ struct Segmenter<'a> {
 }
 
 impl Segmenter<'_> {
-    fn run(&self) -> Result<Segmentation> {
+    fn run(mut self) -> Result<Segmentation> {
         let scale = self.scale();
         let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * self.surface.mesh.diagonal());
         let mut chosen = Chosen {
@@ -300,9 +306,15 @@ impl Segmenter<'_> {
             recognised: 0.0,
             rectified: 0,
         };
-        let curvature = self.curvature(self.surface, &self.sharp)?;
         let mut dendrogram = Dendrogram::default();
-        let mut label = match self.start(&mut chosen)? {
+        let start = self.start(&mut chosen)?;
+        if start.is_none() && self.options.surfaces && self.options.sharp_angle.is_none() {
+            self.angle = surface::noisy_sharp_angle(self.surface, SCAN_SHARP).clamp(self.angle, SCAN_SHARPEST);
+            self.sharp = Sharp::new(self.surface, self.angle);
+            chosen.sharp_angle_deg = self.angle.to_degrees();
+        }
+        let curvature = self.curvature(self.surface, &self.sharp)?;
+        let mut label = match start {
             Some(label) => label,
             None => {
                 let found = self.by_curvature(&curvature, scale)?;
@@ -373,13 +385,16 @@ impl Segmenter<'_> {
         scale: f64,
         order: &[u32],
     ) -> Result<CurvatureRegions> {
+        // A mesh that was asked for surfaces and has none is a scan: its creases and the variation of curvature from vertex
+        // to vertex are noise.
+        let scan = self.options.surfaces;
         let demand = Demand {
-            clusters: self.options.clusters.map(|k| k as usize),
+            clusters: self.options.clusters.map(|k| k as usize).or(scan.then_some(SCAN_CLUSTERS)),
             threshold: self.options.merge_threshold,
             regions: self.options.regions.map(|n| n as usize),
-            min_area: self.options.min_area,
-            // A mesh that was asked for surfaces and has none is a scan, whose creases are noise.
-            min_area_across_creases: self.options.min_area / if self.options.surfaces { 1.0 } else { SHARP_DIVISOR },
+            min_area: if scan { self.options.min_area.max(SCAN_AREA) } else { self.options.min_area },
+            min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / SHARP_DIVISOR },
+            smoothing: if scan { SCAN_SMOOTHING } else { 0 },
         };
         let full = full_magnitudes(surface.triangles, &vec![true; surface.triangles.points().len()], self.context)?;
         let free = vec![true; surface.len()];

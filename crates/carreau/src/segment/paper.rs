@@ -22,6 +22,8 @@ pub struct Demand {
     pub min_area: f64,
     /// The same across creases.
     pub min_area_across_creases: f64,
+    /// Rounds of averaging of curvature over neighbouring vertices, for surfaces with noise.
+    pub smoothing: usize,
 }
 
 /// Regions before merging, all merges, and how many of them were done.
@@ -46,10 +48,16 @@ pub fn curvature_regions(
     demand: &Demand,
     context: &Context,
 ) -> Result<CurvatureRegions> {
-    let pair = |v: u32| {
-        let (a, b) = (curvature.kmin[v as usize].abs() * scale, curvature.kmax[v as usize].abs() * scale);
+    let magnitudes = |v: usize| {
+        let (a, b) = (curvature.kmin[v].abs() * scale, curvature.kmax[v].abs() * scale);
         [a.max(b), a.min(b)]
     };
+    let mut pairs: Vec<Pair> = (0..sharp.vertex.len()).map(magnitudes).collect();
+    for _ in 0..demand.smoothing {
+        context.check()?;
+        pairs = averaged(surface, sharp, &pairs);
+    }
+    let pair = |v: u32| pairs[v as usize];
     let mut used = vec![false; sharp.vertex.len()];
     for t in (0..surface.len() as u32).filter(|&t| free[t as usize]) {
         surface.triangles.triangle(t).iter().for_each(|&v| used[v as usize] = !sharp.vertex[v as usize]);
@@ -86,4 +94,16 @@ pub fn curvature_regions(
     let number = dendrogram.cut(merges);
     let label = regions.label.iter().map(|&l| if l == NONE { NONE } else { number[l as usize] }).collect();
     Ok(CurvatureRegions { label, dendrogram, clusters: clusters.centers.len(), threshold })
+}
+
+/// Every value averaged with those at the other ends of its smooth edges.
+fn averaged(surface: &Surface<'_>, sharp: &Sharp, values: &[Pair]) -> Vec<Pair> {
+    let t = surface.triangles;
+    let mut sum: Vec<[f64; 3]> = values.iter().map(|v| [v[0], v[1], 1.0]).collect();
+    for c in (0..3 * t.len() as u32).filter(|&c| !sharp.edge[c as usize]) {
+        // Each inner edge is met from both sides and adds to the vertex that its half-edge leaves.
+        let (from, to) = (&mut sum[t.vertex(c) as usize], values[t.vertex(t.next(c)) as usize]);
+        *from = [from[0] + to[0], from[1] + to[1], from[2] + 1.0];
+    }
+    sum.into_iter().map(|s| [s[0] / s[2], s[1] / s[2]]).collect()
 }

@@ -134,3 +134,10 @@ pub fn sharp_angle(surface: &Surface<'_>, context: &Context) -> Result<f64> {
     let middle = widest.filter(|w| w[1] - w[0] >= least).map(|w| f64::from(w[0] + w[1]) / 2.0);
     Ok(middle.unwrap_or(default).to_radians())
 }
+
+/// A multiple of the median bend, in radians: sharp on a surface that bends at every edge.
+pub fn noisy_sharp_angle(surface: &Surface<'_>, multiple: f64) -> f64 {
+    let mut bends: Vec<f32> = surface.bend.iter().copied().filter(|&b| b < std::f32::consts::PI).collect();
+    let middle = bends.len() / 2;
+    if bends.is_empty() { 0.0 } else { multiple * f64::from(*bends.select_nth_unstable_by(middle, f32::total_cmp).1) }
+}
