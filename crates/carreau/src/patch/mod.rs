@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | edges that limit patches | `creases` | §5 |
 //! | which pairs are quads, and how good | `quality` | §3.1, equation 1 |
+//! | which reflex quads fold too much | `fold` | – |
 //! | zones of quads | `zones` | §3.2 |
 //! | or: the optimal choice of quads | `pairing` | – |
 //! | rows and columns, polygons with walls | `positions`, `polygon` | §3.3, figures 5–7 |
@@ -32,6 +33,7 @@ pub mod cad;
 mod concave;
 mod creases;
 mod dissection;
+mod fold;
 mod grid;
 mod growth;
 mod merge;
@@ -108,7 +110,8 @@ pub struct PatchOptions {
     pub policy: Policy,
     /// Smallest number of cells of a patch; smaller ones stay triangles. 1 keeps single quads.
     pub min_cells: u32,
-    /// Q_max of equation 1 in degrees, 0..=180; from 135 on it rejects no shape.
+    /// Q_max of equation 1 in degrees, 0..=180; from 135 on it rejects no shape. Large quads that fold over themselves are
+    /// never accepted.
     pub q_max: f64,
     /// ε_φ: largest angle between the normals of the two triangles of a quad, in degrees.
     pub dihedral: f64,

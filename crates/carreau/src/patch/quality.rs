@@ -10,11 +10,13 @@
 //!
 //! Q = ¼ Σ |π/2 − αᵢ| over the corner angles, each αᵢ the *sum* of the triangle angles there, so that reflex corners
 //! count as what they are; a pair bent by more than ε_φ, or with Q > Q_max, is no candidate (the paper gives it Q = 2π).
+//! Nor is one with a reflex corner whose bilinear surface folds noticeably (see `fold`), which the paper does not ask.
 //! The filters always use equation 1; another coefficient (`--quality`, the paper's future work) changes the ranking.
 //!
 //! All sums are formed so that their last bit does not depend on the numbering of vertices and triangles, and ties
 //! are broken by position: relabelling the mesh does not change the result.
 
+use super::fold::FoldLimit;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{AngleLimit, angle_between};
@@ -113,6 +115,7 @@ impl<'a> Candidates<'a> {
             targets: targets.as_deref(),
             filters,
             dihedral: AngleLimit::new(filters.dihedral),
+            fold: FoldLimit::new(triangles),
         };
         // The cost is the same from both sides, to the last bit: the half-edge with the smaller number is rated.
         let mut cost: Vec<f64> = (0..3 * triangles.len() as u32)
@@ -151,6 +154,7 @@ struct Rater<'a> {
     targets: Option<&'a [f64]>,
     filters: &'a Filters,
     dihedral: AngleLimit,
+    fold: FoldLimit,
 }
 
 impl Rater<'_> {
@@ -176,7 +180,12 @@ impl Rater<'_> {
             at(&angles0, t.previous(h)),               // c
         ];
         let q = deviation(alpha, [FRAC_PI_2; 4]);
-        if q > f.q_max || (f.convex_only && alpha.iter().any(|&a| a > PI)) {
+        if q > f.q_max {
+            return None;
+        }
+        let corners = [h, t.previous(o), o, t.previous(h)];
+        let is_reflex = alpha.iter().any(|&a| a > PI);
+        if is_reflex && (f.convex_only || self.fold.is_exceeded(corners.map(|c| t.point(c)))) {
             return None;
         }
         Some(match (f.quality, self.targets) {
