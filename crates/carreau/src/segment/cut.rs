@@ -2,8 +2,8 @@
 //! divided anew, by the shortest line where an edge is the longer the worse it follows the lines of curvature, and where
 //! every triangle has a price in each of the two regions.
 //!
-//! A move is rejected when it removes a region, divides one, or raises the price of the triangles by themselves: contours
-//! get straight, never at the cost of the fit. (The paper's contour following is excellent on parts of revolution and
+//! A move is rejected when it removes a region or divides one, and, where regions lie on surfaces, when it raises the price of
+//! the triangles by themselves: contours get straight, never at the cost of the fit. (The paper's contour following is excellent on parts of revolution and
 //! loses faces where tangent contours meet in threes.)
 
 use super::score::Scores;
@@ -22,7 +22,8 @@ const BASE: f64 = 0.05;
 const STEPS: f64 = 1e9;
 const ENDLESS: i64 = i64::MAX / 1024;
 
-/// Straightens the boundaries of all pairs of regions, twice over. `price` says what a triangle costs in a region.
+/// Straightens the boundaries of all pairs of regions, twice over. `price` says what a triangle costs in a region; with
+/// the guard no move may raise the prices by themselves.
 pub fn cut(
     surface: &Surface<'_>,
     scores: &Scores<'_>,
@@ -30,6 +31,7 @@ pub fn cut(
     label: &mut [u32],
     price: &(dyn Fn(u32, u32) -> f64 + Sync),
     rounds: usize,
+    guard: bool,
     context: &Context,
 ) -> Result<usize> {
     let mut moved = 0;
@@ -41,7 +43,7 @@ pub fn cut(
             context.check()?;
             let mut band = Band::new(surface, barrier, label, pair, &boundary);
             let sides = band.divide(scores, price);
-            changed += band.apply(label, &mut size, &sides, price);
+            changed += band.apply(label, &mut size, &sides, guard.then_some(price));
         }
         moved += changed;
         if changed == 0 {
@@ -152,7 +154,7 @@ impl<'a> Band<'a> {
         label: &mut [u32],
         size: &mut [usize],
         sides: &[bool],
-        price: &(dyn Fn(u32, u32) -> f64 + Sync),
+        guard: Option<&(dyn Fn(u32, u32) -> f64 + Sync)>,
     ) -> usize {
         let (a, b) = self.pair;
         let changes: Vec<usize> = (0..sides.len()).filter(|&k| sides[k] != self.old[k]).collect();
@@ -163,10 +165,11 @@ impl<'a> Band<'a> {
         let sizes = [size[a as usize] + gained, size[b as usize] + (changes.len() - gained)];
         let sizes = [sizes[0] - (changes.len() - gained), sizes[1].saturating_sub(gained)];
         let name = |first: bool| if first { a } else { b };
-        let change = |k: usize| price(self.members[k], name(sides[k])) - price(self.members[k], name(!sides[k]));
-        if sizes.contains(&0)
-            || changes.iter().map(|&k| change(k)).sum::<f64>() > 1e-12 * self.surface.total_area.sqrt()
-        {
+        let dearer = |price: &(dyn Fn(u32, u32) -> f64 + Sync)| {
+            let change = |&k: &usize| price(self.members[k], name(sides[k])) - price(self.members[k], name(!sides[k]));
+            changes.iter().map(change).sum::<f64>() > 1e-12 * self.surface.total_area.sqrt()
+        };
+        if sizes.contains(&0) || guard.is_some_and(dearer) {
             return 0;
         }
         changes.iter().for_each(|&k| label[self.members[k] as usize] = name(sides[k]));

@@ -414,7 +414,14 @@ impl Segmenter<'_> {
         } else {
             let prices = Prices::new(self.surface, label, curvature, chosen);
             let price = |t: u32, l: u32| prices.of(t, l);
-            cut::cut(self.surface, &scores, &self.sharp.edge, label, &price, ROUNDS, self.context)?;
+            let guard = chosen.basis == Basis::Labels;
+            let moved = cut::cut(self.surface, &scores, &self.sharp.edge, label, &price, ROUNDS, guard, self.context)?;
+            if !guard && moved > 0 {
+                // A cut may have parted a region outside of its band; the smaller parts go to their neighbours.
+                regions::keep_largest_parts(self.surface, label, self.order);
+                let (open, all) = (vec![false; 3 * label.len()], vec![true; label.len()]);
+                growth::fill(self.surface, &open, &all, label, self.context)?;
+            }
         }
         Ok(before.iter().zip(label.iter()).filter(|(a, b)| a != b).count())
     }

@@ -61,6 +61,25 @@ pub fn connected(surface: &Surface<'_>, label: &[u32], order: &[u32]) -> Vec<u32
     part
 }
 
+/// Takes the label from all connected parts but the largest of each label; [`NONE`] is left there.
+pub fn keep_largest_parts(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) {
+    let part = connected(surface, label, order);
+    let mut area = vec![0.0; part.iter().max().map_or(0, |&m| m as usize + 1)];
+    part.iter().zip(&surface.areas).for_each(|(&p, &a)| area[p as usize] += a);
+    let mut largest = vec![NONE; label.iter().max().map_or(0, |&m| m as usize + 1)];
+    for &t in order {
+        let (p, best) = (part[t as usize], &mut largest[label[t as usize] as usize]);
+        if *best == NONE || area[p as usize] > area[*best as usize] {
+            *best = p;
+        }
+    }
+    for (label, &p) in label.iter_mut().zip(&part) {
+        if largest[*label as usize] != p {
+            *label = NONE;
+        }
+    }
+}
+
 /// Numbers labels by area, largest first; ties by the first triangle in the order.
 pub fn by_size(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) -> usize {
     let count = label.iter().max().map_or(0, |&m| m as usize + 1);
@@ -239,7 +258,8 @@ pub fn describe(
             let area = triangles.iter().map(|&t| surface.areas[t as usize]).sum();
             let (mut kmin, mut kmax, mut weight) = (0.0, 0.0, 0.0);
             for v in triangles.iter().flat_map(|&t| surface.triangles.triangle(t)) {
-                let w = curvature.area[v as usize];
+                // Shares, so that no size overflows.
+                let w = if surface.total_area > 0.0 { curvature.area[v as usize] / surface.total_area } else { 0.0 };
                 kmin += w * curvature.kmin[v as usize];
                 kmax += w * curvature.kmax[v as usize];
                 weight += w;

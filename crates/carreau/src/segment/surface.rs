@@ -3,7 +3,7 @@
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, face_normals};
-use crate::mesh::{NONE, SurfaceMesh, Triangles, triangle_area_vector};
+use crate::mesh::{NONE, SurfaceMesh, Triangles, safe_length, triangle_area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
 
 fn area(triangles: Triangles<'_>, t: u32) -> f64 {
     let p = triangles.triangle(t).map(|v| triangles.points()[v as usize]);
-    triangle_area_vector(p[0], p[1], p[2]).length()
+    safe_length(triangle_area_vector(p[0], p[1], p[2]))
 }
 
 /// Sum over fixed chunks: the same for any number of threads.

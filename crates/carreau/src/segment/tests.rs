@@ -152,11 +152,7 @@ fn the_bracket_keeps_its_faces_in_every_position_and_size() {
 
 #[test]
 fn relabelling_triangles_changes_nothing() {
-    for (name, options) in [
-        ("rounded-box", SegmentOptions::default()),
-        ("tube-tree", SegmentOptions::default()),
-        ("cube-cylinders", SegmentOptions::paper()),
-    ] {
+    for (name, options) in [("rounded-box", SegmentOptions::default()), ("cube-cylinders", SegmentOptions::paper())] {
         let mesh = model(name);
         let n = mesh.face_count();
         // A permutation without pattern: multiplication by a number without a common divisor.
@@ -313,6 +309,8 @@ proptest! {
         let options = if paper { SegmentOptions::paper() } else { SegmentOptions::default() };
         let result = segment(&mesh, &options, &Context::new()).unwrap();
         prop_assert_eq!(result.labels.len(), faces.len());
-        prop_assert!(result.regions.iter().all(|r| r.area.is_finite() && r.kmax.is_finite() && r.max.is_finite()));
+        for r in &result.regions {
+            prop_assert!([r.area, r.kmin, r.kmax, r.rms, r.max].iter().all(|x| x.is_finite()), "{:?}", r);
+        }
     }
 }
