@@ -43,7 +43,7 @@ impl Dendrogram {
         (self.regions as usize).saturating_sub(regions).min(self.merges.len())
     }
 
-    /// The threshold in the widest gap of log D between [`AUTO_LOW`] and [`AUTO_HIGH`]; the paper's 5 where D grows
+    /// The threshold in the widest gap of log D between 1 and 25; the paper's 5 where D grows
     /// without a gap.
     pub fn automatic_threshold(&self) -> f64 {
         let mut top = AUTO_LOW;
