@@ -18,7 +18,7 @@ const MODELS: &[&str] = &["cube-cylinders", "bracket", "rounded-box", "torus", "
 
 /// Makes built-in models, runs the methods on them and writes a folder with index.html
 #[derive(Args)]
-#[command(after_help = "Example:\n  carreau demo -o /tmp/carreau-demo")]
+#[command(after_help = "Example:\n  carreau demo -o shown")]
 pub struct Demo {
     /// The folder to write
     #[arg(short, long, value_name = "DIR", default_value = "carreau-demo")]

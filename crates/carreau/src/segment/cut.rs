@@ -3,8 +3,8 @@
 //! every triangle has a price in each of the two regions.
 //!
 //! A move is rejected when it removes a region or divides one, and, where regions lie on surfaces, when it raises the price of
-//! the triangles by themselves: contours get straight, never at the cost of the fit. (The paper's contour following is excellent on parts of revolution and
-//! loses faces where tangent contours meet in threes.)
+//! the triangles by themselves: contours get straight, never at the cost of the fit. (The paper's contour following is
+//! excellent on parts of revolution and loses faces where tangent contours meet in threes.)
 
 use super::score::Scores;
 use super::surface::Surface;
@@ -22,7 +22,7 @@ const BASE: f64 = 0.05;
 const STEPS: f64 = 1e9;
 const ENDLESS: i64 = i64::MAX / 1024;
 
-/// Straightens the boundaries of all pairs of regions, twice over. `price` says what a triangle costs in a region; with
+/// Straightens the boundaries of all pairs of regions, `rounds` times over. `price` says what a triangle costs in a region; with
 /// the guard no move may raise the prices by themselves.
 pub fn cut(
     surface: &Surface<'_>,
@@ -41,7 +41,7 @@ pub fn cut(
         let mut changed = 0;
         for (pair, boundary) in boundaries(surface, barrier, label) {
             context.check()?;
-            let mut band = Band::new(surface, barrier, label, pair, &boundary);
+            let band = Band::new(surface, barrier, label, pair, &boundary);
             let sides = band.divide(scores, price);
             changed += band.apply(label, &mut size, &sides, guard.then_some(price));
         }
@@ -119,7 +119,7 @@ impl<'a> Band<'a> {
     }
 
     /// Whether every member belongs to the first region now.
-    fn divide(&mut self, scores: &Scores<'_>, price: &(dyn Fn(u32, u32) -> f64 + Sync)) -> Vec<bool> {
+    fn divide(&self, scores: &Scores<'_>, price: &(dyn Fn(u32, u32) -> f64 + Sync)) -> Vec<bool> {
         let mut edges = Vec::new();
         for (k, &m) in self.members.iter().enumerate() {
             for c in 3 * m..3 * m + 3 {
@@ -162,8 +162,8 @@ impl<'a> Band<'a> {
             return 0;
         }
         let gained = changes.iter().filter(|&&k| sides[k]).count();
-        let sizes = [size[a as usize] + gained, size[b as usize] + (changes.len() - gained)];
-        let sizes = [sizes[0] - (changes.len() - gained), sizes[1].saturating_sub(gained)];
+        let lost = changes.len() - gained;
+        let sizes = [size[a as usize] + gained - lost, size[b as usize] + lost - gained];
         let name = |first: bool| if first { a } else { b };
         let dearer = |price: &(dyn Fn(u32, u32) -> f64 + Sync)| {
             let change = |&k: &usize| price(self.members[k], name(sides[k])) - price(self.members[k], name(!sides[k]));

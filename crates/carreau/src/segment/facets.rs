@@ -1,6 +1,7 @@
 //! Planar facets: connected triangles in one plane. On a polyhedral model a facet is a face; on a tessellated curved
 //! surface it is a strip between two generators or a single triangle.
 
+use super::regions::Groups;
 use super::surface::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -14,9 +15,7 @@ const MAX_TURN: f64 = 0.2;
 pub struct Facets {
     /// Facet of every triangle; [`NONE`] where it was not free.
     pub of: Vec<u32>,
-    /// Triangles grouped by facet.
-    start: Vec<u32>,
-    members: Vec<u32>,
+    groups: Groups,
     /// Unit normals and areas.
     pub normal: Vec<DVec3>,
     pub area: Vec<f64>,
@@ -31,7 +30,7 @@ impl Facets {
     /// The triangles of a facet.
     #[inline]
     pub fn triangles(&self, f: u32) -> &[u32] {
-        &self.members[self.start[f as usize] as usize..self.start[f as usize + 1] as usize]
+        self.groups.of(f)
     }
 
     /// Grows facets over the free triangles, in this order; all vertices lie within the tolerance of the plane.
@@ -78,15 +77,8 @@ impl Facets {
             normal.push(plane.normal);
             area.push(plane.area);
         }
-        let mut start = vec![0u32; normal.len() + 1];
-        of.iter().filter(|&&f| f != NONE).for_each(|&f| start[f as usize + 1] += 1);
-        (1..start.len()).for_each(|k| start[k] += start[k - 1]);
-        let (mut fill, mut members) = (start.clone(), vec![0u32; start[normal.len()] as usize]);
-        for (k, &f) in of.iter().enumerate().filter(|(_, f)| **f != NONE) {
-            members[fill[f as usize] as usize] = k as u32;
-            fill[f as usize] += 1;
-        }
-        Ok(Facets { of, start, members, normal, area })
+        let groups = Groups::new(&of, normal.len());
+        Ok(Facets { of, groups, normal, area })
     }
 }
 

@@ -396,7 +396,7 @@ impl Segmenter<'_> {
             min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / SHARP_DIVISOR },
             smoothing: if scan { SCAN_SMOOTHING } else { 0 },
         };
-        let full = full_magnitudes(surface.triangles, &vec![true; surface.triangles.points().len()], self.context)?;
+        let full = full_magnitudes(surface.triangles, &[], self.context)?;
         let free = vec![true; surface.len()];
         curvature_regions(surface, sharp, curvature, &full, scale, &free, order, &demand, self.context)
     }
@@ -443,8 +443,8 @@ impl Segmenter<'_> {
             .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance))
             .collect();
         self.context.check()?;
-        let regions = regions::describe(self.surface, &labels, &groups, curvature, &fits);
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);
+        let regions = regions::describe(self.surface, &groups, &boundaries, curvature, &fits);
         Ok(Segmentation { labels, regions, boundaries, dendrogram, chosen })
     }
 }

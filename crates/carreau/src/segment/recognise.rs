@@ -222,13 +222,17 @@ impl<'a> Search<'a> {
             best = Some(other);
         }
         if best.is_none() {
-            // Neighbouring seeds of the same size see nearly the same points; after a few failures a facet is no seed any
-            // more. The strips beside a large facet are another matter.
-            for &f in all.iter().filter(|&&f| 2.0 * self.facets.area[f as usize] > self.facets.area[seed as usize]) {
-                self.failures[f as usize] = self.failures[f as usize].saturating_add(1);
-            }
+            self.blame(&all, seed);
         }
         best
+    }
+
+    /// Counts a failure of a seed against facets. Neighbouring seeds of the same size see nearly the same points; after a
+    /// few failures a facet is no seed any more. The strips beside a large facet are another matter.
+    fn blame(&mut self, facets: &[u32], seed: u32) {
+        for &f in facets.iter().filter(|&&f| 2.0 * self.facets.area[f as usize] > self.facets.area[seed as usize]) {
+            self.failures[f as usize] = self.failures[f as usize].saturating_add(1);
+        }
     }
 
     /// The best surface through the neighbourhood of a facet that is just large enough, and the neighbourhood. One that
@@ -325,9 +329,7 @@ impl<'a> Search<'a> {
         }
         let candidate = self.judge(primitive, &facets);
         if candidate.is_none() {
-            for &f in facets.iter().filter(|&&f| 2.0 * self.facets.area[f as usize] > self.facets.area[seed as usize]) {
-                self.failures[f as usize] = self.failures[f as usize].saturating_add(1);
-            }
+            self.blame(&facets, seed);
         }
         candidate
     }

@@ -1,5 +1,6 @@
 //! From labels to regions: connected, numbered by size, with their figures and surfaces.
 
+use super::boundaries::Boundary;
 use super::surface::Surface;
 use crate::geometry::curvature::Curvature;
 use crate::geometry::primitive::{Fit, Kind, Primitive, Scratch, fit_robust, fit_within, refine};
@@ -245,13 +246,13 @@ fn looks_along(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> bool 
 /// Figures of all regions.
 pub fn describe(
     surface: &Surface<'_>,
-    label: &[u32],
     groups: &Groups,
+    boundaries: &[Boundary],
     curvature: &Curvature,
     surfaces: &[Option<Fit>],
 ) -> Vec<Region> {
     let count = groups.len();
-    let mut neighbours = neighbours(surface, label, count);
+    let mut neighbours = neighbours(boundaries, count);
     (0..count as u32)
         .map(|l| {
             let triangles = groups.of(l);
@@ -280,37 +281,13 @@ pub fn describe(
         .collect()
 }
 
-/// Regions that share an edge with exactly two faces.
-fn neighbours(surface: &Surface<'_>, label: &[u32], count: usize) -> Vec<Vec<u32>> {
-    use crate::mesh::{CornerId, Side};
-    let mut found: Vec<(u32, u32)> = Vec::new();
-    let mut irregular = false;
-    for c in 0..3 * label.len() as u32 {
-        match surface.mesh.side(CornerId(c)) {
-            Side::Inner(o) => {
-                let (a, b) = (label[c as usize / 3], label[o.index() / 3]);
-                if a < b {
-                    found.push((a, b));
-                }
-            }
-            Side::Inconsistent => irregular = true,
-            Side::Border | Side::NonManifold => {}
-        }
-    }
-    if irregular {
-        for edge in surface.mesh.half_edges().groups().filter(|e| e.len() == 2 && e.ends[0] != e.ends[1]) {
-            let mut sides = edge.corners().map(|c| label[c as usize / 3]);
-            if let (Some(a), Some(b)) = (sides.next(), sides.next())
-                && a != b
-            {
-                found.push((a.min(b), a.max(b)));
-            }
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
+/// The regions on the other side of every region's boundaries, in order.
+fn neighbours(boundaries: &[Boundary], count: usize) -> Vec<Vec<u32>> {
+    let mut pairs: Vec<(u32, u32)> = boundaries.iter().filter_map(|b| Some((b.regions.0, b.regions.1?))).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
     let mut out = vec![Vec::new(); count];
-    for (a, b) in found {
+    for (a, b) in pairs {
         out[a as usize].push(b);
         out[b as usize].push(a);
     }
