@@ -251,10 +251,13 @@ impl Patch {
         model.warnings.into_iter().for_each(|w| session.warn(w));
         session.record.set("faces", model.brep.faces.len());
         if options.brep.fit == Fit::Bicubic {
-            let bicubic = model.fits.iter().filter(|f| f.rung == Rung::Bicubic).count();
+            let on = |rung: Rung| model.fits.iter().filter(|f| f.rung == rung).count();
+            let (bicubic, planes) = (on(Rung::Bicubic), on(Rung::Plane));
             let worst = model.fits.iter().map(|f| f.deviation).fold(0.0, f64::max);
-            session.say(format!("{bicubic} of {} patches are bicubic, within {worst:.3e}", model.fits.len()));
-            session.record.set("fit", json!({ "bicubic": bicubic, "deviation_max": worst, "patches": model.fits }));
+            let count = model.fits.len();
+            session.say(format!("{bicubic} of {count} patches are bicubic, {planes} plane, within {worst:.3e}"));
+            let fit = json!({ "bicubic": bicubic, "planes": planes, "deviation_max": worst, "patches": model.fits });
+            session.record.set("fit", fit);
         }
         session.write_bytes(file, &bytes)?;
         session.say(format!(

@@ -193,10 +193,10 @@ impl PatchOptions {
     }
 
     /// Probes per triangle. Rectangles grow with the mesh, and their triangles leave the cache: sixteen probes on every
-    /// triangle are affordable up to some 200,000 triangles, and on a million two find nearly as much.
+    /// triangle are affordable up to some 200,000 triangles, and on a million one finds nearly as much.
     fn probes(&self, triangles: usize) -> u32 {
         match self.probes {
-            None => (3_200_000 / triangles.max(1)).clamp(2, 16) as u32,
+            None => (1_600_000 / triangles.max(1)).clamp(1, 16) as u32,
             Some(0) => u32::MAX,
             Some(n) => n,
         }

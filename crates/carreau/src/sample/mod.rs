@@ -128,7 +128,7 @@ pub const SAMPLES: &[Sample] = &[
         closed: true,
         resolution: 60,
         diagonal: 4.123,
-        make: |edge, context| cylinder(1.0, 3.0, edge, context),
+        make: |edge, _| cylinder(1.0, 3.0, edge),
     },
     Sample {
         name: "icosphere",

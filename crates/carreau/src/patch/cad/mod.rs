@@ -45,7 +45,7 @@ pub enum Fit {
     /// Surfaces of degree (1, 1) through every vertex.
     #[default]
     Bilinear,
-    /// Bicubic surfaces within a tolerance, where they are smaller.
+    /// Bicubic surfaces within a tolerance, where they are smaller; planes where the mesh is flat.
     Bicubic,
 }
 
@@ -72,8 +72,10 @@ pub enum Rung {
     /// Of degree (1, 1), through every vertex.
     Bilinear,
     /// Of degree 3, in one direction at least, within the tolerance.
-    #[default]
     Bicubic,
+    /// A plane; only its border is fitted.
+    #[default]
+    Plane,
 }
 
 /// What the fit of one patch came to; of the worst of its faces where it has several.

@@ -7,7 +7,8 @@
 //! | `surface` | between given sides the inner control points are fitted and the knots refined |
 //! | `stencil` | the equations of that, solved |
 //!
-//! Sides are never changed by a surface, so neighbours meet without gap or tolerance (C0), at T-nodes, too. A block whose
+//! A block in a plane is a plane face, whatever its border looks like: it needs no control points and asks nothing of its
+//! sides. Sides are never changed by a surface, so neighbours meet without gap or tolerance (C0), at T-nodes, too. A block whose
 //! surface does not reach the tolerance, or would not be smaller than the exact one of degree (1, 1), stays exact. Its
 //! border then is the polyline of its vertices, and that its neighbours have to follow: with kinks at every vertex. They
 //! may in turn not be worth it any more; so exact blocks are settled first, by counting control points, then the rest is
@@ -30,6 +31,11 @@ use curve::{ChainCurve, Shape};
 use rayon::prelude::*;
 use side::Frame;
 use surface::{Fitted, Problem};
+
+/// Vertices this near to a plane, as a share of the diagonal, lie in it: no farther than the file says itself.
+const FLATNESS: f64 = 1e-9;
+/// Sides of a plane face may move by the tolerance; its cells are this many times as wide, so that they never cross.
+const NARROW: f64 = 4.0;
 
 /// Fitted curves and surfaces for all chains and pieces, and what every patch came to.
 pub fn geometry(
@@ -74,6 +80,8 @@ struct Ladder<'a> {
     curves: Vec<ChainCurve>,
     /// Parameters of columns and rows of every block.
     scales: Vec<[Vec<f64>; 2]>,
+    /// The planes of the blocks that lie in one.
+    planes: Vec<Option<Surface>>,
     /// Whether a piece is to be fitted.
     spline: Vec<bool>,
 }
@@ -98,8 +106,17 @@ impl<'a> Ladder<'a> {
             _ => Default::default(),
         };
         let scales = pieces.iter().map(scale).collect();
-        let spline = pieces.iter().map(|p| matches!(p.source, Source::Block(b) if b.size != [1, 1])).collect();
-        Ok(Ladder { scene, pieces, chains, tolerance, ctx, curves: curves?, scales, spline })
+        let flatness = FLATNESS * scene.mesh.diagonal();
+        let plane = |piece: &Piece| match piece.source {
+            Source::Block(b) => exact::plane_of_block(scene, b, flatness, NARROW * tolerance),
+            _ => None,
+        };
+        let planes: Vec<Option<Surface>> = pieces.iter().map(plane).collect();
+        let may_bend = |(p, plane): (&Piece, &Option<Surface>)| {
+            plane.is_none() && matches!(p.source, Source::Block(b) if b.size != [1, 1])
+        };
+        let spline = pieces.iter().zip(&planes).map(may_bend).collect();
+        Ok(Ladder { scene, pieces, chains, tolerance, ctx, curves: curves?, scales, planes, spline })
     }
 
     fn block(&self, piece: u32) -> Result<Block> {
@@ -109,10 +126,15 @@ impl<'a> Ladder<'a> {
         }
     }
 
+    /// Whether a piece is a block with a surface of degree (1, 1), or bicubic: no plane.
+    fn is_curved_block(&self, piece: u32) -> bool {
+        matches!(self.pieces[piece as usize].source, Source::Block(_)) && self.planes[piece as usize].is_none()
+    }
+
     /// Whether an exact block has this chain on its border.
     fn is_exact(&self, chain: u32) -> bool {
         let (a, b) = self.chains.sides[chain as usize];
-        let exact = |k: u32| matches!(self.pieces[k as usize].source, Source::Block(_)) && !self.spline[k as usize];
+        let exact = |k: u32| self.is_curved_block(k) && !self.spline[k as usize];
         exact(a) || b.is_some_and(exact)
     }
 
@@ -156,11 +178,11 @@ impl<'a> Ladder<'a> {
         Ok(knots.map_or(i64::MAX / 4, |[u, v]| (u.count() * v.count()) as i64))
     }
 
-    /// The blocks across the border of a block, without repetition.
+    /// The blocks across the border of a block that are no planes, without repetition.
     fn neighbours(&self, piece: u32) -> Vec<u32> {
         let sides = self.chains.loops[piece as usize].iter().flatten().map(|of| self.chains.sides[of.chain as usize]);
         let mut out: Vec<u32> = sides.flat_map(|(a, b)| [Some(a), b]).flatten().filter(|&k| k != piece).collect();
-        out.retain(|&k| matches!(self.pieces[k as usize].source, Source::Block(_)));
+        out.retain(|&k| self.is_curved_block(k));
         out.sort_unstable();
         out.dedup();
         out
@@ -230,19 +252,24 @@ impl<'a> Ladder<'a> {
             let out = &mut fits[block.patch as usize];
             let of_chain = |chain: u32| if self.is_exact(chain) { 0.0 } else { self.curves[chain as usize].deviation };
             let border = self.chains.loops[k].iter().flatten().map(|of| of_chain(of.chain)).fold(0.0, f64::max);
-            surfaces.push(match fit {
-                Some(fit) => {
+            let (rung, surface) = match (fit, &self.planes[k]) {
+                (_, Some(plane)) => {
+                    out.deviation = out.deviation.max(border);
+                    (Rung::Plane, PieceSurface { surface: plane.clone(), scale: None, trimmed: true })
+                }
+                (Some(fit), None) => {
                     out.deviation = out.deviation.max(fit.deviation).max(border);
                     out.control_points += fit.surface.points().len();
                     let scale = Some(self.scales[k].clone());
-                    PieceSurface { surface: Surface::Spline(fit.surface), scale, trimmed: false }
+                    (Rung::Bicubic, PieceSurface { surface: Surface::Spline(fit.surface), scale, trimmed: false })
                 }
-                None => {
-                    out.rung = Rung::Bilinear;
+                (None, None) => {
                     out.control_points += self.exact_size(k as u32)? as usize;
-                    exact::block(self.scene, block)?
+                    (Rung::Bilinear, exact::block(self.scene, block)?)
                 }
-            });
+            };
+            out.rung = out.rung.min(rung);
+            surfaces.push(surface);
         }
         let mut geometry = Geometry { curves: Vec::new(), stops: Vec::new(), surfaces };
         for (chain, path) in self.chains.paths.iter().enumerate() {
