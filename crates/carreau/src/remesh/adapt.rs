@@ -1,0 +1,48 @@
+//! The order of the operations.
+
+use super::decimate::Demand;
+use super::work::Work;
+use crate::context::Context;
+use crate::error::Result;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+impl Work<'_> {
+    /// Makes all edges as close to length one as shapes and surface allow.
+    pub fn adapt(&mut self, context: &Context) -> Result<()> {
+        let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.0 };
+        {
+            let _stage = context.stage("decimate");
+            self.decimate(FRAC_1_SQRT_2, &strict, context)?;
+            self.swap(4, context)?;
+            self.decimate(1.0, &strict, context)?;
+        }
+        for round in 0..4 {
+            {
+                let _stage = context.stage("divide");
+                self.divide(SQRT_2, 3, context)?;
+            }
+            {
+                let _stage = context.stage("collapse");
+                let demand = Demand { good_length: 0.72, longest: SQRT_2, least_shape: 0.5 };
+                self.decimate(0.8, &demand, context)?;
+            }
+            {
+                let _stage = context.stage("swap");
+                self.swap(4, context)?;
+                if round < 3 {
+                    self.regularise(context)?;
+                }
+            }
+            {
+                let _stage = context.stage("relocate");
+                self.relocate(None, context)?;
+            }
+        }
+        for _ in 0..2 {
+            self.swap(4, context)?;
+            self.relocate(None, context)?;
+        }
+        let _stage = context.stage("polish");
+        self.polish(context)
+    }
+}

@@ -1,0 +1,271 @@
+//! Vertices move to where their edges have length one.
+//!
+//! Every neighbour Pⱼ proposes the point at distance one from it on the way to P; the mean of the proposals, pulled back
+//! onto the surface, is tried in steps of 1, ½, ¼. Curve vertices move along their curve.
+//!
+//! ```text
+//!      ╲ │ ╱            ╲  │ ╱
+//!     ──•P──     →     ──── •P ──
+//!      ╱ │ ╲            ╱  │ ╲
+//! ```
+
+use super::curves::{Kind, Rank};
+use super::size::{length_quality, metric_length};
+use super::work::{Face, Spot, Work};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{NONE, next, previous};
+use glam::DVec3;
+
+/// A ball whose worst shape is above this may lose some of it for a better mean.
+const GOOD: f32 = 0.75;
+
+/// Where a vertex would go.
+struct Move {
+    point: DVec3,
+    size: f64,
+    parameter: f64,
+    /// Wedges with their new places.
+    wedges: [(u32, Option<Spot>); 2],
+}
+
+/// What a ball is worth.
+#[derive(Clone, Copy)]
+struct Ball {
+    shape: f32,
+    cosine: f32,
+    mean: f32,
+    length: f64,
+}
+
+impl Work<'_> {
+    /// Moves every vertex once. Returns how many moved.
+    pub fn relocate(&mut self, worst_only: Option<f32>, context: &Context) -> Result<usize> {
+        let mut done = 0;
+        for v in 0..self.mesh.vertex_slots() {
+            context.check_every(v as usize)?;
+            if !self.mesh.is_vertex(v) || self.rank[v as usize] == Rank::Corner {
+                continue;
+            }
+            if worst_only.is_some_and(|limit| self.worst_around(v).0 >= limit) {
+                continue;
+            }
+            done += usize::from(self.relocate_vertex(v));
+        }
+        Ok(done)
+    }
+
+    /// Moves one vertex if its ball gets better.
+    pub fn relocate_vertex(&mut self, v: u32) -> bool {
+        match self.rank[v as usize] {
+            Rank::Free => self.relocate_free(v),
+            Rank::Curve => self.relocate_curve(v),
+            Rank::Corner => false,
+        }
+    }
+
+    fn relocate_free(&mut self, v: u32) -> bool {
+        let p = self.point(v);
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        self.mesh.for_neighbours(v, |w| {
+            let q = self.point(w);
+            let l = metric_length(p.distance(q), self.size[v as usize], self.size[w as usize]);
+            sum += (p - q) * (l.recip() - 1.0);
+            count += 1.0;
+        });
+        let Some(first) = self.mesh.around(v).next() else { return false };
+        let wedge = self.mesh.wedge(first);
+        let n = self.normal[wedge as usize];
+        let step = sum / count;
+        let step = step - n * n.dot(step);
+        if !step.is_finite() || step.length() < 0.01 * self.size[v as usize] {
+            return false;
+        }
+        let before = self.ball(v);
+        for share in [1.0, 0.5, 0.25] {
+            if self.try_free(v, wedge, p + step * share, &before) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
+    fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball) -> bool {
+        let spot = self.spot(self.seat[wedge as usize], p);
+        let to =
+            Move { point: spot.point, size: spot.size, parameter: 0.0, wedges: [(wedge, Some(spot)), (NONE, None)] };
+        self.try_move(v, &to, before)
+    }
+
+    /// A free vertex with a bad ball tries a pattern of places around it; the scale shrinks until one is better.
+    pub fn search_vertex(&mut self, v: u32) -> bool {
+        if self.rank[v as usize] != Rank::Free {
+            return self.relocate_vertex(v);
+        }
+        let Some(first) = self.mesh.around(v).next() else { return false };
+        let wedge = self.mesh.wedge(first);
+        let (x, y) = self.normal[wedge as usize].any_orthonormal_pair();
+        let mut any = false;
+        let mut scale = 0.3 * self.size[v as usize];
+        for _ in 0..5 {
+            let mut better = false;
+            for k in 0..8 {
+                let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+                let before = self.ball(v);
+                let to = self.point(v) + scale * (x * angle.cos() + y * angle.sin());
+                better |= self.try_free(v, wedge, to, &before);
+            }
+            any |= better;
+            if !better {
+                scale *= 0.5;
+            }
+        }
+        any
+    }
+
+    fn relocate_curve(&mut self, v: u32) -> bool {
+        let mesh = &self.mesh;
+        // The curve half-edges at the vertex, leaving it where they exist, else entering it.
+        let mut curve = [NONE; 2];
+        let mut count = 0;
+        let mut last = NONE;
+        for h in mesh.around(v) {
+            if mesh.curve(h) != NONE && count < 2 {
+                curve[count] = h;
+                count += 1;
+            }
+            last = previous(h);
+        }
+        if last != NONE && mesh.opposite(last) == NONE && count < 2 {
+            curve[count] = last;
+            count += 1;
+        }
+        if count < 2 {
+            return false;
+        }
+        let Some((chain, _)) = self.on_chain(curve[0]) else { return false };
+        if chain.kind == Kind::Seam {
+            return false;
+        }
+        let s = self.parameter[v as usize];
+        let other = |h: u32| if mesh.vertex(h) == v { mesh.head(h) } else { mesh.vertex(h) };
+        let ways = curve.map(|h| {
+            let [a, b] = self.span(chain, v, other(h));
+            b - a
+        });
+        let lengths = curve.map(|h| self.length(v, other(h)));
+        if !(ways[0] * ways[1] < 0.0) {
+            return false;
+        }
+        // Equal lengths on both sides, if the size were constant.
+        let step = (lengths[1] - lengths[0]) / (lengths[0] / ways[0].abs() + lengths[1] / ways[1].abs());
+        let step = step * ways[1].signum();
+        if !step.is_finite() || step.abs() < 0.01 * self.size[v as usize] {
+            return false;
+        }
+        let before = self.ball(v);
+        for share in [1.0, 0.5, 0.25] {
+            let to = s + share * step;
+            let spans = ways.map(|w| [to, s + w]);
+            let sags = ways.map(|w| chain.sag([s, s + w]));
+            let worst = sags[0].max(sags[1]);
+            if !spans.iter().all(|&span| self.curve_allows(chain, span, worst)) {
+                continue;
+            }
+            let [left, right] = self.chain_spots(chain, to);
+            let mut wedges = [(NONE, None), (NONE, None)];
+            let mut size = f64::INFINITY;
+            for (k, &h) in curve.iter().enumerate() {
+                if self.mesh.vertex(h) != v {
+                    continue;
+                }
+                let spot = if ways[k] > 0.0 { left } else { right };
+                let Some(spot) = spot else { continue };
+                wedges[k] = (self.mesh.wedge(h), Some(spot));
+                size = size.min(spot.size);
+            }
+            if !size.is_finite() {
+                return false;
+            }
+            let point = chain.at(to).0;
+            let to = Move { point, size, parameter: chain.wrapped(to), wedges };
+            if self.try_move(v, &to, &before) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// What the triangles and edges around a vertex are worth as they are.
+    fn ball(&self, v: u32) -> Ball {
+        let mut ball = Ball { shape: f32::INFINITY, cosine: f32::INFINITY, mean: 0.0, length: f64::INFINITY };
+        let mut count = 0.0;
+        for h in self.mesh.around(v) {
+            let face = self.face[h as usize / 3];
+            ball.add(face);
+            count += 1.0;
+        }
+        ball.mean /= count;
+        ball.length = self.worst_length(v);
+        ball
+    }
+
+    fn try_move(&mut self, v: u32, to: &Move, before: &Ball) -> bool {
+        let mesh = &self.mesh;
+        let mut after = Ball { shape: f32::INFINITY, cosine: f32::INFINITY, mean: 0.0, length: f64::INFINITY };
+        let mut count = 0.0;
+        let least = if before.shape > GOOD { GOOD } else { before.shape };
+        for h in mesh.around(v) {
+            let wedge = mesh.wedge(h);
+            let spot = to.wedges.iter().find(|(w, _)| *w == wedge).and_then(|(_, s)| s.as_ref());
+            let normal = spot.map_or(self.normal[wedge as usize], |s| s.normal);
+            let (b, c) = (next(h), previous(h));
+            let corners = [to.point, self.point(mesh.vertex(b)), self.point(mesh.vertex(c))];
+            let normals = [normal, self.normal[mesh.wedge(b) as usize], self.normal[mesh.wedge(c) as usize]];
+            let face = self.judge(corners, normals);
+            if face.shape < least {
+                return false;
+            }
+            after.add(face);
+            count += 1.0;
+        }
+        after.mean /= count;
+        mesh.for_neighbours(v, |w| {
+            let l = metric_length(to.point.distance(self.point(w)), to.size, self.size[w as usize]);
+            after.length = after.length.min(length_quality(l));
+        });
+        if !after.is_better_than(before) || !self.allows_cosine(after.cosine, before.cosine) {
+            return false;
+        }
+        self.mesh.points[v as usize] = to.point;
+        self.size[v as usize] = to.size;
+        self.parameter[v as usize] = to.parameter;
+        for (wedge, spot) in &to.wedges {
+            if let Some(spot) = spot {
+                self.normal[*wedge as usize] = spot.normal;
+                self.seat[*wedge as usize] = spot.seat;
+            }
+        }
+        self.refresh_around(v);
+        true
+    }
+}
+
+impl Ball {
+    fn add(&mut self, face: Face) {
+        self.shape = self.shape.min(face.shape);
+        self.cosine = self.cosine.min(face.cosine);
+        self.mean += face.shape;
+    }
+
+    /// A bad ball must get a better worst, be it a shape or a length; a good one a better mean.
+    fn is_better_than(&self, before: &Ball) -> bool {
+        let worst = |b: &Ball| (f64::from(b.shape) / 0.75).min(b.length / 0.65).min(1.0);
+        let (new, old) = (worst(self), worst(before));
+        if new < 1.0 || old < 1.0 {
+            return new > old + 1e-4;
+        }
+        self.mean > before.mean + 1e-3
+    }
+}

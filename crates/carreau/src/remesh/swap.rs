@@ -1,0 +1,100 @@
+//! Edges are flipped where that makes the worse of the two triangles better by one per cent, or repairs constraint (1).
+
+use super::work::{Face, Work};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{NONE, next, previous};
+
+/// Gain in the worst shape for which a flip is worth it.
+const GAIN: f32 = 1.01;
+/// Flips make no edges longer than this, unless the old one was as long.
+const LONGEST: f64 = 1.6;
+
+impl Work<'_> {
+    /// Flips edges until nothing gets better, at most so many sweeps. Returns how many.
+    pub fn swap(&mut self, sweeps: usize, context: &Context) -> Result<usize> {
+        let mut done = 0;
+        let mut pending: Vec<u32> = self.mesh.edges().collect();
+        for _ in 0..sweeps {
+            let mut touched = Vec::new();
+            for (step, &h) in pending.iter().enumerate() {
+                context.check_every(step)?;
+                if self.mesh.is_half_edge(h) && self.try_swap(h, GAIN) {
+                    done += 1;
+                    let o = self.mesh.opposite(h);
+                    touched.extend([next(h), previous(h), next(o), previous(o)]);
+                }
+            }
+            if touched.is_empty() {
+                break;
+            }
+            pending = touched;
+        }
+        Ok(done)
+    }
+
+    /// Flips edges that bring the valences of the four vertices nearer to regular, where shapes stay good. Returns how
+    /// many. Relocation turns better valences into better shapes.
+    pub fn regularise(&mut self, context: &Context) -> Result<usize> {
+        let mut valence: Vec<i32> =
+            (0..self.mesh.vertex_slots()).map(|v| if self.mesh.is_vertex(v) { self.excess(v) } else { 0 }).collect();
+        let mut done = 0;
+        for h in 0..self.mesh.half_edge_slots() {
+            context.check_every(h as usize)?;
+            if !self.mesh.is_edge(h) || self.mesh.opposite(h) == NONE || self.mesh.curve(h) != NONE {
+                continue;
+            }
+            let mesh = &self.mesh;
+            let ends = [mesh.vertex(h), mesh.head(h)];
+            let tips = [mesh.apex(h), mesh.apex(mesh.opposite(h))];
+            let cost = |v: u32, change: i32| (valence[v as usize] + change).pow(2);
+            let before: i32 = ends.iter().chain(&tips).map(|&v| cost(v, 0)).sum();
+            let after = ends.iter().map(|&v| cost(v, -1)).sum::<i32>() + tips.iter().map(|&v| cost(v, 1)).sum::<i32>();
+            if after < before && self.try_swap(h, 0.8) {
+                ends.iter().for_each(|&v| valence[v as usize] -= 1);
+                tips.iter().for_each(|&v| valence[v as usize] += 1);
+                done += 1;
+            }
+        }
+        Ok(done)
+    }
+
+    /// How many triangles a vertex has beyond the regular number: six, three on a border.
+    fn excess(&self, v: u32) -> i32 {
+        self.mesh.around(v).count() as i32 - if self.mesh.is_border(v) { 3 } else { 6 }
+    }
+
+    /// Flips an edge if that is allowed and worth it.
+    pub fn try_swap(&mut self, h: u32, gain: f32) -> bool {
+        let mesh = &self.mesh;
+        if mesh.opposite(h) == NONE || mesh.curve(h) != NONE {
+            return false;
+        }
+        let o = mesh.opposite(h);
+        let [a, b, c, d] = [h, next(h), previous(h), previous(o)];
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|x| self.point(mesh.vertex(x)));
+        let [na, nb, nc, nd] = [a, b, c, d].map(|x| self.normal[mesh.wedge(x) as usize]);
+        let (f, g) = (self.face[h as usize / 3], self.face[o as usize / 3]);
+        let before = Face { shape: f.shape.min(g.shape), cosine: f.cosine.min(g.cosine) };
+        let [f, g] = [self.judge([pc, pd, pb], [nc, nd, nb]), self.judge([pd, pc, pa], [nd, nc, na])];
+        let after = Face { shape: f.shape.min(g.shape), cosine: f.cosine.min(g.cosine) };
+        let repairs = f64::from(before.cosine) < self.limits.cos_cap
+            && after.cosine > before.cosine + 0.01
+            && after.shape > 0.7 * before.shape;
+        let improves = after.shape > gain * before.shape && self.allows_cosine(after.cosine, before.cosine);
+        if !improves && !repairs {
+            return false;
+        }
+        let (old, new) = (self.edge_length(h), self.length(mesh.vertex(c), mesh.vertex(d)));
+        if new > LONGEST.max(old) && after.shape > 0.05 && before.shape > 0.1 {
+            return false;
+        }
+        if !mesh.can_flip(h) {
+            return false;
+        }
+        self.mesh.flip(h);
+        self.face[h as usize / 3] = f;
+        self.face[o as usize / 3] = g;
+        true
+    }
+}
