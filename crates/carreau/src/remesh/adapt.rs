@@ -4,7 +4,11 @@ use super::decimate::Demand;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Edges above are split, edges below collapsed, while the mesh is balanced.
+const LONG: f64 = 1.45;
+const SHORT: f64 = 0.85;
 
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow.
@@ -16,20 +20,25 @@ impl Work<'_> {
             self.swap(4, context)?;
             self.decimate(1.0, &strict, context)?;
         }
-        for round in 0..4 {
+        self.balance(4, context)
+    }
+
+    /// Splits, collapses, flips and moves in turns, the worst last.
+    fn balance(&mut self, rounds: usize, context: &Context) -> Result<()> {
+        for round in 0..rounds {
             {
                 let _stage = context.stage("divide");
-                self.divide(SQRT_2, 3, context)?;
+                self.divide(LONG, 3, context)?;
             }
             {
                 let _stage = context.stage("collapse");
-                let demand = Demand { good_length: 0.72, longest: SQRT_2, least_shape: 0.5 };
-                self.decimate(0.8, &demand, context)?;
+                let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5 };
+                self.decimate(SHORT, &demand, context)?;
             }
             {
                 let _stage = context.stage("swap");
                 self.swap(4, context)?;
-                if round < 3 {
+                if round + 1 < rounds {
                     self.regularise(context)?;
                 }
             }

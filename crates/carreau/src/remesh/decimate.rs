@@ -36,13 +36,20 @@ pub struct Demand {
 impl Work<'_> {
     /// Collapses edges shorter than `limit`, shortest first. Returns how many.
     pub fn decimate(&mut self, limit: f64, demand: &Demand, context: &Context) -> Result<usize> {
+        self.decimate_to(limit, demand, 0, context)
+    }
+
+    /// The same, until no more than so many triangles are left.
+    pub fn decimate_to(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
         let mut queue = Queue::new(limit);
         for h in self.mesh.edges() {
             queue.push(h, self.edge_length(h));
         }
         let mut done = 0;
         let mut step = 0;
-        while let Some((h, bucket)) = queue.pop() {
+        while self.mesh.triangle_count() > most
+            && let Some((h, bucket)) = queue.pop()
+        {
             step += 1;
             context.check_every(step)?;
             if !self.mesh.is_half_edge(h) || queue.bucket(self.edge_length(h)) != Some(bucket) {

@@ -11,6 +11,15 @@ use glam::DVec3;
 impl Work<'_> {
     /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
     pub fn divide(&mut self, limit: f64, sweeps: usize, context: &Context) -> Result<usize> {
+        self.divide_while(limit, sweeps, usize::MAX, context)
+    }
+
+    /// One sweep, until there are so many triangles.
+    pub fn divide_to(&mut self, limit: f64, wanted: usize, context: &Context) -> Result<usize> {
+        self.divide_while(limit, 1, wanted, context)
+    }
+
+    fn divide_while(&mut self, limit: f64, sweeps: usize, wanted: usize, context: &Context) -> Result<usize> {
         let mut done = 0;
         for _ in 0..sweeps {
             let mut long: Vec<(u64, u32)> = self
@@ -24,6 +33,9 @@ impl Work<'_> {
             let before = done;
             for (step, &(bits, h)) in long.iter().enumerate() {
                 context.check_every(step)?;
+                if self.mesh.triangle_count() >= wanted {
+                    return Ok(done);
+                }
                 if self.mesh.is_half_edge(h) && self.edge_length(h).to_bits() == bits && self.split(h).is_some() {
                     done += 1;
                 }

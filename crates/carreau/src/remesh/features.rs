@@ -14,7 +14,8 @@ pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
         tags: options.tags,
         edges: Vec::new(),
     };
-    let features = feature_edges(mesh, &wanted)?;
+    let mut features = feature_edges(mesh, &wanted)?;
+    drop_noise(mesh, &mut features.corners, options)?;
     let labels = match &options.labels {
         None => None,
         Some(name) => match mesh.attributes.face.get(name) {
@@ -34,4 +35,87 @@ pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
         }
     };
     Ok((0..mesh.corner_count()).map(kind).collect())
+}
+
+/// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.
+const FLAT_SHARE: f64 = 0.1;
+const LOOSE_SHARE: f64 = 0.1;
+/// Edges with a smaller angle are flat, in degrees.
+const FLAT_DEG: f64 = 0.1;
+/// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
+const EDGES_PER_LOOSE_END: usize = 40;
+
+/// Drops ridges that are only noise. CAD models have flat faces and ridges that end at other ridges; scans have neither:
+/// there, ridges found by angle alone are scattered pieces with loose ends, and each would pin its vertices.
+fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions) -> Result<()> {
+    let n = mesh.vertex_count();
+    let ends = |c: usize| {
+        let c = CornerId::new(c);
+        [mesh.vertex(c).index(), mesh.vertex(mesh.next(c)).index()]
+    };
+    let inner = |c: usize| mesh.opposite(CornerId::new(c)).is_some_and(|o| c < o.index());
+    // The degree counts every curve edge, so that ridges may end at borders.
+    let mut degree = vec![0u32; n];
+    let mut ridges = Vec::new();
+    for c in 0..mesh.corner_count() {
+        if feature[c] && (inner(c) || mesh.opposite(CornerId::new(c)).is_none()) {
+            ends(c).iter().for_each(|&v| degree[v] += 1);
+            if inner(c) {
+                ridges.push(c);
+            }
+        }
+    }
+    let loose_ends = |c: usize| ends(c).iter().filter(|&&v| degree[v] == 1).count();
+    let loose: usize = ridges.iter().map(|&c| loose_ends(c)).sum();
+    if ridges.is_empty() || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
+        return Ok(());
+    }
+    if !is_scan(mesh)? {
+        return Ok(());
+    }
+    let mut leader: Vec<u32> = (0..n as u32).collect();
+    for &c in &ridges {
+        let [a, b] = ends(c).map(|v| find(&mut leader, v as u32));
+        leader[a.max(b) as usize] = a.min(b);
+    }
+    let mut count = vec![(0usize, 0usize); n];
+    for &c in &ridges {
+        let of = &mut count[find(&mut leader, ends(c)[0] as u32) as usize];
+        (of.0, of.1) = (of.0 + 1, of.1 + loose_ends(c));
+    }
+    let tagged: Vec<[usize; 2]> = mesh
+        .tagged_edges
+        .iter()
+        .filter(|_| options.tags)
+        .map(|e| e.ends.map(|v| v.index()))
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    for c in ridges {
+        let (edges, loose) = count[find(&mut leader, ends(c)[0] as u32) as usize];
+        let [a, b] = ends(c);
+        if edges < EDGES_PER_LOOSE_END * loose.max(1) && !tagged.contains(&[a.min(b), a.max(b)]) {
+            feature[c] = false;
+            if let Some(o) = mesh.opposite(CornerId::new(c)) {
+                feature[o.index()] = false;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a surface has no flat places to speak of, as scans have none.
+pub fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
+    let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
+    let bent = feature_edges(mesh, &bent)?.corners;
+    let flat = bent.iter().filter(|&&b| !b).count();
+    Ok(flat as f64 <= FLAT_SHARE * bent.len() as f64)
+}
+
+/// The leader of a vertex; paths are halved on the way.
+fn find(leader: &mut [u32], mut v: u32) -> u32 {
+    while leader[v as usize] != v {
+        leader[v as usize] = leader[leader[v as usize] as usize];
+        v = leader[v as usize];
+    }
+    v
 }

@@ -16,6 +16,8 @@
 //! | relocation | `relocate` | §3, "bougé de points" |
 //! | the worst first | `polish` | – |
 //! | the order of all this | `adapt` | §3 |
+//! | a wanted number of triangles | `target` | – |
+//! | attributes | `transfer` | – |
 //! | figures | `quality` | §4 |
 
 mod adapt;
@@ -29,10 +31,13 @@ mod relocate;
 mod size;
 mod support;
 mod swap;
+mod target;
+mod transfer;
 mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::{
     Column, CornerId, EditMesh, NONE, RepairOptions, Side, SurfaceMesh, area_vector, gather_columns, repair,
     safe_length,
@@ -45,7 +50,7 @@ use work::{Limits, Work};
 pub use quality::RemeshQuality;
 
 /// Curvatures are averaged over so many sizes.
-const RADIUS_SCALE: f64 = 0.35;
+const RADIUS_SCALE: f64 = 0.25;
 
 /// Options of [`enrich`] and [`simplify`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,13 +67,22 @@ pub struct RemeshOptions {
     /// A face property of integers: edges between two values are ridges.
     pub labels: Option<String>,
     /// Smallest size, as a share of the diagonal.
+    #[serde(skip)]
     pub min_size: f64,
     /// Largest size, as a share of the diagonal.
+    #[serde(skip)]
     pub max_size: f64,
     /// How far ridges may move, as a share of the diagonal.
     pub ridge_tolerance: f64,
     /// Factor on the sizes.
     pub scale: f64,
+    /// A wanted number of triangles, met within 1 %: the sizes are scaled.
+    pub triangles: Option<usize>,
+    /// Largest distance from the source, in the unit of the file: the sizes are scaled until a bound of it is below.
+    #[serde(skip)]
+    pub distance: Option<f64>,
+    /// Enriches to this angle first, in degrees.
+    pub enrich: Option<f64>,
 }
 
 impl Default for RemeshOptions {
@@ -83,6 +97,9 @@ impl Default for RemeshOptions {
             max_size: 0.2,
             ridge_tolerance: 4.5e-4,
             scale: 1.0,
+            triangles: None,
+            distance: None,
+            enrich: None,
         }
     }
 }
@@ -113,23 +130,152 @@ pub struct Remeshed {
     pub repaired: Vec<String>,
 }
 
-/// Coarsens a surface to an angular deviation.
+/// Coarsens a surface to an angular deviation, a number of triangles or a distance.
+///
+/// ```
+/// use carreau::{Context, remesh, sample};
+/// let context = Context::new();
+/// let mesh = sample::make("torus", None, &context)?;
+/// let options = remesh::RemeshOptions { deviation: 20.0, ..Default::default() };
+/// let result = remesh::simplify(&mesh, &options, &context)?;
+/// assert!(result.mesh.face_count() < mesh.face_count() && result.quality.shape_min > 0.3);
+/// # Ok::<(), carreau::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Numeric`] where a
+/// distance cannot be reached, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.check()?;
-    let (mesh, repaired) = clean(mesh, context)?;
-    if mesh.faces().is_empty() {
-        return Err(Error::input("the mesh has no faces", "", ""));
-    }
-    let mut source = Source::new(&mesh, options, context)?;
-    source.set_sizes(options, context)?;
-    let mut work = Work::new(&source.support, &source.curves, source.limits(options));
-    {
-        let _stage = context.stage("simplify");
-        work.adapt(context)?;
-    }
-    let out = finish(&mesh, &source, &work)?;
+    let (cleaned, repaired) = clean(mesh, context)?;
+    let enriched = match options.enrich {
+        Some(deviation) => {
+            let first = RemeshOptions { deviation, enrich: None, triangles: None, distance: None, ..options.clone() };
+            enrich(&cleaned, &first, context)?.mesh
+        }
+        None => cleaned,
+    };
+    let mut source = Source::new(&enriched, options, context)?;
+    let out = match (options.distance, options.triangles) {
+        (Some(distance), _) => within_distance(mesh, &enriched, &mut source, options, distance, context)?,
+        (None, Some(wanted)) => {
+            let mut aim = wanted as f64;
+            let mut best: Option<SurfaceMesh> = None;
+            let miss = |m: &SurfaceMesh| m.face_count().abs_diff(wanted);
+            for _ in 0..TARGET_RUNS {
+                let scale = target::find_scale(&mut source, options, aim, context)?;
+                let options = RemeshOptions { scale, ..options.clone() };
+                let (out, natural) = run_counted(&enriched, &source, &options, context)?;
+                if best.as_ref().is_none_or(|b| miss(&out) <= miss(b)) {
+                    best = Some(out);
+                }
+                let ratio = natural as f64 / wanted as f64;
+                if (ratio - 1.0).abs() < TARGET_SLACK {
+                    break;
+                }
+                aim /= ratio;
+            }
+            best.ok_or_else(|| Error::Bug("no run".into()))?
+        }
+        (None, None) => {
+            source.set_sizes(options, context)?;
+            run(&enriched, &source, options, false, context)?
+        }
+    };
     let quality = quality::measure(&out, &sizes(&out))?;
     Ok(Remeshed { mesh: out, quality, repaired })
+}
+
+/// Refines a surface to an angular deviation: long edges are split, with the new vertices on curved patches.
+///
+/// # Errors
+/// As [`simplify`].
+pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
+    options.check()?;
+    let (mesh, repaired) = clean(mesh, context)?;
+    let mut source = Source::new(&mesh, options, context)?;
+    source.set_sizes(options, context)?;
+    let out = run(&mesh, &source, options, true, context)?;
+    let quality = quality::measure(&out, &sizes(&out))?;
+    Ok(Remeshed { mesh: out, quality, repaired })
+}
+
+/// Runs with a corrected scale until the natural count is so near to the wanted one that trimming does no harm.
+const TARGET_RUNS: usize = 4;
+const TARGET_SLACK: f64 = 0.03;
+
+/// Adapts and trims; returns the number of triangles before trimming, too.
+fn run_counted(
+    mesh: &SurfaceMesh,
+    source: &Source,
+    options: &RemeshOptions,
+    context: &Context,
+) -> Result<(SurfaceMesh, usize)> {
+    let mut work = Work::new(&source.support, &source.curves, source.limits(options));
+    work.adapt(context)?;
+    let natural = work.mesh.triangle_count();
+    if let Some(wanted) = options.triangles {
+        work.trim(wanted, context)?;
+    }
+    Ok((finish(mesh, source, &work)?, natural))
+}
+
+/// Adapts the source to its size map.
+fn run(
+    mesh: &SurfaceMesh,
+    source: &Source,
+    options: &RemeshOptions,
+    curved: bool,
+    context: &Context,
+) -> Result<SurfaceMesh> {
+    let mut work = Work::new(&source.support, &source.curves, source.limits(options));
+    work.curved = curved;
+    work.adapt(context)?;
+    finish(mesh, source, &work)
+}
+
+/// Runs of [`within_distance`] before it gives up.
+const DISTANCE_RUNS: usize = 8;
+
+/// The coarsest mesh of a few whose two-sided distance from the input is certainly below a limit.
+fn within_distance(
+    input: &SurfaceMesh,
+    mesh: &SurfaceMesh,
+    source: &mut Source,
+    options: &RemeshOptions,
+    limit: f64,
+    context: &Context,
+) -> Result<SurfaceMesh> {
+    let mut scale = options.scale;
+    let mut best: Option<(f64, SurfaceMesh)> = None;
+    let mut too_large = f64::INFINITY;
+    let look = DistanceOptions { samples: 20_000, refinements: 200_000 };
+    for _ in 0..DISTANCE_RUNS {
+        let options = RemeshOptions { scale, triangles: None, ..options.clone() };
+        source.set_sizes(&options, context)?;
+        let out = run(mesh, source, &options, false, context)?;
+        let distance = compare(input, &out, &look, context)?.distance.max_upper;
+        if distance <= limit {
+            let reached = distance > 0.8 * limit || too_large < 1.15 * scale;
+            best = Some((scale, out));
+            if reached {
+                break;
+            }
+        } else {
+            too_large = too_large.min(scale);
+        }
+        // The sag grows with the square of the size.
+        let wanted = scale * (0.9 * limit / distance.max(f64::MIN_POSITIVE)).sqrt().clamp(0.2, 4.0);
+        let low = best.as_ref().map_or(0.0, |b| b.0);
+        let between = if low > 0.0 { (low * too_large).sqrt() } else { 0.7 * too_large };
+        scale = if wanted < too_large && wanted > low { wanted } else { between };
+        if !scale.is_finite() || scale > 1e3 {
+            break;
+        }
+    }
+    best.map(|b| b.1).ok_or_else(|| {
+        Error::Numeric(format!("no mesh within the distance {limit} was found; enrich first, or allow more"))
+    })
 }
 
 fn sizes(mesh: &SurfaceMesh) -> Vec<f64> {
@@ -148,11 +294,16 @@ struct Source {
     /// Radius of the curves at every vertex of rank curve.
     curve_radius: Vec<f64>,
     diagonal: f64,
+    /// There is noise to take out.
+    is_scan: bool,
 }
 
 impl Source {
     fn new(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Self> {
         let _stage = context.stage("support");
+        if mesh.faces().is_empty() {
+            return Err(Error::input("the mesh has no faces", "", ""));
+        }
         let marks = features::mark(mesh, options)?;
         let mut edit = EditMesh::new(mesh).ok_or_else(|| Error::Bug("polygons in a triangulated mesh".into()))?;
         // Borders are read at the scale of the size map, which is known only roughly before the curves are.
@@ -161,7 +312,14 @@ impl Source {
         let support = Support::new(edit);
         let radius = support.radii(&curves.rank);
         let curve_radius = curve_radii(&curves, radius.len());
-        Ok(Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal() })
+        Ok(Source {
+            support,
+            curves,
+            radius,
+            curve_radius,
+            diagonal: mesh.diagonal(),
+            is_scan: features::is_scan(mesh)?,
+        })
     }
 
     /// The size map of the options, graded; normals fitted at its scale.
@@ -184,11 +342,15 @@ impl Source {
             size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
         }
         self.support.fit_normals(0.5, 6);
+        if self.is_scan {
+            self.support.fit_points(&self.curves.rank, 1.0, 0.1);
+        }
         Ok(())
     }
 
     fn limits(&self, options: &RemeshOptions) -> Limits {
-        let theta = options.deviation.to_radians();
+        // The angle that the scaled sizes stand for.
+        let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
         let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
         Limits {
             cos_allowed: (1.25 * on_sphere).max(20f64.to_radians()).min(60f64.to_radians()).cos(),
@@ -245,7 +407,6 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
 /// The result as a surface mesh: cut vertices are joined again, face attributes follow their triangle.
 fn finish(mesh: &SurfaceMesh, source: &Source, work: &Work) -> Result<SurfaceMesh> {
     let compact = work.mesh.compact();
-    let _ = source;
     let mut first = vec![NONE; mesh.vertex_count()];
     let mut id = vec![0u32; compact.vertices.len()];
     let mut kept = Vec::new();
@@ -263,10 +424,24 @@ fn finish(mesh: &SurfaceMesh, source: &Source, work: &Work) -> Result<SurfaceMes
     let faces: Vec<[u32; 3]> = compact.faces.iter().map(|f| f.map(|v| id[v as usize])).collect();
     let points = kept.iter().map(|&v| work.mesh.points[v as usize]).collect();
     let mut out = SurfaceMesh::from_triangles(points, &faces)?;
-    let parents: Vec<u32> = compact.triangles.iter().map(|&t| work.mesh.source[t as usize]).collect();
-    out.attributes.face = gather_columns(&mesh.attributes.face, &parents);
+    if !mesh.attributes.face.is_empty() {
+        let under = |&t: &u32| {
+            let [a, b, c] = work.mesh.positions(t);
+            source.support.locate(work.seat[work.mesh.wedge(3 * t) as usize], (a + b + c) / 3.0).0.triangle
+        };
+        let parents: Vec<u32> = compact.triangles.iter().map(under).collect();
+        out.attributes.face = gather_columns(&mesh.attributes.face, &parents);
+    }
+    if !mesh.attributes.vertex.is_empty() {
+        let seat = |&v: &u32| {
+            let wedge = work.mesh.around(v).next().map_or(0, |h| work.mesh.wedge(h));
+            source.support.locate(work.seat[wedge as usize], work.mesh.points[v as usize]).0
+        };
+        let seats: Vec<_> = kept.iter().map(seat).collect();
+        out.attributes.vertex = transfer::at_seats(&mesh.attributes.vertex, &source.support, &seats);
+    }
     out.attributes.names = mesh.attributes.names.clone();
-    let size = kept.iter().map(|&v| work.size[v as usize]).collect();
+    let size = kept.iter().map(|&v| work.size[v as usize] / work.scale).collect();
     out.attributes.vertex.insert("size".into(), Column::Scalar(size));
     Ok(out)
 }

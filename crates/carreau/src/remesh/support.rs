@@ -22,6 +22,8 @@ pub struct Support {
     pub normal: Vec<DVec3>,
     /// Size at every vertex.
     pub size: Vec<f64>,
+    /// Position of every vertex with the noise taken out.
+    pub fitted: Vec<DVec3>,
 }
 
 /// A place on the source.
@@ -55,7 +57,7 @@ impl Support {
                 mesh.set_wedge(h, wedge);
             }
         }
-        let mut out = Support { normal: Vec::new(), size: Vec::new(), mesh };
+        let mut out = Support { normal: Vec::new(), size: Vec::new(), fitted: mesh.points.clone(), mesh };
         out.normal = out.fan_normals(wedges as usize);
         out
     }
@@ -110,6 +112,39 @@ impl Support {
                     *n = smooth;
                 }
             }
+        }
+    }
+
+    /// Takes the noise out of the positions of free vertices, at the scale of the sizes: rounds of Taubin's λ|μ smoothing,
+    /// which keep the shape (Taubin 1995). No vertex moves farther than `most` sizes.
+    pub fn fit_points(&mut self, rank: &[Rank], share: f64, most: f64) {
+        let mesh = &self.mesh;
+        let rounds = rounds(mesh, &self.size, share, 4);
+        let longest = rounds.iter().copied().max().unwrap_or(0);
+        let mut points = mesh.points.clone();
+        for round in 0..longest {
+            for factor in [0.5, -0.53] {
+                let moved = |v: u32| {
+                    let p = points[v as usize];
+                    if rounds[v as usize] <= round || rank[v as usize] != Rank::Free || !mesh.is_vertex(v) {
+                        return p;
+                    }
+                    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+                    mesh.for_neighbours(v, |w| {
+                        sum += points[w as usize] - p;
+                        count += 1.0;
+                    });
+                    p + sum * (factor / count)
+                };
+                points = (0..mesh.vertex_slots()).into_par_iter().map(moved).collect();
+            }
+        }
+        for (v, p) in points.into_iter().enumerate() {
+            let way = p - mesh.points[v];
+            // Along the normal only: sliding would change triangles, not the surface.
+            let n = self.normal[v];
+            let way = n * n.dot(way);
+            self.fitted[v] = mesh.points[v] + way.clamp_length_max(most * self.size[v]);
         }
     }
 
@@ -178,8 +213,8 @@ impl Support {
             let d = (self.mesh.points[w as usize] - p) * unit_length;
             let (u, v, z) = (d.dot(x), d.dot(y), d.dot(n));
             let row = [0.5 * u * u, u * v, 0.5 * v * v];
-            // Squares of distances as weights keep the outer ring from deciding alone.
-            let weight = (u * u + v * v + z * z).max(1e-9).recip();
+            // Weights that fall with the distance keep the outer ring from deciding alone.
+            let weight = (u * u + v * v + z * z).max(1e-9).powi(-2);
             for i in 0..3 {
                 for j in 0..3 {
                     m[i][j] += weight * row[i] * row[j];
@@ -280,6 +315,25 @@ impl Support {
         let [a, b, c] = seat.weights;
         let sum = n(0) * a + n(1) * b + n(2) * c;
         if sum.length_squared() > 1e-12 { sum.normalize() } else { n(0) }
+    }
+
+    /// The point on the curved patch of the triangle: the mean of its projections into the tangent planes at the corners
+    /// (Boubekeur, Alexa, "Phong tessellation", 2008), which is tangent-continuous at the corners and needs no more than
+    /// the normals.
+    pub fn curved_at(&self, seat: Seat) -> DVec3 {
+        let p = self.fitted_at(seat);
+        let mut way = DVec3::ZERO;
+        for (k, v) in (0u32..).zip(self.mesh.triangle(seat.triangle)) {
+            let n = self.normal[self.mesh.wedge(3 * seat.triangle + k) as usize];
+            way -= n * (seat.weights[k as usize] * n.dot(p - self.fitted[v as usize]));
+        }
+        p + 0.75 * way
+    }
+
+    /// The point itself with the noise taken out.
+    pub fn fitted_at(&self, seat: Seat) -> DVec3 {
+        let [a, b, c] = self.mesh.triangle(seat.triangle).map(|v| self.fitted[v as usize]);
+        a * seat.weights[0] + b * seat.weights[1] + c * seat.weights[2]
     }
 
     /// Interpolated size.

