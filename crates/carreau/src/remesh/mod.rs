@@ -32,6 +32,8 @@ mod size;
 mod support;
 mod swap;
 mod target;
+#[cfg(test)]
+mod tests;
 mod transfer;
 mod work;
 
@@ -44,13 +46,10 @@ use crate::mesh::{
 };
 use curves::{Curves, Kind};
 use serde::{Deserialize, Serialize};
-use support::Support;
+use support::{Radius, Support};
 use work::{Limits, Work};
 
 pub use quality::RemeshQuality;
-
-/// Curvatures are averaged over so many sizes.
-const RADIUS_SCALE: f64 = 0.25;
 
 /// Options of [`enrich`] and [`simplify`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -290,7 +289,7 @@ struct Source {
     support: Support,
     curves: Curves,
     /// Smallest principal radius at every vertex.
-    radius: Vec<f64>,
+    radius: Vec<Radius>,
     /// Radius of the curves at every vertex of rank curve.
     curve_radius: Vec<f64>,
     diagonal: f64,
@@ -334,10 +333,7 @@ impl Source {
             let on_curve = (alpha * r).min((8.0 * r * tolerance).sqrt());
             (alpha * radius).min(on_curve).clamp(low, high)
         };
-        let mesh = &self.support.mesh;
-        let rough: Vec<f64> = self.radius.iter().map(|r| (alpha * r).clamp(low, high)).collect();
-        let radius = support::smooth_radii(mesh, &self.radius, &rough, RADIUS_SCALE, 12);
-        self.support.size = radius.iter().enumerate().map(|(v, &r)| size(v, r)).collect();
+        self.support.size = self.radius.iter().enumerate().map(|(v, r)| size(v, r.at_scale(alpha))).collect();
         if let Some(beta) = options.gradation {
             size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
         }
@@ -352,9 +348,12 @@ impl Source {
         // The angle that the scaled sizes stand for.
         let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
         let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
+        // Noise needs room; clean models do without.
+        let (least, most, cap) = if self.is_scan { (20.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
+        let allowed = (1.25 * on_sphere).clamp(f64::to_radians(least), f64::to_radians(most));
         Limits {
-            cos_allowed: (1.25 * on_sphere).max(20f64.to_radians()).min(60f64.to_radians()).cos(),
-            cos_cap: 60f64.to_radians().cos(),
+            cos_allowed: allowed.cos(),
+            cos_cap: f64::to_radians(cap).cos(),
             curve_sag_share: (0.75 * (0.5 * theta).tan()).max(0.12),
             ridge_sag: options.ridge_tolerance * self.diagonal,
             border_sag: f64::INFINITY,

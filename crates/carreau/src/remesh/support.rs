@@ -26,6 +26,29 @@ pub struct Support {
     pub fitted: Vec<DVec3>,
 }
 
+/// Smallest principal radius at a vertex, near by and farther away.
+#[derive(Debug, Clone, Copy)]
+pub struct Radius {
+    /// With weights that fall with the fourth power of the distance.
+    near: f64,
+    /// With equal weights for both rings.
+    far: f64,
+    /// Mean length of the edges.
+    spacing: f64,
+}
+
+impl Radius {
+    /// The radius at the scale of the size α r: near where sizes are about as long as edges, far where they are more than
+    /// twice as long.
+    pub fn at_scale(&self, alpha: f64) -> f64 {
+        if !(self.near.is_finite() && self.far.is_finite()) {
+            return self.near.min(self.far);
+        }
+        let t = (alpha * self.far / self.spacing - 1.0).clamp(0.0, 1.0);
+        self.near.powf(1.0 - t) * self.far.powf(t)
+    }
+}
+
 /// A place on the source.
 #[derive(Debug, Clone, Copy)]
 pub struct Seat {
@@ -152,22 +175,27 @@ impl Support {
     ///
     /// In the tangent frame z = ½ (a x² + 2 b x y + c y²) is fitted to the two rings around the vertex that are reached
     /// without crossing a curve; the radius is the inverse of the larger eigenvalue.
-    pub fn radii(&self, rank: &[Rank]) -> Vec<f64> {
+    pub fn radii(&self, rank: &[Rank]) -> Vec<Radius> {
         let mesh = &self.mesh;
         (0..mesh.vertex_slots())
             .into_par_iter()
             .with_min_len(256)
             .map_init(Vec::new, |points, v| {
-                let mut radius = f64::INFINITY;
+                let mut radius = Radius { near: f64::INFINITY, far: f64::INFINITY, spacing: 1.0 };
+                let (mut sum, mut count) = (0.0, 0.0);
                 let mut done = NONE;
                 for h in mesh.around(v) {
                     let wedge = mesh.wedge(h);
                     if wedge != done {
                         done = wedge;
                         self.two_rings(v, wedge, rank, points);
-                        radius = radius.min(self.fitted_radius(v, wedge, points));
+                        let [near, far] = self.fitted_radii(v, wedge, points);
+                        (radius.near, radius.far) = (radius.near.min(near), radius.far.min(far));
                     }
+                    sum += mesh.points[v as usize].distance(mesh.points[mesh.head(h) as usize]);
+                    count += 1.0;
                 }
+                radius.spacing = if count > 0.0 { sum / count } else { 1.0 };
                 radius
             })
             .collect()
@@ -193,11 +221,11 @@ impl Support {
         }
     }
 
-    fn fitted_radius(&self, v: u32, wedge: u32, points: &[u32]) -> f64 {
+    fn fitted_radii(&self, v: u32, wedge: u32, points: &[u32]) -> [f64; 2] {
         let n = self.normal[wedge as usize];
         let p = self.mesh.points[v as usize];
         let (x, y) = n.any_orthonormal_pair();
-        let mut m = [[0.0; 4]; 3];
+        let mut systems = [[[0.0; 4]; 3]; 2];
         let (mut scale, mut sharpest) = (0.0f64, 0.0f64);
         for &w in points {
             let d = self.mesh.points[w as usize] - p;
@@ -206,32 +234,35 @@ impl Support {
             sharpest = sharpest.max(2.0 * d.dot(n).abs() / squared.max(f64::MIN_POSITIVE));
         }
         if points.is_empty() || !(scale > 0.0) {
-            return f64::INFINITY;
+            return [f64::INFINITY; 2];
         }
         let unit_length = scale.sqrt().recip();
         for &w in points {
             let d = (self.mesh.points[w as usize] - p) * unit_length;
             let (u, v, z) = (d.dot(x), d.dot(y), d.dot(n));
             let row = [0.5 * u * u, u * v, 0.5 * v * v];
-            // Weights that fall with the distance keep the outer ring from deciding alone.
-            let weight = (u * u + v * v + z * z).max(1e-9).powi(-2);
-            for i in 0..3 {
-                for j in 0..3 {
-                    m[i][j] += weight * row[i] * row[j];
+            let near = (u * u + v * v + z * z).max(1e-9).powi(-2);
+            for (m, weight) in systems.iter_mut().zip([near, 1.0]) {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        m[i][j] += weight * row[i] * row[j];
+                    }
+                    m[i][3] += weight * row[i] * z;
                 }
-                m[i][3] += weight * row[i] * z;
             }
         }
-        let trace = m[0][0] + m[1][1] + m[2][2];
-        match solve3(m, 1e-7 * trace).filter(|_| points.len() >= 5) {
-            Some([a, b, c]) => {
-                let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-                let largest = mean.abs() + (half * half + b * b).sqrt();
-                (largest * unit_length).recip()
+        systems.map(|m| {
+            let trace = m[0][0] + m[1][1] + m[2][2];
+            match solve3(m, 1e-7 * trace).filter(|_| points.len() >= 5) {
+                Some([a, b, c]) => {
+                    let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+                    let largest = mean.abs() + (half * half + b * b).sqrt();
+                    (largest * unit_length).recip()
+                }
+                // Too few points, or all on one conic: the sharpest circle through a neighbour.
+                None => sharpest.recip(),
             }
-            // Too few points, or all on one conic: the sharpest circle through a neighbour.
-            None => sharpest.recip(),
-        }
+        })
     }
 
     /// The closest point that a walk from a triangle finds without crossing a curve.
@@ -359,28 +390,6 @@ fn rounds(mesh: &EditMesh, size: &[f64], share: f64, most: usize) -> Vec<u8> {
         wanted.round().min(most as f64) as u8
     };
     (0..mesh.vertex_slots()).into_par_iter().map(at).collect()
-}
-
-/// Averages curvatures over neighbourhoods at the scale of the sizes.
-pub fn smooth_radii(mesh: &EditMesh, radius: &[f64], size: &[f64], share: f64, most: usize) -> Vec<f64> {
-    let rounds = rounds(mesh, size, share, most);
-    let longest = rounds.iter().copied().max().unwrap_or(0);
-    let mut bend: Vec<f64> = radius.iter().map(|r| r.recip()).collect();
-    for round in 0..longest {
-        let mean = |v: u32| {
-            if rounds[v as usize] <= round || !mesh.is_vertex(v) {
-                return bend[v as usize];
-            }
-            let (mut sum, mut count) = (bend[v as usize], 1.0);
-            mesh.for_neighbours(v, |w| {
-                sum += bend[w as usize];
-                count += 1.0;
-            });
-            sum / count
-        };
-        bend = (0..mesh.vertex_slots()).into_par_iter().map(mean).collect();
-    }
-    bend.into_iter().map(f64::recip).collect()
 }
 
 /// Gaussian elimination with pivoting of three equations; `None` where a pivot is below `least`.

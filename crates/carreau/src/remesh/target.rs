@@ -34,7 +34,7 @@ pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f
     let mut scale = options.scale;
     for _ in 0..8 {
         source.set_sizes(&RemeshOptions { scale, ..options.clone() }, context)?;
-        let ratio = predicted(&source.support) / wanted as f64;
+        let ratio = predicted(&source.support) / wanted;
         if (ratio - 1.0).abs() < 0.005 {
             break;
         }
