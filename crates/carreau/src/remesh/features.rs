@@ -40,6 +40,8 @@ pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
 /// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.
 const FLAT_SHARE: f64 = 0.1;
 const LOOSE_SHARE: f64 = 0.1;
+/// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
+const RIDGE_SHARE: f64 = 0.02;
 /// Edges with a smaller angle are flat, in degrees.
 const FLAT_DEG: f64 = 0.1;
 /// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
@@ -70,7 +72,7 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
     if ridges.is_empty() || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
         return Ok(());
     }
-    if !is_scan(mesh)? {
+    if ridges.len() as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0 || !is_scan(mesh)? {
         return Ok(());
     }
     let mut leader: Vec<u32> = (0..n as u32).collect();
