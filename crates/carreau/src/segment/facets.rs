@@ -109,7 +109,7 @@ impl RunningPlane {
 
     fn add(&mut self, surface: &Surface<'_>, t: u32) {
         let a = surface.areas[t as usize];
-        let centroid = (3 * t..3 * t + 3).map(|c| surface.triangles.point(c)).sum::<DVec3>() / 3.0;
+        let centroid = surface.centroid(t);
         self.area += a;
         self.vector += a * surface.normals[t as usize];
         self.moment += a * centroid;

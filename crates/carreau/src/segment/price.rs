@@ -67,7 +67,7 @@ impl<'a> Prices<'a> {
             let t = self.surface.triangles;
             let far = t.triangle(k).map(|v| p.distance(t.points()[v as usize]).abs()).into_iter().fold(0.0, f64::max);
             let x = far / self.tolerance;
-            let center = (3 * k..3 * k + 3).map(|c| t.point(c)).sum::<glam::DVec3>() / 3.0;
+            let center = self.surface.centroid(k);
             let off = p.normal(center).dot(self.surface.normals[k as usize]).abs() < 0.7;
             return OFF_SURFACE * size * if off { 1.0 } else { (x * x).min(1.0) };
         }

@@ -226,10 +226,9 @@ pub fn sagitta(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> f64 {
 
 /// Whether most of the area looks along the surface's normals, on one side.
 fn looks_along(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> bool {
-    let t = surface.triangles;
     let (mut with, mut against, mut off) = (0.0, 0.0, 0.0);
     for &f in triangles {
-        let c = (3 * f..3 * f + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
+        let c = surface.centroid(f);
         let cos = p.normal(c).dot(surface.normals[f as usize]);
         *(if cos > 0.7 {
             &mut with

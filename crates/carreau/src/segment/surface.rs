@@ -61,6 +61,11 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// The mean of the corners of a triangle.
+    pub fn centroid(&self, t: u32) -> DVec3 {
+        (3 * t..3 * t + 3).map(|c| self.triangles.point(c)).sum::<DVec3>() / 3.0
+    }
+
     /// The triangles in an order that does not depend on their numbers: by centroid.
     pub fn canonical_order(&self) -> Vec<u32> {
         let points = self.triangles.points();

@@ -3,11 +3,12 @@
 
 use super::facets::Facets;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
+use super::regions::Groups;
 use super::surface::Surface;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::angle_between;
-use crate::geometry::primitive::Primitive;
+use crate::geometry::primitive::{Kind, Primitive};
 use crate::mesh::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -28,6 +29,9 @@ const LARGE: f64 = 8.0;
 const JOIN_TURN: f64 = 0.52;
 /// Freeform surfaces bend between triangles by no more than this, in radians, however coarse they are.
 const COARSEST_BEND: f64 = 1.05;
+/// Most edges inside a freeform surface bend by no more than this share of its sharp angle.
+const MOST: f64 = 0.9;
+const MARGIN: f64 = 1.3;
 /// Stray triangles join a surface from this many times the tolerance.
 const STRAY: f64 = 20.0;
 /// Surfaces with a smaller share of the area do not make a part.
@@ -59,6 +63,7 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
         found.tolerance = distance;
     }
     found.absorb(surface, found.tolerance, |_| true);
+    found.unite(surface);
     Ok(found)
 }
 
@@ -98,15 +103,42 @@ impl Surfaces {
             });
         }
         let planes = Planes { surface, facets: &facets, owner: &owner, sharp_angle, accuracy, last };
+        let mut strips = Vec::new();
         for f in 0..facets.len() as u32 {
             if facets.triangles(f).iter().all(|&t| self.label[t as usize] == NONE) && planes.contains(f) {
                 let label = self.primitives.len() as u32;
                 self.primitives.push(planes.plane(f));
                 facets.triangles(f).iter().for_each(|&t| self.label[t as usize] = label);
+                if planes.is_strip(f) {
+                    strips.push(f);
+                }
             }
         }
         self.assign(&facets, &owner, base);
+        if last {
+            self.release(surface, &facets, strips, sharp_angle);
+        }
         Ok(())
+    }
+
+    /// Frees strips beside a free surface that bends as much in itself as it does towards them: they are a part of it.
+    fn release(&mut self, surface: &Surface<'_>, facets: &Facets, mut strips: Vec<u32>, sharp_angle: f64) {
+        let t = surface.triangles;
+        let limit = self.free_sharp_angle(surface, sharp_angle);
+        loop {
+            let belongs = |f: &u32| {
+                facets.triangles(*f).iter().flat_map(|&k| 3 * k..3 * k + 3).any(|c| {
+                    let o = t.opposite(c);
+                    o != NONE && self.label[o as usize / 3] == NONE && f64::from(surface.bend[c as usize]) <= limit
+                })
+            };
+            let (freed, kept): (Vec<u32>, Vec<u32>) = strips.into_iter().partition(belongs);
+            if freed.is_empty() {
+                return;
+            }
+            freed.iter().flat_map(|&f| facets.triangles(f)).for_each(|&k| self.label[k as usize] = NONE);
+            strips = kept;
+        }
     }
 
     /// Labels the triangles of facets with an owner.
@@ -124,16 +156,79 @@ impl Surfaces {
         while let Some(k) = queue.pop_front() {
             let label = self.label[k as usize];
             let p = self.primitives[label as usize];
-            let center = (3 * k..3 * k + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
-            let sign = p.normal(center).dot(surface.normals[k as usize]).signum();
+            let sign = p.normal(surface.centroid(k)).dot(surface.normals[k as usize]).signum();
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if self.label[n as usize] == NONE && may(n) && joins(surface, &p, sign, n, distance) {
+                if self.label[n as usize] == NONE && may(n) && joins(surface, &p, sign, n, distance, JOIN_TURN) {
                     self.label[n as usize] = label;
                     queue.push_back(n);
                 }
             }
         }
+    }
+
+    /// Makes one surface of neighbours that lie on the same one: hypotheses that started from different strips stop at
+    /// each other.
+    fn unite(&mut self, surface: &Surface<'_>) {
+        let t = surface.triangles;
+        let crossing =
+            |c: &u32| t.opposite(*c) != NONE && self.label[*c as usize / 3] < self.label[t.opposite(*c) as usize / 3];
+        let pair = |c: u32| [self.label[c as usize / 3], self.label[t.opposite(c) as usize / 3]];
+        let mut pairs: Vec<[u32; 2]> = (0..3 * surface.len() as u32).filter(crossing).map(pair).collect();
+        pairs.retain(|p| p[1] != NONE && self.kind(p[0]) == self.kind(p[1]));
+        pairs.sort_unstable();
+        pairs.dedup();
+        if pairs.is_empty() {
+            return;
+        }
+        let groups = Groups::new(&self.label, self.primitives.len());
+        let area: Vec<f64> =
+            (0..groups.len() as u32).map(|l| groups.of(l).iter().map(|&k| surface.areas[k as usize]).sum()).collect();
+        let mut home: Vec<u32> = (0..self.primitives.len() as u32).collect();
+        let root = |home: &[u32], mut l: u32| {
+            while home[l as usize] != l {
+                l = home[l as usize];
+            }
+            l
+        };
+        for [a, b] in pairs {
+            let (a, b) = (root(&home, a), root(&home, b));
+            let (large, small) = if area[a as usize] >= area[b as usize] { (a, b) } else { (b, a) };
+            if a != b && self.lies_on(surface, groups.of(small), groups.of(large)[0], large) {
+                home[small as usize] = large;
+            }
+        }
+        self.label.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = root(&home, *l));
+    }
+
+    fn kind(&self, label: u32) -> Kind {
+        self.primitives[label as usize].kind()
+    }
+
+    /// Whether triangles lie on a surface and look along it as its own triangle `model` does.
+    fn lies_on(&self, surface: &Surface<'_>, triangles: &[u32], model: u32, label: u32) -> bool {
+        let p = &self.primitives[label as usize];
+        let sign = p.normal(surface.centroid(model)).dot(surface.normals[model as usize]).signum();
+        triangles.iter().all(|&k| joins(surface, p, sign, k, self.tolerance, TURN))
+    }
+
+    /// Bends above this are sharp on the free surface, in radians: the sharp angle adapts to how much it bends between its
+    /// triangles.
+    fn free_sharp_angle(&self, surface: &Surface<'_>, sharp_angle: f64) -> f64 {
+        let t = surface.triangles;
+        let free = |k: u32| self.label[k as usize] == NONE;
+        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
+        let mut bends: Vec<f32> =
+            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
+        if bends.is_empty() {
+            return sharp_angle;
+        }
+        let mut quantile = |q: f64| {
+            let k = (bends.len() as f64 * q) as usize;
+            f64::from(*bends.select_nth_unstable_by(k, f32::total_cmp).1)
+        };
+        let limit = (3.0 * quantile(0.5)).max(MARGIN * quantile(MOST));
+        limit.max(sharp_angle).min(COARSEST_BEND.max(sharp_angle))
     }
 
     /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
@@ -149,15 +244,7 @@ impl Surfaces {
     /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the
     /// free surface bends between its triangles. Single crumbs go to the free region beside them.
     pub fn complete(&self, surface: &Surface<'_>, order: &[u32], sharp_angle: f64) -> Vec<u32> {
-        let t = surface.triangles;
-        let free = |k: u32| self.label[k as usize] == NONE;
-        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
-        let mut bends: Vec<f32> =
-            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
-        let middle = bends.len() / 2;
-        let typical =
-            if bends.is_empty() { 0.0 } else { f64::from(*bends.select_nth_unstable_by(middle, f32::total_cmp).1) };
-        let limit = (3.0 * typical).max(sharp_angle).min(COARSEST_BEND.max(sharp_angle));
+        let limit = self.free_sharp_angle(surface, sharp_angle);
         let barrier: Vec<bool> = surface.bend.iter().map(|&b| f64::from(b) > limit).collect();
         let mut label = self.label.clone();
         let mut next = self.primitives.len() as u32;
@@ -179,12 +266,13 @@ impl Surfaces {
             next += 1;
         }
         dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
+        divide_wedges(surface, &mut label, self.primitives.len() as u32);
         label
     }
 }
 
 /// Whether a triangle lies on a surface and looks along it.
-fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64) -> bool {
+fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64, turn: f64) -> bool {
     let points = surface.triangles.triangle(n).map(|v| surface.triangles.points()[v as usize]);
     if points.iter().any(|&x| p.distance(x).abs() > distance) {
         return false;
@@ -192,7 +280,7 @@ fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64)
     let normals = points.map(|x| p.normal(x) * sign);
     let spread = (0..3).map(|k| angle_between(normals[k], normals[(k + 1) % 3])).fold(0.0, f64::max);
     let own = surface.normals[n as usize];
-    own == DVec3::ZERO || angle_between(own, normals[0] + normals[1] + normals[2]) <= 0.6 * spread + JOIN_TURN
+    own == DVec3::ZERO || angle_between(own, normals[0] + normals[1] + normals[2]) <= 0.6 * spread + turn
 }
 
 /// Gives free pieces of a few triangles to the larger free piece that they have the longest boundary with, where the mesh
@@ -228,6 +316,25 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
             into[crumb as usize] = home;
         }
         label.iter_mut().for_each(|l| *l = into[*l as usize]);
+    }
+}
+
+/// Divides free pieces of only two directions: two planes that meet, not the coarsest of curved surfaces.
+fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
+    let count = label.iter().max().map_or(0, |&m| m + 1);
+    let groups = Groups::new(label, count as usize);
+    let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= TURN;
+    let mut next = count;
+    for l in first_free..count {
+        let Some(&first) = groups.of(l).first() else { continue };
+        let others: Vec<u32> = groups.of(l).iter().copied().filter(|&k| !flat(first, k)).collect();
+        let Some(&second) = others.first() else { continue };
+        // A single triangle is a crumb.
+        let large = others.len() > 1 && groups.of(l).len() - others.len() > 1;
+        if large && others.iter().all(|&k| flat(second, k)) {
+            others.iter().for_each(|&k| label[k as usize] = next);
+            next += 1;
+        }
     }
 }
 
