@@ -17,6 +17,7 @@
 //! | rectification by minimum cuts | `cut` | – |
 //! | planar facets | `facets` | – |
 //! | recognition of curved surfaces | `recognise` | – |
+//! | whether there are surfaces at all | `probe` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
@@ -42,6 +43,7 @@ mod growth;
 mod merge;
 mod paper;
 mod price;
+mod probe;
 mod recognise;
 mod regions;
 mod score;
@@ -396,9 +398,9 @@ impl Segmenter<'_> {
             min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / SHARP_DIVISOR },
             smoothing: if scan { SCAN_SMOOTHING } else { 0 },
         };
-        let full = full_magnitudes(surface.triangles, &[], self.context)?;
-        let free = vec![true; surface.len()];
-        curvature_regions(surface, sharp, curvature, &full, scale, &free, order, &demand, self.context)
+        // Only creases ask for it.
+        let full = full_magnitudes(surface.triangles, &sharp.vertex, self.context)?;
+        curvature_regions(surface, sharp, curvature, &full, scale, order, &demand, self.context)
     }
 
     /// Corrects the boundaries; returns how many triangles changed. Boundaries between recognised surfaces are exact.
@@ -419,8 +421,7 @@ impl Segmenter<'_> {
             if !guard && moved > 0 {
                 // A cut may have parted a region outside of its band; the smaller parts go to their neighbours.
                 regions::keep_largest_parts(self.surface, label, self.order);
-                let (open, all) = (vec![false; 3 * label.len()], vec![true; label.len()]);
-                growth::fill(self.surface, &open, &all, label, self.context)?;
+                growth::fill(self.surface, &vec![false; 3 * label.len()], label, self.context)?;
             }
         }
         Ok(before.iter().zip(label.iter()).filter(|(a, b)| a != b).count())

@@ -2,9 +2,10 @@
 //! that are no strips, and free triangles that lie on a neighbour's surface join it.
 
 use super::facets::Facets;
+use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
 use super::regions::Groups;
-use super::surface::Surface;
+use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::angle_between;
@@ -32,10 +33,12 @@ const COARSEST_BEND: f64 = 1.05;
 /// Most edges inside a freeform surface bend by no more than this share of its sharp angle.
 const MOST: f64 = 0.9;
 const MARGIN: f64 = 1.3;
+/// Half-edges of a free surface below which that says nothing.
+const FEW_EDGES: usize = 40;
 /// Stray triangles join a surface from this many times the tolerance.
 const STRAY: f64 = 20.0;
 /// Surfaces with a smaller share of the area do not make a part.
-const WORTH: f64 = 2e-4;
+pub const WORTH: f64 = 2e-4;
 /// Free pieces of no more triangles than this are none of their own.
 const CRUMB: u32 = 4;
 
@@ -52,14 +55,17 @@ pub struct Surfaces {
 pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
     let diagonal = surface.mesh.diagonal();
     let floor = floor(surface, diagonal);
-    let mut by_area = order.to_vec();
-    by_area.sort_by(|&a, &b| surface.areas[b as usize].total_cmp(&surface.areas[a as usize]));
     let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
     let rungs: Vec<f64> =
         [floor].into_iter().chain(RUNGS.map(|r| r * diagonal).into_iter().filter(|&r| r > floor)).collect();
+    let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
+    let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
+    if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
+        return Ok(found);
+    }
+    let by_area = surface.by_area(order);
     for (k, &distance) in rungs.iter().enumerate() {
-        let accuracy = Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
-        found.climb(surface, &by_area, sharp_angle, &accuracy, k + 1 == rungs.len(), context)?;
+        found.climb(surface, &by_area, sharp_angle, &accuracy(distance), k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
     }
     found.absorb(surface, found.tolerance, |_| true);
@@ -152,14 +158,15 @@ impl Surfaces {
     /// and triangles that bend more than the rest.
     fn absorb(&mut self, surface: &Surface<'_>, distance: f64, may: impl Fn(u32) -> bool) {
         let t = surface.triangles;
+        let demand = Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY };
         let mut queue: VecDeque<u32> = (0..surface.len() as u32).filter(|&k| self.label[k as usize] != NONE).collect();
         while let Some(k) = queue.pop_front() {
             let label = self.label[k as usize];
             let p = self.primitives[label as usize];
-            let sign = p.normal(surface.centroid(k)).dot(surface.normals[k as usize]).signum();
+            let sign = p.normal(surface.center(k)).dot(surface.normals[k as usize]).signum();
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if self.label[n as usize] == NONE && may(n) && joins(surface, &p, sign, n, distance, JOIN_TURN) {
+                if self.label[n as usize] == NONE && may(n) && surface.lies_on(n, &p, sign, &demand) {
                     self.label[n as usize] = label;
                     queue.push_back(n);
                 }
@@ -208,8 +215,9 @@ impl Surfaces {
     /// Whether triangles lie on a surface and look along it as its own triangle `model` does.
     fn lies_on(&self, surface: &Surface<'_>, triangles: &[u32], model: u32, label: u32) -> bool {
         let p = &self.primitives[label as usize];
-        let sign = p.normal(surface.centroid(model)).dot(surface.normals[model as usize]).signum();
-        triangles.iter().all(|&k| joins(surface, p, sign, k, self.tolerance, TURN))
+        let sign = p.normal(surface.center(model)).dot(surface.normals[model as usize]).signum();
+        let demand = Lies { distance: self.tolerance, turn: TURN, spread: MAX_BEND + TURN };
+        triangles.iter().all(|&k| surface.lies_on(k, p, sign, &demand))
     }
 
     /// Bends above this are sharp on the free surface, in radians: the sharp angle adapts to how much it bends between its
@@ -220,14 +228,10 @@ impl Surfaces {
         let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
         let mut bends: Vec<f32> =
             (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
-        if bends.is_empty() {
-            return sharp_angle;
-        }
-        let mut quantile = |q: f64| {
-            let k = (bends.len() as f64 * q) as usize;
-            f64::from(*bends.select_nth_unstable_by(k, f32::total_cmp).1)
-        };
-        let limit = (3.0 * quantile(0.5)).max(MARGIN * quantile(MOST));
+        let typical = 3.0 * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from);
+        let most = MARGIN * quantile(&mut bends, MOST, f32::total_cmp).map_or(0.0, f64::from);
+        // A few edges have no distribution.
+        let limit = if bends.len() < FEW_EDGES { typical } else { typical.max(most) };
         limit.max(sharp_angle).min(COARSEST_BEND.max(sharp_angle))
     }
 
@@ -245,42 +249,13 @@ impl Surfaces {
     /// free surface bends between its triangles. Single crumbs go to the free region beside them.
     pub fn complete(&self, surface: &Surface<'_>, order: &[u32], sharp_angle: f64) -> Vec<u32> {
         let limit = self.free_sharp_angle(surface, sharp_angle);
-        let barrier: Vec<bool> = surface.bend.iter().map(|&b| f64::from(b) > limit).collect();
         let mut label = self.label.clone();
-        let mut next = self.primitives.len() as u32;
-        let mut stack = Vec::new();
-        for &seed in order {
-            if label[seed as usize] != NONE {
-                continue;
-            }
-            label[seed as usize] = next;
-            stack.push(seed);
-            while let Some(k) = stack.pop() {
-                for n in (3 * k..3 * k + 3).filter_map(|c| surface.across(c, &barrier)) {
-                    if label[n as usize] == NONE {
-                        label[n as usize] = next;
-                        stack.push(n);
-                    }
-                }
-            }
-            next += 1;
-        }
+        let open = |c: u32| f64::from(surface.bend[c as usize]) <= limit;
+        surface.flood(order, &mut label, self.primitives.len() as u32, open, |_, _| ());
         dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
         divide_wedges(surface, &mut label, self.primitives.len() as u32);
         label
     }
-}
-
-/// Whether a triangle lies on a surface and looks along it.
-fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64, turn: f64) -> bool {
-    let points = surface.triangles.triangle(n).map(|v| surface.triangles.points()[v as usize]);
-    if points.iter().any(|&x| p.distance(x).abs() > distance) {
-        return false;
-    }
-    let normals = points.map(|x| p.normal(x) * sign);
-    let spread = (0..3).map(|k| angle_between(normals[k], normals[(k + 1) % 3])).fold(0.0, f64::max);
-    let own = surface.normals[n as usize];
-    own == DVec3::ZERO || angle_between(own, normals[0] + normals[1] + normals[2]) <= 0.6 * spread + turn
 }
 
 /// Gives free pieces of a few triangles to the larger free piece that they have the longest boundary with, where the mesh
@@ -339,14 +314,15 @@ fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
 }
 
 /// Which facets are planes of the part.
-struct Planes<'a> {
-    surface: &'a Surface<'a>,
-    facets: &'a Facets,
-    owner: &'a [u32],
-    sharp_angle: f64,
-    accuracy: &'a Accuracy,
+pub struct Planes<'a> {
+    pub surface: &'a Surface<'a>,
+    pub facets: &'a Facets,
+    /// Curved surface of every facet, or [`NONE`].
+    pub owner: &'a [u32],
+    pub sharp_angle: f64,
+    pub accuracy: &'a Accuracy,
     /// No looser tolerance follows: what may be a strip of a surface that was not found is decided now.
-    last: bool,
+    pub last: bool,
 }
 
 impl Planes<'_> {
@@ -355,7 +331,8 @@ impl Planes<'_> {
         Primitive::Plane { origin, normal: self.facets.normal[f as usize] }
     }
 
-    fn contains(&self, f: u32) -> bool {
+    /// Whether a facet is a plane of the part.
+    pub fn contains(&self, f: u32) -> bool {
         if self.owner[f as usize] != NONE {
             return false;
         }
