@@ -6,6 +6,7 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
+//! | renumbering by place | `canonical` | – |
 //! | areas, sharp edges and vertices, the automatic sharp angle | `surface` | §4.1 |
 //! | enrichment of triangles with three sharp vertices | `enrich` | §4.1 |
 //! | classification of vertices | `classify` | §4.2 |
@@ -18,6 +19,7 @@
 //! | planar facets | `facets` | – |
 //! | recognition of curved surfaces | `recognise` | – |
 //! | whether there are surfaces at all | `probe` | – |
+//! | rows of flat strips | `strips` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
@@ -31,9 +33,10 @@
 //! - Curvatures are multiplied by a length, so that a threshold means the same at every scale.
 //! - The curvature of a boundary is the full tensor across creases and the smooth one elsewhere; with one of them for both,
 //!   either everything merges or nothing does.
-//! - Triangles are visited in an order of place, not of number.
+//! - Vertices and triangles are renumbered by place first: how the input numbers them makes no difference.
 
 mod boundaries;
+mod canonical;
 mod classify;
 mod contour;
 mod cut;
@@ -47,6 +50,7 @@ mod probe;
 mod recognise;
 mod regions;
 mod score;
+mod strips;
 mod surface;
 mod surfaces;
 #[cfg(test)]
@@ -57,6 +61,7 @@ use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
 use crate::geometry::primitive::Fit;
 use crate::mesh::{SurfaceMesh, Triangles};
+use canonical::Canonical;
 use paper::{CurvatureRegions, Demand, curvature_regions};
 use price::Prices;
 use rayon::prelude::*;
@@ -272,11 +277,21 @@ pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) 
         return Err(Error::input("the mesh has no faces", "", "segmentation needs triangles"));
     }
     options.check(triangles.len())?;
+    let canonical = Canonical::new(triangles)?;
+    let found = in_order_of_place(&canonical.mesh, &canonical.options(options), context)?;
+    Ok(canonical.restore(found))
+}
+
+/// Segments a mesh by visiting its triangles in the order of their numbers.
+fn in_order_of_place(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) -> Result<Segmentation> {
+    let Some(triangles) = Triangles::of(mesh) else {
+        return Err(Error::Bug("triangles became polygons".into()));
+    };
     let surface = {
         let _stage = context.stage("sharp edges");
         Surface::new(mesh, triangles)
     };
-    let order = surface.canonical_order();
+    let order: Vec<u32> = (0..surface.len() as u32).collect();
     let angle = match options.sharp_angle {
         Some(degrees) => degrees.to_radians(),
         None => surface::sharp_angle(&surface, context)?,

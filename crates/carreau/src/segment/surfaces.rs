@@ -5,6 +5,7 @@ use super::facets::Facets;
 use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
 use super::regions::Groups;
+use super::strips::{fragments, rows};
 use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
 use crate::error::Result;
@@ -37,6 +38,8 @@ const MARGIN: f64 = 1.3;
 const FEW_EDGES: usize = 40;
 /// Stray triangles join a surface from this many times the tolerance.
 const STRAY: f64 = 20.0;
+/// Rounds of freeing fragments of strips.
+const FRAGMENT_ROUNDS: usize = 4;
 /// Surfaces with a smaller share of the area do not make a part.
 pub const WORTH: f64 = 2e-4;
 /// Free pieces of no more triangles than this are none of their own.
@@ -70,6 +73,7 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
     }
     found.absorb(surface, found.tolerance, |_| true);
     found.unite(surface);
+    found.free_strips(surface, sharp_angle);
     Ok(found)
 }
 
@@ -206,6 +210,25 @@ impl Surfaces {
             }
         }
         self.label.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = root(&home, *l));
+    }
+
+    /// Frees the flat strips of curved surfaces that were subdivided.
+    fn free_strips(&mut self, surface: &Surface<'_>, sharp_angle: f64) {
+        let is_plane: Vec<bool> = self.primitives.iter().map(|p| p.kind() == Kind::Plane).collect();
+        let bends = TURN..sharp_angle;
+        let free = |label: &mut [u32], gone: Vec<bool>| {
+            let old = label.iter_mut().filter(|l| **l != NONE && gone[**l as usize]);
+            old.map(|l| *l = NONE).count() > 0
+        };
+        let found = rows(surface, &self.label, &is_plane, &bends);
+        free(&mut self.label, found);
+        // Fragments that are free make others free.
+        for _ in 0..FRAGMENT_ROUNDS {
+            let found = fragments(surface, &self.label, &is_plane, &bends);
+            if !free(&mut self.label, found) {
+                return;
+            }
+        }
     }
 
     fn kind(&self, label: u32) -> Kind {
