@@ -240,3 +240,31 @@ impl<'a> Band<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn waves_have_no_region_twice_and_keep_the_order_of_each(mut pairs in prop::collection::vec((0u32..9, 0u32..9), 0..40)) {
+            pairs.retain(|(a, b)| a < b);
+            pairs.sort_unstable();
+            pairs.dedup();
+            let contact = |&pair: &(u32, u32)| Contact { pair, edges: Vec::new() };
+            let waves = waves(pairs.iter().map(contact).collect(), 9);
+            let mut seen: Vec<Vec<(u32, u32)>> = vec![Vec::new(); 9];
+            for wave in &waves {
+                let mut regions: Vec<u32> = wave.iter().flat_map(|c| [c.pair.0, c.pair.1]).collect();
+                regions.sort_unstable();
+                prop_assert!(regions.windows(2).all(|w| w[0] < w[1]));
+                wave.iter().for_each(|c| [c.pair.0, c.pair.1].iter().for_each(|&r| seen[r as usize].push(c.pair)));
+            }
+            for (region, seen) in (0u32..).zip(seen) {
+                let own = |&&(a, b): &&(u32, u32)| a == region || b == region;
+                prop_assert_eq!(seen, pairs.iter().filter(own).copied().collect::<Vec<_>>());
+            }
+        }
+    }
+}

@@ -330,7 +330,7 @@ impl Segmenter<'_> {
             self.sharp = Sharp::new(self.surface, self.angle);
             chosen.sharp_angle_deg = self.angle.to_degrees();
         }
-        let curvature = self.curvature(self.surface, &self.sharp)?;
+        let curvature = self.curvature(self.surface.triangles, &self.sharp.edge)?;
         let mut label = match start {
             Some(label) => label,
             None => {
@@ -372,10 +372,10 @@ impl Segmenter<'_> {
         }
     }
 
-    fn curvature(&self, surface: &Surface<'_>, sharp: &Sharp) -> Result<Curvature> {
+    fn curvature(&self, triangles: Triangles<'_>, sharp: &[bool]) -> Result<Curvature> {
         let _stage = self.context.stage("curvature");
         let options = CurvatureOptions { estimator: self.options.estimator, radius: self.options.radius };
-        curvature(surface.triangles, &sharp.edge, &options, self.context)
+        curvature(triangles, sharp, &options, self.context)
     }
 
     /// The paper's regions, on the enriched mesh where enrichment is needed.
@@ -386,9 +386,18 @@ impl Segmenter<'_> {
         let Some(triangles) = Triangles::of(&enriched.mesh) else {
             return Err(Error::Bug("enrichment made a polygon".into()));
         };
-        let surface = Surface::new(&enriched.mesh, triangles);
+        let surface = Surface::enriched(self.surface, &enriched, triangles);
         let sharp = Sharp::new(&surface, self.angle);
-        let curvature = self.curvature(&surface, &sharp)?;
+        let curvature = match enriched.surroundings()? {
+            // In a ball there is more than the surroundings.
+            Some(part) if self.options.estimator != Estimator::NormalCycleBall => {
+                let Some(triangles) = Triangles::of(&part.mesh) else {
+                    return Err(Error::Bug("enrichment made a polygon".into()));
+                };
+                part.put_into(curvature, &self.curvature(triangles, &part.of_corners(&sharp.edge))?)
+            }
+            _ => self.curvature(surface.triangles, &sharp.edge)?,
+        };
         let order = surface.canonical_order();
         let found = self.regions_on(&surface, &sharp, &curvature, scale, &order)?;
         Ok(CurvatureRegions { label: enriched.project(&found.label, self.surface.len()), ..found })

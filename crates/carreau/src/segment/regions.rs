@@ -114,7 +114,8 @@ impl Groups {
 
 /// Points given to a fit.
 const MAX_SAMPLES: usize = 300;
-/// Points of the first test.
+/// Points of the first two tests.
+const FEWEST_SAMPLES: usize = 16;
 const FEW_SAMPLES: usize = 60;
 const REFINE_STEPS: usize = 30;
 
@@ -177,17 +178,22 @@ impl Corners {
 pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
     let corners = Corners::of(surface, triangles);
     let point = |k| corners.point(surface, k);
-    let (few, few_normals): (Vec<DVec3>, Vec<DVec3>) =
-        corners.thinned(FEW_SAMPLES).map(|k| (point(k), corners.normal(surface, k))).unzip();
+    let sample = |most| -> (Vec<DVec3>, Vec<DVec3>) {
+        corners.thinned(most).map(|k| (point(k), corners.normal(surface, k))).unzip()
+    };
+    let (fewest, few) = (sample(FEWEST_SAMPLES), sample(FEW_SAMPLES));
     let points: Vec<DVec3> = corners.thinned(MAX_SAMPLES).map(point).collect();
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
     for kind in Kind::ALL {
-        if few.len() <= kind.parameters() && kind != Kind::Plane {
+        if few.0.len() <= kind.parameters() && kind != Kind::Plane {
             continue;
         }
-        // A few points refuse most kinds at once; the others are fitted to more.
-        let quick = fit_within(kind, &few, &few_normals, tolerance, &mut scratch);
+        let mut within =
+            |(points, normals): &(Vec<DVec3>, Vec<DVec3>)| fit_within(kind, points, normals, tolerance, &mut scratch);
+        // A few points refuse most kinds at once; the others are fitted to more, and then to many.
+        let is_test = fewest.0.len() < few.0.len() && fewest.0.len() > kind.parameters();
+        let quick = if is_test && within(&fewest).is_none() { None } else { within(&few) };
         let Some(found) = quick.and_then(|quick| refine(quick.primitive, &points, None, REFINE_STEPS)) else {
             continue;
         };

@@ -1,8 +1,9 @@
 //! The triangles as the stages see them: areas, sharp edges and vertices (§4.1), a numbering-free order.
 
+use super::enrich::Enriched;
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::normals::{angle_between, face_normals};
+use crate::geometry::normals::{angle_between, face_normal, face_normals};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::{NONE, SurfaceMesh, Triangles, safe_length, triangle_area_vector};
 use glam::DVec3;
@@ -28,18 +29,33 @@ impl<'a> Surface<'a> {
         let count = triangles.len() as u32;
         let areas: Vec<f64> = (0..count).into_par_iter().map(|t| area(triangles, t)).collect();
         // Once per edge: the half-edge with the larger number gets the angle of the other.
-        let bend = |c: u32| match triangles.opposite(c) {
-            NONE => std::f32::consts::PI,
-            o if o < c => 0.0,
-            o => angle_between(normals[c as usize / 3], normals[o as usize / 3]) as f32,
-        };
+        let bend = |c: u32| if triangles.opposite(c) < c { 0.0 } else { bend(triangles, &normals, c) };
         let mut bend: Vec<f32> = (0..3 * count).into_par_iter().map(bend).collect();
         for c in 0..3 * count {
-            match triangles.opposite(c) {
-                o if o < c => bend[c as usize] = bend[o as usize],
-                _ => {}
+            let o = triangles.opposite(c);
+            if o < c {
+                bend[c as usize] = bend[o as usize];
             }
         }
+        let total_area = sum(&areas);
+        Surface { mesh, triangles, normals, areas, total_area, bend }
+    }
+
+    /// [`Surface::new`] of an enriched mesh: what is as before is not computed again.
+    pub fn enriched<'b>(before: &Surface<'_>, enriched: &'b Enriched, triangles: Triangles<'b>) -> Surface<'b> {
+        let Enriched { mesh, parent, split } = enriched;
+        let same = |t: u32| !split[parent[t as usize] as usize];
+        let normal = face_normal(mesh);
+        let all = || (0..triangles.len() as u32).into_par_iter();
+        let old = |t: u32| parent[t as usize] as usize;
+        let normals: Vec<DVec3> =
+            all().map(|t| if same(t) { before.normals[old(t)] } else { normal(t as usize) }).collect();
+        let areas: Vec<f64> = all().map(|t| if same(t) { before.areas[old(t)] } else { area(triangles, t) }).collect();
+        let bend = |c: u32| match triangles.opposite(c) {
+            o if same(c / 3) && (o == NONE || same(o / 3)) => before.bend[3 * old(c / 3) + c as usize % 3],
+            _ => bend(triangles, &normals, c),
+        };
+        let bend = (0..3 * triangles.len() as u32).into_par_iter().map(bend).collect();
         let total_area = sum(&areas);
         Surface { mesh, triangles, normals, areas, total_area, bend }
     }
@@ -177,6 +193,14 @@ pub fn quantile<T: Copy>(values: &mut [T], share: f64, order: impl Fn(&T, &T) ->
     Some(*values.select_nth_unstable_by(rank, order).1)
 }
 
+/// See [`Surface::bend`]. In the order of the numbers, so that both half-edges get the same.
+fn bend(triangles: Triangles<'_>, normals: &[DVec3], c: u32) -> f32 {
+    match triangles.opposite(c) {
+        NONE => std::f32::consts::PI,
+        o => angle_between(normals[c.min(o) as usize / 3], normals[c.max(o) as usize / 3]) as f32,
+    }
+}
+
 fn area(triangles: Triangles<'_>, t: u32) -> f64 {
     let p = triangles.triangle(t).map(|v| triangles.points()[v as usize]);
     safe_length(triangle_area_vector(p[0], p[1], p[2]))
@@ -239,4 +263,49 @@ pub fn sharp_angle(surface: &Surface<'_>, context: &Context) -> Result<f64> {
 pub fn noisy_sharp_angle(surface: &Surface<'_>, multiple: f64) -> f64 {
     let mut bends: Vec<f32> = surface.bend.iter().copied().filter(|&b| b < std::f32::consts::PI).collect();
     multiple * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_models::{grid, moved, sphere};
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_canonical_order_is_that_of_the_centroids() {
+        // A grid has many equal coordinates, in both of its directions; the sphere has negative ones and zeros.
+        for mesh in [grid(6), moved(&grid(6), |p| DVec3::new(0.0, -p.x, p.y)), sphere(2)] {
+            let surface = Surface::new(&mesh, Triangles::of(&mesh).unwrap());
+            let points = mesh.points();
+            let key = |&t: &u32| {
+                let [a, b, c] = surface.triangles.triangle(t).map(|v| points[v as usize]);
+                (a + b + c).to_array()
+            };
+            let mut sorted: Vec<u32> = (0..surface.len() as u32).collect();
+            sorted.sort_by(|a, b| {
+                let (x, y) = (key(a), key(b));
+                (0..3).map(|k| x[k].total_cmp(&y[k])).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+            });
+            assert_eq!(surface.canonical_order(), sorted);
+        }
+    }
+
+    #[test]
+    fn both_sides_of_an_edge_bend_alike() {
+        let mesh = sphere(2);
+        let surface = Surface::new(&mesh, Triangles::of(&mesh).unwrap());
+        for c in 0..3 * surface.len() as u32 {
+            let o = surface.triangles.opposite(c);
+            let angle = angle_between(surface.normals[c as usize / 3], surface.normals[o as usize / 3]);
+            assert_eq!(surface.bend[c as usize], surface.bend[o as usize]);
+            assert!((f64::from(surface.bend[c as usize]) - angle).abs() < 1e-6);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn integers_are_ordered_as_the_numbers(a in any::<f64>(), b in any::<f64>()) {
+            prop_assert_eq!(ordered(a).cmp(&ordered(b)), a.total_cmp(&b));
+        }
+    }
 }

@@ -142,8 +142,8 @@ pub fn full_magnitudes(triangles: Triangles<'_>, wanted: &[bool], context: &Cont
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
     let none = vec![false; 3 * triangles.len()];
-    let sectors = Sectors::new(triangles, &none, context)?;
     let wanted = |v: u32| wanted.get(v as usize).copied().unwrap_or(wanted.is_empty());
+    let sectors = Sectors::around(triangles, &none, wanted, context)?;
     // A vertex asks only for the half-edges that leave it.
     let needed = |c: u32| if wanted(triangles.vertex(c)) { turn(&sectors, c) } else { 0.0 };
     let ring = Ring { turns: map(3 * triangles.len(), context, needed)?, share: 1.0 };
