@@ -35,10 +35,9 @@ pub struct Energy<'a> {
 
 impl<'a> Energy<'a> {
     pub fn new(surface: &'a Surface<'a>, noise: &'a Noise, models: Vec<Model>) -> Self {
-        let lambda = super::knob("LAMBDA", LAMBDA);
         let boundary = |c: u32| {
             let bend = f64::from(surface.bend[c as usize]) / (SHARP * noise.bend(surface, c).max(1e-9));
-            lambda * (surface.edge_length(c) / noise.edge).min(3.0) / (1.0 + bend * bend)
+            LAMBDA * (surface.edge_length(c) / noise.edge).min(3.0) / (1.0 + bend * bend)
         };
         let boundary = (0..3 * surface.len() as u32).map(boundary).collect();
         Energy { surface, noise, models, boundary }

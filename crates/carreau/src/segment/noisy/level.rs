@@ -1,17 +1,18 @@
 //! How noisy a mesh is: the residuals of small patches from the paraboloids through them.
 
 use super::patch::Patches;
-use crate::geometry::normals::angle_between;
 use crate::mesh::NONE;
 use crate::numeric::levenberg::solve_cholesky;
 use crate::segment::surface::Surface;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Patches that are asked.
 const SAMPLES: usize = 1500;
-/// Triangles of the small and of the large patches.
-const SMALL: usize = 24;
-const LARGE: usize = 54;
+/// Triangles of a patch.
+const SIZE: usize = 24;
+/// Fewer patches say nothing.
+const LEAST_PATCHES: usize = 8;
 /// Patches end where the mesh bends by more, in radians.
 const FOLD: f64 = 0.7;
 /// The quartile of the root mean square of about 13 normal numbers, over their deviation.
@@ -19,37 +20,21 @@ const QUARTILE: f64 = 0.86;
 /// Coefficients of a paraboloid.
 const UNKNOWNS: usize = 6;
 
-/// What the vertices deviate from a smooth surface.
-#[derive(Debug, Clone, Copy)]
-pub struct Level {
-    /// Standard deviation of the vertices along the normal.
-    pub sigma: f64,
-    /// The same from the large patches: larger where the surface itself, not noise, leaves the paraboloids.
-    pub wide: f64,
-}
-
-/// The noise of a mesh, of the quieter part of its patches; `None` where there are too few.
-pub fn level(surface: &Surface<'_>, order: &[u32]) -> Option<Level> {
+/// The standard deviation of the vertices from a smooth surface, along the normal, as the quieter part of the mesh has it;
+/// `None` where there are too few patches to tell.
+pub fn level(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
     let barrier = |c: u32| f64::from(surface.bend[c as usize]) > FOLD;
     let mut patches = Patches::new(surface);
-    let (mut small, mut large) = (Vec::new(), Vec::new());
+    let mut residuals = Vec::new();
     for &seed in order.iter().step_by(order.len().div_ceil(SAMPLES).max(1)) {
-        for (size, list) in [(SMALL, &mut small), (LARGE, &mut large)] {
-            patches.around(seed, size, &barrier);
-            if patches.triangles.len() == size
-                && let Some(residual) = residual(surface, &patches.triangles, &patches.points)
-            {
-                list.push(residual);
-            }
+        patches.around(seed, SIZE, &barrier);
+        if patches.triangles.len() == SIZE {
+            residuals.extend(residual(surface, &patches.triangles, &patches.points));
         }
     }
-    let enough = small.len() >= 8 && large.len() >= 4;
-    enough.then(|| Level { sigma: quartile(&mut small) / QUARTILE, wide: quartile(&mut large) / QUARTILE })
-}
-
-fn quartile(values: &mut [f64]) -> f64 {
-    let at = values.len() / 4;
-    *values.select_nth_unstable_by(at, f64::total_cmp).1
+    let quarter = residuals.len() / 4;
+    let enough = residuals.len() >= LEAST_PATCHES;
+    enough.then(|| *residuals.select_nth_unstable_by(quarter, f64::total_cmp).1 / QUARTILE)
 }
 
 /// Root mean square residual of points from their paraboloid over the mean plane of triangles.
@@ -106,6 +91,7 @@ impl Noise {
     pub fn new(surface: &Surface<'_>, sigma: f64) -> Self {
         let edge = mean_edge(surface);
         let turn: Vec<f64> = (0..surface.len() as u32)
+            .into_par_iter()
             .map(|k| {
                 let longest = (3 * k..3 * k + 3).map(|c| surface.edge_length(c)).fold(0.0, f64::max);
                 // √2 σ / edge for an equilateral triangle.
@@ -113,7 +99,7 @@ impl Noise {
                 if height > 0.0 { (1.23 * sigma / height).min(LARGEST_TURN) } else { LARGEST_TURN }
             })
             .collect();
-        let crease = (0..3 * surface.len() as u32).map(|c| is_crease(surface, &turn, c)).collect();
+        let crease = (0..3 * surface.len() as u32).into_par_iter().map(|c| is_crease(surface, &turn, c)).collect();
         Noise { sigma, edge, turn, crease }
     }
 
@@ -135,13 +121,7 @@ fn bend_deviation(surface: &Surface<'_>, turn: &[f64], c: u32) -> f64 {
     }
 }
 
+/// Borders have the bend π.
 fn is_crease(surface: &Surface<'_>, turn: &[f64], c: u32) -> bool {
-    let t = surface.triangles;
-    let o = t.opposite(c);
-    if o == NONE {
-        return true;
-    }
-    let limit = (CREASE * bend_deviation(surface, turn, c)).max(LEAST_CREASE);
-    let (a, b) = (surface.normals[c as usize / 3], surface.normals[o as usize / 3]);
-    angle_between(a, b) > limit
+    f64::from(surface.bend[c as usize]) > (CREASE * bend_deviation(surface, turn, c)).max(LEAST_CREASE)
 }

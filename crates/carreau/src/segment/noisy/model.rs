@@ -16,9 +16,9 @@ pub const FREE: f64 = 4.0;
 /// The price of a surface, and of each of its parameters.
 const SURFACE: f64 = 4.0;
 const PER_PARAMETER: f64 = 1.5;
-/// Correlation of neighbouring distances from which they are no noise.
-const CORRELATED: f64 = 0.35;
-/// Share of the normal's deviation in the price; distances say nearly the same.
+/// The largest wrongness of a surface, see [`Model::wrongness`].
+const MOST_WRONG: f64 = 0.3;
+/// Weight of the turn in the price: distances say nearly the same.
 const NORMAL_SHARE: f64 = 0.5;
 /// Systematic turn of chords, in radians.
 const CHORD: f64 = 0.05;
@@ -40,8 +40,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// Mean square distance of the corners and square turn of the normal of a triangle, in deviations; the turn is infinite
-    /// where it looks elsewhere.
+    /// Distances of the corners and turn of the normal of a triangle, in deviations; the turn is infinite where the triangle
+    /// looks the other way.
     fn misfit(&self, surface: &Surface<'_>, noise: &Noise, k: u32) -> ([f64; 3], f64) {
         let p = surface.triangles.triangle(k).map(|v| surface.triangles.points()[v as usize]);
         let distances = p.map(|p| self.primitive.distance(p).abs() / noise.sigma);
@@ -51,7 +51,8 @@ impl Model {
             return (distances, 0.0);
         }
         let angle = angle_between(own, natural);
-        let turn = if angle > std::f64::consts::FRAC_PI_2 { f64::INFINITY } else { angle / (noise.turn[k as usize] + CHORD) };
+        let away = angle > std::f64::consts::FRAC_PI_2;
+        let turn = if away { f64::INFINITY } else { angle / (noise.turn[k as usize] + CHORD) };
         (distances, turn)
     }
 
@@ -73,20 +74,17 @@ impl Model {
         SURFACE + PER_PARAMETER * self.primitive.kind().parameters() as f64
     }
 
-    /// Correlation of the distances at the two ends of edges, and the number of edges: about 0 where the distances are noise,
-    /// near 1 where the surface is a wrong one.
-    pub fn correlation(&self, surface: &Surface<'_>, noise: &Noise, triangles: &[u32]) -> (f64, usize) {
-        let (mut product, mut square) = (0.0, f64::MIN_POSITIVE);
+    /// Mean product of the distances at the two ends of edges, in variances of the noise, and the number of edges: about 0
+    /// where the distances are noise; where the surface is a wrong one, the mean square of what it is wrong by.
+    pub fn wrongness(&self, surface: &Surface<'_>, noise: &Noise, triangles: &[u32]) -> (f64, usize) {
         let most = REACH * noise.sigma;
-        for &k in triangles {
+        let products = |&k: &u32| {
             let p = surface.triangles.triangle(k).map(|v| surface.triangles.points()[v as usize]);
             let d = p.map(|p| self.primitive.distance(p).clamp(-most, most) / noise.sigma);
-            for j in 0..3 {
-                product += d[j] * d[(j + 1) % 3];
-                square += d[j] * d[j];
-            }
-        }
-        (product / square, triangles.len() * 3 / 2)
+            d[0] * d[1] + d[1] * d[2] + d[2] * d[0]
+        };
+        let sum: f64 = triangles.iter().map(products).sum();
+        (sum / (3 * triangles.len().max(1)) as f64, triangles.len() * 3 / 2)
     }
 
     /// The model of a primitive on the side that the triangles look to.
@@ -102,13 +100,15 @@ impl Model {
 
 /// Whether distances with this root mean square may be noise alone.
 pub fn is_noise(rms: f64, points: usize, kind: Kind, sigma: f64) -> bool {
+    // The sum of squares over σ² has about this mean, and a variance of twice that.
     let freedom = points.saturating_sub(kind.parameters()) as f64;
-    freedom >= 1.0 && rms * rms * points as f64 / freedom <= (UNSURE * sigma).powi(2) * (1.0 + 3.0 * (2.0 / freedom).sqrt())
+    let most = (UNSURE * sigma).powi(2) * (1.0 + 3.0 * (2.0 / freedom).sqrt());
+    freedom >= 1.0 && rms * rms * points as f64 / freedom <= most
 }
 
-/// Whether distances with this correlation over so many edges are more than noise.
-pub fn is_soft(correlation: f64, edges: usize) -> bool {
-    correlation > super::knob("SOFT", CORRELATED) + 2.0 / (edges.max(1) as f64).sqrt()
+/// Whether a wrongness over so many edges is more than chance.
+pub fn is_wrong((wrongness, edges): (f64, usize)) -> bool {
+    wrongness > MOST_WRONG + 2.0 / (edges.max(1) as f64).sqrt()
 }
 
 /// Fits models to triangles.

@@ -1,12 +1,13 @@
 //! Hypotheses: surfaces through patches of several sizes, grown as far as they reach.
 
 use super::level::Noise;
-use super::model::{DEAREST, FREE, Fitter, Model, is_soft};
+use super::model::{DEAREST, FREE, Fitter, Model, is_wrong};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::Kind;
 use crate::mesh::NONE;
 use crate::segment::surface::Surface;
+use rustc_hash::FxHashSet;
 
 /// Triangles of a patch, from sure to small.
 const SIZES: [usize; 4] = [160, 64, 26, 10];
@@ -20,8 +21,8 @@ const PER_PARAMETER: f64 = 0.01;
 const LEAST: usize = 5;
 
 /// Seeds of a probe, how far their surfaces grow (triangles), and what each says at most (vertices).
-const PROBES: usize = 64;
-const PROBE_SIZE: usize = 1500;
+const PROBES: usize = 48;
+const PROBE_SIZE: usize = 1000;
 const PROBE_SAMPLES: usize = 100;
 /// Standard deviation of a normal distribution over its median absolute value.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
@@ -74,11 +75,7 @@ pub fn probe(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Cont
         context.check()?;
         asked += 1.0;
         let Some(found) = best_from(&mut fitter, seed) else { continue };
-        let (rho, n) = found.model.correlation(surface, noise, &found.triangles);
-        if std::env::var_os("NOISY").is_some_and(|x| x == "2") {
-            eprintln!("probe {:?} n {} rho {rho:.3}", found.model.primitive.kind(), found.triangles.len());
-        }
-        if !is_soft(rho, n) {
+        if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
             hits += 1.0;
             fitter.patches.gather_of(&found.triangles);
             fitter.patches.thin(PROBE_SAMPLES);
@@ -149,7 +146,7 @@ fn best_through(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
             continue;
         }
         let proposal = Proposal { model, triangles };
-        let score = proposal.score(surface, noise, |_| true) * (1.0 - PER_PARAMETER * kind.parameters() as f64);
+        let score = proposal.score(surface, noise) * (1.0 - PER_PARAMETER * kind.parameters() as f64);
         let bounded = proposal.bounded(surface, noise) >= BOUNDED;
         if best.as_ref().is_none_or(|b| score > b.0) {
             best = Some((score, proposal));
@@ -162,18 +159,15 @@ fn best_through(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
 }
 
 impl Proposal {
-    /// Area of the triangles that count, less where they are dear.
-    pub fn score(&self, surface: &Surface<'_>, noise: &Noise, counts: impl Fn(u32) -> bool) -> f64 {
-        let worth = |&k: &u32| {
-            surface.areas[k as usize] * (1.0 - self.model.price(surface, noise, k) / DEAREST)
-        };
-        self.triangles.iter().filter(|&&k| counts(k)).map(worth).sum()
+    /// Area of the triangles, less where they are dear.
+    fn score(&self, surface: &Surface<'_>, noise: &Noise) -> f64 {
+        let worth = |&k: &u32| surface.areas[k as usize] * (1.0 - self.model.price(surface, noise, k) / DEAREST);
+        self.triangles.iter().map(worth).sum()
     }
 
     /// Share of the border that is at creases.
     fn bounded(&self, surface: &Surface<'_>, noise: &Noise) -> f64 {
-        let mut inside = rustc_hash::FxHashSet::default();
-        inside.extend(self.triangles.iter().copied());
+        let inside: FxHashSet<u32> = self.triangles.iter().copied().collect();
         let (mut hard, mut all) = (0.0, 0.0);
         for c in self.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3) {
             let o = surface.triangles.opposite(c);
