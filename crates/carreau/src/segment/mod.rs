@@ -44,6 +44,7 @@ mod enrich;
 mod facets;
 mod growth;
 mod merge;
+mod noisy;
 mod paper;
 mod price;
 mod probe;
@@ -225,6 +226,8 @@ pub struct Chosen {
     pub tolerance: f64,
     /// Share of the area that lies on recognised surfaces.
     pub recognised: f64,
+    /// Standard deviation of the vertices of a noisy part from their surfaces; 0 for all other meshes.
+    pub noise: f64,
     /// Triangles that rectification gave to another region.
     pub rectified: usize,
 }
@@ -248,6 +251,8 @@ pub struct Segmentation {
 const PART: f64 = 0.02;
 /// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
 const TOLERANCE: f64 = 3e-5;
+/// The same on noisy parts, in standard deviations of the noise.
+const NOISE_TOLERANCE: f64 = 5.0;
 /// Across creases only regions smaller than A_min by this factor are merged first.
 const SHARP_DIVISOR: f64 = 50.0;
 /// Scans: clusters, A_min, rounds of averaging of curvature, and the multiple of the median bend from which edges are sharp.
@@ -321,6 +326,7 @@ impl Segmenter<'_> {
             scale,
             tolerance,
             recognised: 0.0,
+            noise: 0.0,
             rectified: 0,
         };
         let mut dendrogram = Dendrogram::default();
@@ -358,10 +364,22 @@ impl Segmenter<'_> {
         chosen.recognised = found.share(self.surface);
         if chosen.recognised < PART {
             chosen.recognised = 0.0;
-            return Ok(None);
+            return self.start_noisy(chosen);
         }
         chosen.basis = Basis::Surfaces;
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
+    }
+
+    /// The faces of a part with noise.
+    fn start_noisy(&self, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
+        let Some(found) = noisy::find(self.surface, self.order, self.context)? else { return Ok(None) };
+        chosen.basis = Basis::Surfaces;
+        chosen.recognised = found.share;
+        chosen.noise = found.sigma;
+        if self.options.tolerance.is_none() {
+            chosen.tolerance = NOISE_TOLERANCE * found.sigma;
+        }
+        Ok(Some(found.label))
     }
 
     fn scale(&self) -> f64 {
