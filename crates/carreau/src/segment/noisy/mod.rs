@@ -158,9 +158,8 @@ fn complete(
             label[k] = NONE;
         }
     }
-    let all = vec![true; label.len()];
-    growth::fill(surface, &noise.crease, &all, &mut label, context)?;
-    growth::fill(surface, &vec![false; 3 * label.len()], &all, &mut label, context)?;
+    growth::fill(surface, &noise.crease, &mut label, context)?;
+    growth::fill(surface, &vec![false; 3 * label.len()], &mut label, context)?;
     // A mesh of crumbs alone.
     label.iter_mut().filter(|l| **l == NONE).for_each(|l| *l = next);
     Ok(label)
