@@ -114,8 +114,7 @@ impl Groups {
 
 /// Points given to a fit.
 const MAX_SAMPLES: usize = 300;
-/// Points of the first two tests.
-const FEWEST_SAMPLES: usize = 16;
+/// Points of the first test.
 const FEW_SAMPLES: usize = 60;
 const REFINE_STEPS: usize = 30;
 
@@ -178,22 +177,17 @@ impl Corners {
 pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
     let corners = Corners::of(surface, triangles);
     let point = |k| corners.point(surface, k);
-    let sample = |most| -> (Vec<DVec3>, Vec<DVec3>) {
-        corners.thinned(most).map(|k| (point(k), corners.normal(surface, k))).unzip()
-    };
-    let (fewest, few) = (sample(FEWEST_SAMPLES), sample(FEW_SAMPLES));
+    let (few, few_normals): (Vec<DVec3>, Vec<DVec3>) =
+        corners.thinned(FEW_SAMPLES).map(|k| (point(k), corners.normal(surface, k))).unzip();
     let points: Vec<DVec3> = corners.thinned(MAX_SAMPLES).map(point).collect();
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
     for kind in Kind::ALL {
-        if few.0.len() <= kind.parameters() && kind != Kind::Plane {
+        if few.len() <= kind.parameters() && kind != Kind::Plane {
             continue;
         }
-        let mut within =
-            |(points, normals): &(Vec<DVec3>, Vec<DVec3>)| fit_within(kind, points, normals, tolerance, &mut scratch);
-        // A few points refuse most kinds at once; the others are fitted to more, and then to many.
-        let is_test = fewest.0.len() < few.0.len() && fewest.0.len() > kind.parameters();
-        let quick = if is_test && within(&fewest).is_none() { None } else { within(&few) };
+        // A few points refuse most kinds at once; the others are fitted to more.
+        let quick = fit_within(kind, &few, &few_normals, tolerance, &mut scratch);
         let Some(found) = quick.and_then(|quick| refine(quick.primitive, &points, None, REFINE_STEPS)) else {
             continue;
         };
