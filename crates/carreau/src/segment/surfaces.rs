@@ -38,6 +38,8 @@ const MARGIN: f64 = 1.3;
 const FEW_EDGES: usize = 40;
 /// Stray triangles join a surface from this many times the tolerance.
 const STRAY: f64 = 20.0;
+/// Strips of a curved surface bend by no more than this, in radians: planes that bend more are the sides of a prism.
+const STRIP_BEND: f64 = 0.105;
 /// Rounds of freeing fragments of strips.
 const FRAGMENT_ROUNDS: usize = 4;
 /// Surfaces with a smaller share of the area do not make a part.
@@ -215,7 +217,7 @@ impl Surfaces {
     /// Frees the flat strips of curved surfaces that were subdivided.
     fn free_strips(&mut self, surface: &Surface<'_>, sharp_angle: f64) {
         let is_plane: Vec<bool> = self.primitives.iter().map(|p| p.kind() == Kind::Plane).collect();
-        let bends = TURN..sharp_angle;
+        let bends = TURN..STRIP_BEND.min(sharp_angle);
         let free = |label: &mut [u32], gone: Vec<bool>| {
             let old = label.iter_mut().filter(|l| **l != NONE && gone[**l as usize]);
             old.map(|l| *l = NONE).count() > 0
