@@ -270,6 +270,14 @@ fn tell(session: &mut Session, result: &Segmentation) {
             json!({ "regions": [b.regions.0, b.regions.1], "vertices": vertices, "closed": b.closed, "sharp": b.sharp })
         })
         .collect();
+    let junctions: Vec<Value> = result
+        .junctions
+        .iter()
+        .map(|j| {
+            let p = j.position;
+            json!({ "vertex": j.vertex.0, "regions": j.regions, "position": [p.x, p.y, p.z], "distance": j.distance })
+        })
+        .collect();
     let count = |name: &str| regions.iter().filter(|r| r["primitive"]["type"] == name).count();
     let kinds: Vec<String> = ["plane", "cylinder", "cone", "sphere", "torus", "freeform"]
         .into_iter()
@@ -294,6 +302,7 @@ fn tell(session: &mut Session, result: &Segmentation) {
     session.record.set("chosen", chosen);
     session.record.set("dendrogram", &result.dendrogram);
     session.record.set("boundaries", boundaries);
+    session.record.set("junctions", junctions);
     session.record.set("regions", regions);
 }
 

@@ -50,7 +50,8 @@ impl Canonical {
         let mut labels = vec![0; found.labels.len()];
         self.triangle.iter().zip(&found.labels).for_each(|(&t, &l)| labels[t as usize] = l);
         found.labels = labels;
-        let vertices = found.boundaries.iter_mut().flat_map(|b| &mut b.vertices);
+        let on_lines = found.boundaries.iter_mut().flat_map(|b| &mut b.vertices);
+        let vertices = on_lines.chain(found.junctions.iter_mut().map(|j| &mut j.vertex));
         vertices.for_each(|v| *v = VertexId(self.vertex[v.index()]));
         found
     }

@@ -24,6 +24,7 @@
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
 //! | boundary polylines | `boundaries` | – |
+//! | junctions, where they end | `junctions` | – |
 //!
 //! Where this departs from the paper:
 //! - By default the surfaces of the part are recognised first ([`SegmentOptions::surfaces`]): the vertices of a tessellated
@@ -43,6 +44,7 @@ mod cut;
 mod enrich;
 mod facets;
 mod growth;
+mod junctions;
 mod merge;
 mod noisy;
 mod paper;
@@ -72,6 +74,7 @@ use serde::{Deserialize, Serialize};
 use surface::{Sharp, Surface};
 
 pub use boundaries::Boundary;
+pub use junctions::Junction;
 pub use merge::{Dendrogram, Merge};
 pub use regions::Region;
 
@@ -241,6 +244,8 @@ pub struct Segmentation {
     pub regions: Vec<Region>,
     /// The lines between them.
     pub boundaries: Vec<Boundary>,
+    /// Where the lines end.
+    pub junctions: Vec<Junction>,
     /// All merges of the curvature regions; empty where there were none.
     pub dendrogram: Dendrogram,
     /// The parameters.
@@ -488,6 +493,7 @@ impl Segmenter<'_> {
         self.context.check()?;
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);
         let regions = regions::describe(self.surface, &groups, &boundaries, curvature, &fits);
-        Ok(Segmentation { labels, regions, boundaries, dendrogram, chosen })
+        let junctions = junctions::junctions(self.surface, &labels, &regions, &boundaries);
+        Ok(Segmentation { labels, regions, boundaries, junctions, dendrogram, chosen })
     }
 }
