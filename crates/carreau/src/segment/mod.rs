@@ -21,6 +21,7 @@
 //! | whether there are surfaces at all | `probe` | – |
 //! | rows of flat strips | `strips` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
+//! | parts whose vertices have noise | `noisy` | – |
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
 //! | boundary polylines | `boundaries` | – |
@@ -254,6 +255,8 @@ pub struct Segmentation {
 
 /// Share of the area that must lie on recognised surfaces for the mesh to be a part.
 const PART: f64 = 0.02;
+/// Where less of it does, the vertices may have noise.
+const MOST: f64 = 0.5;
 /// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
 const TOLERANCE: f64 = 3e-5;
 /// The same on noisy parts, in standard deviations of the noise.
@@ -367,24 +370,29 @@ impl Segmenter<'_> {
         let _stage = self.context.stage("surfaces");
         let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
+        if chosen.recognised < MOST {
+            let _stage = self.context.stage("surfaces with noise");
+            let noisy = noisy::find(self.surface, self.order, self.context)?;
+            if let Some(noisy) = noisy.filter(|noisy| noisy.share > chosen.recognised) {
+                return Ok(Some(self.take_noisy(noisy, chosen)));
+            }
+        }
         if chosen.recognised < PART {
             chosen.recognised = 0.0;
-            return self.start_noisy(chosen);
+            return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
     }
 
-    /// The faces of a part with noise.
-    fn start_noisy(&self, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
-        let Some(found) = noisy::find(self.surface, self.order, self.context)? else { return Ok(None) };
+    fn take_noisy(&self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
         chosen.basis = Basis::Surfaces;
         chosen.recognised = found.share;
         chosen.noise = found.sigma;
         if self.options.tolerance.is_none() {
             chosen.tolerance = NOISE_TOLERANCE * found.sigma;
         }
-        Ok(Some(found.label))
+        found.label
     }
 
     fn scale(&self) -> f64 {

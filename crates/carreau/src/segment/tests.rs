@@ -230,6 +230,87 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
+/// The mesh with normally distributed noise on its vertices, of a deviation in mean edges.
+fn with_noise(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
+    let lengths = (0..mesh.corner_count()).map(CornerId::new).map(|c| {
+        let ends = [c, mesh.next(c)].map(|c| mesh.point(mesh.vertex(c)));
+        ends[0].distance(ends[1])
+    });
+    let sigma = share * lengths.sum::<f64>() / mesh.corner_count() as f64;
+    // Sums of twelve uniform numbers from a linear congruential generator.
+    let mut state = 7u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+    let points: Vec<DVec3> =
+        mesh.points().iter().map(|&p| p + sigma * DVec3::new(normal(), normal(), normal())).collect();
+    let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    triangles(&points, &faces)
+}
+
+/// Number of parts of `truth` that a part of `labels` covers with more than `share` of their union, by triangles.
+fn covered(labels: &[u32], truth: &[u32], share: f64) -> usize {
+    let parts = |labels: &[u32]| -> Vec<BTreeSet<usize>> {
+        partition(labels).into_iter().map(|part| part.into_iter().collect()).collect()
+    };
+    let (found, wanted) = (parts(labels), parts(truth));
+    let is_found = |face: &&BTreeSet<usize>| {
+        found.iter().any(|part| {
+            let both = part.intersection(face).count() as f64;
+            both > share * (part.len() + face.len()) as f64 - share * both
+        })
+    };
+    wanted.iter().filter(is_found).count()
+}
+
+#[test]
+fn parts_with_noise_keep_their_faces() {
+    for (name, share) in [("bracket", 0.01), ("bracket", 0.05), ("cube-cylinders", 0.02), ("wedge", 0.05)] {
+        let mesh = model(name);
+        let exact = default(&mesh);
+        let noisy = default(&with_noise(&mesh, share));
+        assert_eq!(noisy.chosen.basis, Basis::Surfaces, "{name} {share}");
+        assert_eq!(kinds(&noisy), kinds(&exact), "{name} {share}");
+        assert_eq!(covered(&noisy.labels, &exact.labels, 0.9), exact.regions.len(), "{name} {share}");
+        // The noise along a normal is that along an axis.
+        let edge = (mesh_area(&mesh) / mesh.face_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
+        assert!((0.8..1.25).contains(&(noisy.chosen.noise / (share * edge))), "{name} {share}");
+    }
+}
+
+fn mesh_area(mesh: &SurfaceMesh) -> f64 {
+    let p = |v: u32| mesh.points()[v as usize];
+    mesh.faces().iter().map(|f| 0.5 * (p(f[1]) - p(f[0])).cross(p(f[2]) - p(f[0])).length()).sum()
+}
+
+#[test]
+fn exact_and_organic_surfaces_have_no_noise() {
+    // An egg with bumps: smooth, on no surface.
+    let egg = moved(&sphere(4), |p| {
+        let bumps = 1.0 + 0.1 * (3.0 * p.x).sin() * (2.0 * p.y + 1.0).cos() + 0.05 * (5.0 * p.z).sin();
+        DVec3::new(p.x, 1.2 * p.y, 1.5 * p.z) * bumps
+    });
+    for mesh in [model("bracket"), egg] {
+        assert_eq!(default(&mesh).chosen.noise, 0.0);
+    }
+}
+
+#[test]
+fn noisy_parts_have_the_same_faces_in_every_size_and_numbering() {
+    let mesh = with_noise(&model("cube-cylinders"), 0.01);
+    let labels = default(&mesh).labels;
+    for power in [-40, 40] {
+        assert_eq!(default(&moved(&mesh, |p| p * 2f64.powi(power))).labels, labels);
+    }
+    let n = mesh.face_count();
+    let faces: Vec<[u32; 3]> = (0..n).map(|k| mesh.face(FaceId::new(n - 1 - k)).try_into().unwrap()).collect();
+    let reversed = default(&triangles(mesh.points(), &faces)).labels;
+    let back: Vec<u32> = reversed.into_iter().rev().collect();
+    assert!(agreement(&mesh, &back, &labels) > 0.97);
+}
+
 #[test]
 fn threads_do_not_change_the_regions() {
     for (name, options) in [("tube-tree", SegmentOptions::default()), ("bracket", SegmentOptions::paper())] {

@@ -11,6 +11,8 @@ use rustc_hash::FxHashSet;
 
 /// Triangles of a patch, from sure to small.
 const SIZES: [usize; 4] = [160, 64, 26, 10];
+/// Seeds that are asked at most; parts have tens to hundreds.
+const MOST_SEEDS: usize = 3000;
 /// A triangle this cheap on a surface that was proposed is no seed any more.
 const EXPLAINED: f64 = 2.0;
 /// A surface that ends at creases with this share of its border needs no rival.
@@ -38,12 +40,15 @@ pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Co
     let mut fitter = Fitter::new(surface, noise);
     let mut explained = vec![false; surface.len()];
     let mut all = Vec::new();
-    for (step, seed) in seeds(surface, noise, order).into_iter().enumerate() {
-        if step.is_multiple_of(16) {
-            context.check()?;
-        }
+    let mut asked = 0;
+    for seed in seeds(surface, noise, order) {
         if explained[seed as usize] {
             continue;
+        }
+        context.check()?;
+        asked += 1;
+        if asked > MOST_SEEDS {
+            break;
         }
         // Whatever comes of it: its neighbours would find the same.
         explained[seed as usize] = true;
@@ -61,7 +66,7 @@ pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Co
 pub struct Probe {
     /// Share of the seeds that lie on a surface which noise alone keeps them from.
     pub share: f64,
-    /// The deviation of their vertices.
+    /// The deviation of the vertices from the surfaces that were found, whatever keeps them from these.
     pub sigma: f64,
 }
 
@@ -77,10 +82,10 @@ pub fn probe(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Cont
         let Some(found) = best_from(&mut fitter, seed) else { continue };
         if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
             hits += 1.0;
-            fitter.patches.gather_of(&found.triangles);
-            fitter.patches.thin(PROBE_SAMPLES);
-            distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
         }
+        fitter.patches.gather_of(&found.triangles);
+        fitter.patches.thin(PROBE_SAMPLES);
+        distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
     }
     let middle = distances.len() / 2;
     let sigma = if distances.is_empty() {
