@@ -1,5 +1,5 @@
 """What the measurements share."""
-import os
+import resource
 import subprocess
 import sys
 import time
@@ -24,11 +24,12 @@ def read_obj(path):
 
 def cpu_seconds(command):
     """CPU seconds of a process, with everything that it does; None where it fails."""
-    before = os.times()
+    def spent():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+    before = spent()
     status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
-    after = os.times()
-    spent = after.children_user + after.children_system - before.children_user - before.children_system
-    return spent if status == 0 else None
+    return spent() - before if status == 0 else None
 
 
 def libigl_seconds(source, radius):

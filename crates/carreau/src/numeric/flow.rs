@@ -256,7 +256,7 @@ impl Search {
             if self.tree[w as usize] != tree || self.inward(tree, k) == 0 {
                 continue;
             }
-            if let Some(distance) = self.to_terminal(w)
+            if let Some(distance) = self.distance_of(w)
                 && best.is_none_or(|b| distance < b.0)
             {
                 best = Some((distance, k));
@@ -285,7 +285,7 @@ impl Search {
     }
 
     /// The distance of a node from its terminal, if it still hangs on it; remembered all the way.
-    fn to_terminal(&mut self, v: u32) -> Option<u32> {
+    fn distance_of(&mut self, v: u32) -> Option<u32> {
         let mut steps = 0;
         let mut at = v as usize;
         while self.time[at] != self.now {

@@ -20,8 +20,6 @@ const SIMILAR: f64 = 0.01;
 const MAX_ROUNDS: usize = 60;
 /// Samples that are summed one by one before their sums are added.
 const CHUNK: usize = 4096;
-/// Samples that are assigned at a time.
-const BLOCK: usize = 256;
 /// Automatic number of clusters: as few as leave no more than this share of the variance unexplained.
 const UNEXPLAINED: f64 = 0.01;
 const AUTO_RANGE: std::ops::RangeInclusive<usize> = 2..=24;
@@ -143,41 +141,32 @@ fn farthest_first(samples: &[Pair], weights: &[f64], count: usize) -> Vec<Pair> 
 
 /// Nearest centre of every sample (ties: the first) and the weighted sum of squared distances.
 fn assign(samples: &[Pair], weights: &[f64], centers: &[Pair]) -> (Vec<u32>, f64) {
+    let nearest = |sample: Pair| {
+        let (mut best, mut at) = (f64::INFINITY, 0);
+        for (c, &center) in (0u32..).zip(centers) {
+            // Selected, not branched on: which centre is nearest cannot be predicted.
+            let d = squared(sample, center);
+            let nearer = d < best;
+            best = if nearer { d } else { best };
+            at = if nearer { c } else { at };
+        }
+        (best, at)
+    };
     let mut of = vec![0u32; samples.len()];
     let parts: Vec<f64> = of
         .par_chunks_mut(CHUNK)
         .zip(samples.par_chunks(CHUNK).zip(weights.par_chunks(CHUNK)))
         .map(|(of, (samples, weights))| {
-            let blocks = of.chunks_mut(BLOCK).zip(samples.chunks(BLOCK).zip(weights.chunks(BLOCK)));
-            blocks.fold(0.0, |sum, (of, (samples, weights))| {
-                let best = assign_block(of, samples, centers);
-                best.iter().zip(weights).fold(sum, |sum, (d, w)| sum + w * d)
-            })
+            let mut sum = 0.0;
+            for ((of, &sample), &weight) in of.iter_mut().zip(samples).zip(weights) {
+                let (distance, at) = nearest(sample);
+                *of = at;
+                sum += weight * distance;
+            }
+            sum
         })
         .collect();
     (of, parts.iter().sum())
-}
-
-/// [`assign`] for a block of samples; their squared distances. Centre by centre and in numbers of one width, so that
-/// several samples go through at a time.
-fn assign_block(of: &mut [u32], samples: &[Pair], centers: &[Pair]) -> [f64; BLOCK] {
-    let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);
-    for ((x, y), s) in x.iter_mut().zip(&mut y).zip(samples) {
-        (*x, *y) = (s[0], s[1]);
-    }
-    let (mut best, mut nearest) = ([f64::INFINITY; BLOCK], [0.0; BLOCK]);
-    for (c, center) in centers.iter().enumerate() {
-        let number = c as f64;
-        for k in 0..BLOCK {
-            let (dx, dy) = (x[k] - center[0], y[k] - center[1]);
-            let d = dx * dx + dy * dy;
-            let nearer = d < best[k];
-            nearest[k] = if nearer { number } else { nearest[k] };
-            best[k] = if nearer { d } else { best[k] };
-        }
-    }
-    of.iter_mut().zip(&nearest).for_each(|(of, &c)| *of = c as u32);
-    best
 }
 
 /// Weighted mean of every cluster; `None` where it has no weight.

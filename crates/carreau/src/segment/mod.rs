@@ -63,7 +63,7 @@ mod tests;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
-use crate::geometry::primitive::Fit;
+use crate::geometry::primitive::{Fit, Kind};
 use crate::mesh::{SurfaceMesh, Triangles};
 use canonical::Canonical;
 use paper::{CurvatureRegions, Demand, curvature_regions};
@@ -494,9 +494,12 @@ impl Segmenter<'_> {
         let mut labels = regions::connected(self.surface, &label, self.order);
         let count = regions::by_size(self.surface, &mut labels, self.order);
         let groups = Groups::new(&labels, count);
+        // Where surfaces were looked for and there are none, a region on a curved one is a few triangles that happen to fit.
+        let scan = chosen.basis == Basis::Curvature && self.options.surfaces && self.options.tolerance.is_none();
+        let kinds: &[Kind] = if scan { &[Kind::Plane] } else { &Kind::ALL };
         let fits: Vec<Option<Fit>> = (0..count as u32)
             .into_par_iter()
-            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance))
+            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds))
             .collect();
         self.context.check()?;
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);

@@ -173,8 +173,8 @@ impl Corners {
     }
 }
 
-/// The simplest surface within the tolerance of all vertices of a region; triangles must look along it.
-pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
+/// The simplest surface of these kinds within the tolerance of all vertices of a region; triangles must look along it.
+pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kinds: &[Kind]) -> Option<Fit> {
     let corners = Corners::of(surface, triangles);
     let point = |k| corners.point(surface, k);
     let (few, few_normals): (Vec<DVec3>, Vec<DVec3>) =
@@ -182,7 +182,7 @@ pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> O
     let points: Vec<DVec3> = corners.thinned(MAX_SAMPLES).map(point).collect();
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
-    for kind in Kind::ALL {
+    for &kind in kinds {
         if few.len() <= kind.parameters() && kind != Kind::Plane {
             continue;
         }
