@@ -91,6 +91,6 @@ fn neighbours(energy: &Energy<'_>, label: &[u32]) -> Vec<((u32, u32), f64)> {
         }
     }
     let mut all: Vec<_> = common.into_iter().collect();
-    all.sort_by(|x, y| x.0.cmp(&y.0));
+    all.sort_by_key(|x| x.0);
     all
 }
