@@ -10,6 +10,8 @@ import tempfile
 
 import numpy as np
 
+from common import read_obj
+
 PEERS = {
     "carreau default": ["patch"],
     "carreau matching": ["patch", "--strategy", "matching", "--min-cells", "1"],
@@ -53,19 +55,6 @@ def meshlab_pair(source, target, level):
                 if len(ids) == 4:
                     quads.append(ids)
     np.save(target, np.array(quads, np.int64).reshape(-1, 4))
-
-
-def read_obj(path):
-    vertices, faces = [], []
-    with open(path) as lines:
-        for line in lines:
-            words = line.split()
-            if words and words[0] == "v":
-                vertices.append([float(x) for x in words[1:4]])
-            elif words and words[0] == "f":
-                ids = [int(w.split("/")[0]) - 1 for w in words[1:]]
-                faces += [[ids[0], ids[k], ids[k + 1]] for k in range(1, len(ids) - 1)]
-    return np.array(vertices), np.array(faces, np.int64)
 
 
 def judge(vertices, triangles, quads):

@@ -317,6 +317,15 @@ fn segment_tells_faces_surfaces_and_boundaries() {
     let triangles: u64 = regions.iter().map(|r| r["triangles"].as_u64().unwrap()).sum();
     assert_eq!(told["input"]["faces"], triangles);
 
+    // OBJ knows groups, one for each region.
+    let obj = folder.path().join("regions.obj");
+    carreau().args(["segment", text(&model), "-o", text(&obj)]).assert().success();
+    let written = fs::read_to_string(&obj).unwrap();
+    let mut groups: Vec<&str> = written.lines().filter(|line| line.starts_with("g ")).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    assert_eq!((groups.len(), groups.iter().filter(|g| g.ends_with("_cylinder")).count()), (13, 5));
+
     // The labels that were written, taken as given, lead to the same regions.
     let again = record(&["segment", text(&output), "--labels", "region", "--rectify", "none"]);
     assert_eq!(again["regions"], told["regions"]);

@@ -6,7 +6,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
-use carreau::io::WriteOptions;
+use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{Column, RawMesh, SurfaceMesh};
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
 use carreau::{Error, Length, Place};
@@ -164,9 +164,12 @@ impl Segment {
         wanted.labels = options.labels.as_deref().map(|labels| read_labels(&mesh, labels)).transpose()?;
         let result = context.install(|| segment::segment(&mesh, &wanted, &context))?;
         tell(session, &result);
-        let out = labelled(mesh, &result);
+        let mut out = labelled(mesh, &result);
         session.draw(&out)?;
         if let Some(file) = &self.output {
+            if extension(file) == "obj" {
+                group(&mut out, &result);
+            }
             session.write_mesh(file, &out, &WriteOptions::default())?;
             let counts =
                 json!({ "file": file.to_string_lossy(), "vertices": out.points.len(), "faces": out.faces.len() });
@@ -211,7 +214,7 @@ fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
 }
 
 /// The mesh with its regions.
-fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
+pub fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
     let of = |value: &dyn Fn(&Region) -> i32| {
         Column::Label(result.labels.iter().map(|&l| value(&result.regions[l as usize])).collect())
     };
@@ -221,6 +224,29 @@ fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
     let face = &mut mesh.attributes.face;
     face.extend([("region".into(), region), ("primitive".into(), kind), ("fit_error".into(), error)]);
     RawMesh::from(mesh)
+}
+
+/// Regions as named groups, for OBJ, which knows no face properties.
+fn group(out: &mut RawMesh, result: &Segmentation) {
+    let labels = result.labels.iter().map(|&l| l as i32).collect();
+    out.attributes.face.insert("group".into(), Column::Label(labels));
+    out.attributes.names.retain(|(column, _), _| column != "group");
+    for (l, region) in result.regions.iter().enumerate() {
+        let name = format!("region_{l}_{}", kind(region));
+        out.attributes.names.insert(("group".into(), l as i32), name);
+    }
+}
+
+/// The name of the kind of surface.
+fn kind(region: &Region) -> &'static str {
+    match region.primitive {
+        None => "freeform",
+        Some(Primitive::Plane { .. }) => "plane",
+        Some(Primitive::Sphere { .. }) => "sphere",
+        Some(Primitive::Cylinder { .. }) => "cylinder",
+        Some(Primitive::Cone { .. }) => "cone",
+        Some(Primitive::Torus { .. }) => "torus",
+    }
 }
 
 /// The record and the summary.
@@ -242,6 +268,14 @@ fn tell(session: &mut Session, result: &Segmentation) {
         .map(|b| {
             let vertices: Vec<u32> = b.vertices.iter().map(|v| v.0).collect();
             json!({ "regions": [b.regions.0, b.regions.1], "vertices": vertices, "closed": b.closed, "sharp": b.sharp })
+        })
+        .collect();
+    let junctions: Vec<Value> = result
+        .junctions
+        .iter()
+        .map(|j| {
+            let p = j.position;
+            json!({ "vertex": j.vertex.0, "regions": j.regions, "position": [p.x, p.y, p.z], "distance": j.distance })
         })
         .collect();
     let count = |name: &str| regions.iter().filter(|r| r["primitive"]["type"] == name).count();
@@ -268,30 +302,27 @@ fn tell(session: &mut Session, result: &Segmentation) {
     session.record.set("chosen", chosen);
     session.record.set("dendrogram", &result.dendrogram);
     session.record.set("boundaries", boundaries);
+    session.record.set("junctions", junctions);
     session.record.set("regions", regions);
 }
 
 fn primitive(region: &Region) -> Value {
     let v = |p: carreau::DVec3| json!([p.x, p.y, p.z]);
     let mut out = match region.primitive {
-        None => json!({ "type": "freeform" }),
-        Some(Primitive::Plane { origin, normal }) => {
-            json!({ "type": "plane", "origin": v(origin), "normal": v(normal) })
-        }
+        None => json!({}),
+        Some(Primitive::Plane { origin, normal }) => json!({ "origin": v(origin), "normal": v(normal) }),
         Some(Primitive::Cylinder { origin, axis, radius }) => {
-            json!({ "type": "cylinder", "origin": v(origin), "axis": v(axis), "radius": radius })
+            json!({ "origin": v(origin), "axis": v(axis), "radius": radius })
         }
         Some(Primitive::Cone { apex, axis, half_angle }) => {
-            json!({ "type": "cone", "apex": v(apex), "axis": v(axis), "half_angle_deg": half_angle.to_degrees() })
+            json!({ "apex": v(apex), "axis": v(axis), "half_angle_deg": half_angle.to_degrees() })
         }
-        Some(Primitive::Sphere { center, radius }) => {
-            json!({ "type": "sphere", "center": v(center), "radius": radius })
-        }
+        Some(Primitive::Sphere { center, radius }) => json!({ "center": v(center), "radius": radius }),
         Some(Primitive::Torus { center, axis, major_radius, minor_radius }) => json!({
-            "type": "torus", "center": v(center), "axis": v(axis),
-            "major_radius": major_radius, "minor_radius": minor_radius,
+            "center": v(center), "axis": v(axis), "major_radius": major_radius, "minor_radius": minor_radius,
         }),
     };
+    out["type"] = json!(kind(region));
     out["rms"] = json!(region.rms);
     out["max"] = json!(region.max);
     out

@@ -5,6 +5,7 @@
 
 use crate::mesh::{CornerId, SurfaceMesh, area_vector};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// The vector with length one; zero for a zero vector. No scale is too small or too large.
@@ -45,13 +46,16 @@ impl AngleLimit {
 
 /// Unit normal of every face; zero where a face has no area.
 pub fn face_normals(mesh: &SurfaceMesh) -> Vec<DVec3> {
+    (0..mesh.face_count()).into_par_iter().with_min_len(1024).map(face_normal(mesh)).collect()
+}
+
+/// The unit normal of a face by its number, as [`face_normals`] has it.
+pub fn face_normal(mesh: &SurfaceMesh) -> impl Fn(usize) -> DVec3 + Send + Sync {
     let extent = mesh.bounds().1 - mesh.bounds().0;
     // Products of lengths stay in the range of a double between these bounds.
-    if (1e-100..1e100).contains(&extent.max_element()) {
-        return mesh.faces().iter().map(|f| unit(area_vector(mesh.points(), f))).collect();
-    }
-    let scaled: Vec<DVec3> = mesh.points().iter().map(|&p| (p - mesh.bounds().0) / extent.max_element()).collect();
-    mesh.faces().iter().map(|f| unit(area_vector(&scaled, f))).collect()
+    let scaled: Option<Vec<DVec3>> = (!(1e-100..1e100).contains(&extent.max_element()))
+        .then(|| mesh.points().iter().map(|&p| (p - mesh.bounds().0) / extent.max_element()).collect());
+    move |f| unit(area_vector(scaled.as_deref().unwrap_or(mesh.points()), mesh.faces().face(f)))
 }
 
 /// Interior angle of a face at a corner, in radians; reflex angles of concave polygons count as their complement.

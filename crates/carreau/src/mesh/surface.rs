@@ -88,6 +88,62 @@ impl SurfaceMesh {
         Self::new(points, Polygons::from_triangles(triangles))
     }
 
+    /// The mesh with a vertex in the middle of the marked triangles, which become three in their places; new vertices follow
+    /// after all others. What is not a triangle is left as it is, attributes and tagged edges are left out.
+    ///
+    /// ```text
+    ///        c                c
+    ///       ╱ ╲              ╱│╲
+    ///      ╱   ╲     →      ╱ m ╲        (a,b,m), (b,c,m), (c,a,m)
+    ///     ╱     ╲          ╱╱   ╲╲
+    ///    a───────b        a───────b
+    /// ```
+    ///
+    /// # Errors
+    /// Where there would be more elements than numbers for them.
+    pub fn with_centers(&self, marked: &[bool]) -> Result<Self> {
+        if !self.is_triangular() || !marked.contains(&true) {
+            let (points, faces) = (self.points.clone(), self.faces.clone());
+            let (opposite, face_of) = (self.opposite.clone(), self.face_of.clone());
+            let (attributes, tagged_edges) = (Attributes::default(), Vec::new());
+            return Ok(SurfaceMesh { points, faces, opposite, face_of, attributes, tagged_edges });
+        }
+        let mut points = self.points.clone();
+        let mut triangles = Vec::with_capacity(self.faces.len());
+        // The first of the triangles that each becomes.
+        let mut first = Vec::with_capacity(self.faces.len());
+        for (corners, f) in self.faces.corners().chunks_exact(3).zip(0..) {
+            first.push(triangles.len() as u32);
+            let t = [corners[0], corners[1], corners[2]];
+            if marked.get(f) == Some(&true) {
+                let m = points.len() as u32;
+                points.push(t.iter().map(|&v| self.points[v as usize] / 3.0).sum());
+                triangles.extend((0..3).map(|k| [t[k], t[(k + 1) % 3], m]));
+            } else {
+                triangles.push(t);
+            }
+        }
+        let faces = Polygons::from_triangles(&triangles);
+        validate(&points, &faces)?;
+        // An outer half-edge is the first of its part.
+        let moved = |c: u32| {
+            let (f, side) = (c as usize / 3, c % 3);
+            if marked.get(f) == Some(&true) { 3 * (first[f] + side) } else { 3 * first[f] + side }
+        };
+        let mut opposite = vec![BORDER; 3 * triangles.len()];
+        for (&o, c) in self.opposite.iter().zip(0u32..) {
+            opposite[moved(c) as usize] = if o < NON_MANIFOLD { moved(o) } else { o };
+        }
+        for (&first, _) in first.iter().zip(marked).filter(|(_, marked)| **marked) {
+            for k in 0..3 {
+                let (out, back) = (3 * (first + k) + 1, 3 * (first + (k + 1) % 3) + 2);
+                (opposite[out as usize], opposite[back as usize]) = (back, out);
+            }
+        }
+        let (attributes, tagged_edges) = (Attributes::default(), Vec::new());
+        Ok(SurfaceMesh { points, faces, opposite, face_of: Vec::new(), attributes, tagged_edges })
+    }
+
     /// Number of vertices, unreferenced ones included.
     pub fn vertex_count(&self) -> usize {
         self.points.len()

@@ -3,6 +3,7 @@
 //! Deterministic and independent of the numbering: the first centre is the point nearest to the weighted mean, every
 //! further one the point farthest from those chosen; sums run over fixed chunks.
 
+use super::surface::quantile;
 use crate::context::Context;
 use crate::error::Result;
 use rayon::prelude::*;
@@ -17,6 +18,8 @@ const SMALL: f64 = 0.01;
 /// Centres nearer than this share of the range are one.
 const SIMILAR: f64 = 0.01;
 const MAX_ROUNDS: usize = 60;
+/// Samples that are summed one by one before their sums are added.
+const CHUNK: usize = 4096;
 /// Automatic number of clusters: as few as leave no more than this share of the variance unexplained.
 const UNEXPLAINED: f64 = 0.01;
 const AUTO_RANGE: std::ops::RangeInclusive<usize> = 2..=24;
@@ -38,22 +41,16 @@ fn squared(a: Pair, b: Pair) -> f64 {
     x * x + y * y
 }
 
-/// The value below which `share` of the numbers lie.
-fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let k = ((values.len() - 1) as f64 * share).round() as usize;
-    *values.select_nth_unstable_by(k, f64::total_cmp).1
-}
-
 /// Classifies samples with these weights into at most `count` clusters; chooses the number when there is none.
 pub fn classify(samples: &[Pair], weights: &[f64], count: Option<usize>, context: &Context) -> Result<Clusters> {
     if !weights.iter().any(|&w| w > 0.0) {
         // Without area there is nothing to tell apart.
         return Ok(Clusters { of: vec![0; samples.len()], centers: vec![[0.0; 2]; samples.len().min(1)] });
     }
-    let limit: Pair = std::array::from_fn(|k| percentile(samples.iter().map(|s| s[k]).collect(), CLAMP));
+    let limit: Pair = std::array::from_fn(|k| {
+        let mut values: Vec<f64> = samples.iter().map(|s| s[k]).collect();
+        quantile(&mut values, CLAMP, f64::total_cmp).unwrap_or_default()
+    });
     let clamped: Vec<Pair> = samples.iter().map(|s| [s[0].min(limit[0]), s[1].min(limit[1])]).collect();
     let mut centers = match count {
         Some(count) => means(&clamped, weights, count, context)?.0,
@@ -137,29 +134,34 @@ fn farthest_first(samples: &[Pair], weights: &[f64], count: usize) -> Vec<Pair> 
             break;
         }
         centers.push(next);
-        far.par_iter_mut().zip(samples).with_min_len(4096).for_each(|(f, &s)| *f = f.min(squared(s, next)));
+        far.par_iter_mut().zip(samples).with_min_len(CHUNK).for_each(|(f, &s)| *f = f.min(squared(s, next)));
     }
     centers
 }
 
 /// Nearest centre of every sample (ties: the first) and the weighted sum of squared distances.
 fn assign(samples: &[Pair], weights: &[f64], centers: &[Pair]) -> (Vec<u32>, f64) {
+    let nearest = |sample: Pair| {
+        let (mut best, mut at) = (f64::INFINITY, 0);
+        for (c, &center) in (0u32..).zip(centers) {
+            // Selected, not branched on: which centre is nearest cannot be predicted.
+            let d = squared(sample, center);
+            let nearer = d < best;
+            best = if nearer { d } else { best };
+            at = if nearer { c } else { at };
+        }
+        (best, at)
+    };
     let mut of = vec![0u32; samples.len()];
     let parts: Vec<f64> = of
-        .par_chunks_mut(4096)
-        .enumerate()
-        .map(|(chunk, of)| {
+        .par_chunks_mut(CHUNK)
+        .zip(samples.par_chunks(CHUNK).zip(weights.par_chunks(CHUNK)))
+        .map(|(of, (samples, weights))| {
             let mut sum = 0.0;
-            for (k, of) in of.iter_mut().enumerate() {
-                let at = chunk * 4096 + k;
-                let mut best = f64::INFINITY;
-                for (c, &center) in centers.iter().enumerate() {
-                    let d = squared(samples[at], center);
-                    if d < best {
-                        (best, *of) = (d, c as u32);
-                    }
-                }
-                sum += weights[at] * best;
+            for ((of, &sample), &weight) in of.iter_mut().zip(samples).zip(weights) {
+                let (distance, at) = nearest(sample);
+                *of = at;
+                sum += weight * distance;
             }
             sum
         })
@@ -177,9 +179,9 @@ fn averages(samples: &[Pair], weights: &[f64], of: &[u32], count: usize) -> Vec<
         }
         sums
     };
-    let chunks = samples.len().div_ceil(4096);
+    let chunks = samples.len().div_ceil(CHUNK);
     let parts: Vec<_> =
-        (0..chunks).into_par_iter().map(|c| part(c * 4096..samples.len().min((c + 1) * 4096))).collect();
+        (0..chunks).into_par_iter().map(|c| part(c * CHUNK..samples.len().min((c + 1) * CHUNK))).collect();
     let add = |k: usize| parts.iter().fold([0.0; 3], |s, p| std::array::from_fn(|j| s[j] + p[k][j]));
     (0..count).map(add).map(|s| (s[2] > 0.0).then(|| [s[0] / s[2], s[1] / s[2]])).collect()
 }

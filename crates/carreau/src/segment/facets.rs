@@ -109,10 +109,9 @@ impl RunningPlane {
 
     fn add(&mut self, surface: &Surface<'_>, t: u32) {
         let a = surface.areas[t as usize];
-        let centroid = (3 * t..3 * t + 3).map(|c| surface.triangles.point(c)).sum::<DVec3>() / 3.0;
         self.area += a;
         self.vector += a * surface.normals[t as usize];
-        self.moment += a * centroid;
+        self.moment += a * surface.center(t);
         if self.area >= 2.0 * self.renewed && self.area > 0.0 {
             self.renewed = self.area;
             self.origin = self.moment / self.area;

@@ -23,13 +23,12 @@ pub struct Regions {
     pub curvature: Vec<Pair>,
 }
 
-/// Grows regions over the triangles of `free`. `cluster` holds the cluster of every vertex, [`NONE`] for sharp ones.
+/// Grows regions. `cluster` holds the cluster of every vertex, [`NONE`] for sharp ones.
 pub fn grow(
     surface: &Surface<'_>,
     sharp: &Sharp,
     cluster: &[u32],
     centers: &[Pair],
-    free: &[bool],
     order: &[u32],
     context: &Context,
 ) -> Result<Regions> {
@@ -39,7 +38,7 @@ pub fn grow(
     let mut queue = VecDeque::new();
     for (step, &seed) in order.iter().enumerate() {
         context.check_every(step)?;
-        if label[seed as usize] != NONE || !free[seed as usize] {
+        if label[seed as usize] != NONE {
             continue;
         }
         let Some(own) = seed_cluster(t.triangle(seed), cluster) else { continue };
@@ -51,7 +50,7 @@ pub fn grow(
             for c in 3 * at..3 * at + 3 {
                 let Some(next) = surface.across(c, &sharp.edge) else { continue };
                 let apex = cluster[t.apex(t.opposite(c)) as usize];
-                if label[next as usize] == NONE && free[next as usize] && (apex == NONE || apex == own) {
+                if label[next as usize] == NONE && (apex == NONE || apex == own) {
                     label[next as usize] = region;
                     queue.push_back(next);
                 }
@@ -59,8 +58,8 @@ pub fn grow(
         }
     }
     let mut regions = Regions { label, curvature };
-    fill(surface, &sharp.edge, free, &mut regions.label, context)?;
-    islands(surface, sharp, cluster, centers, free, order, &mut regions, context)?;
+    fill(surface, &sharp.edge, &mut regions.label, context)?;
+    islands(surface, sharp, cluster, centers, order, &mut regions);
     Ok(regions)
 }
 
@@ -73,14 +72,8 @@ fn seed_cluster(triangle: [u32; 3], cluster: &[u32]) -> Option<u32> {
 
 /// Gives triangles without a label that of the neighbours with the longest common smooth boundary, in rounds; ties go to
 /// the lowest label. The next round asks only around the triangles labelled in the last one.
-pub fn fill(
-    surface: &Surface<'_>,
-    barrier: &[bool],
-    free: &[bool],
-    label: &mut [u32],
-    context: &Context,
-) -> Result<()> {
-    let open = |t: u32, label: &[u32]| label[t as usize] == NONE && free[t as usize];
+pub fn fill(surface: &Surface<'_>, barrier: &[bool], label: &mut [u32], context: &Context) -> Result<()> {
+    let open = |t: u32, label: &[u32]| label[t as usize] == NONE;
     let mut front: Vec<u32> = (0..surface.len() as u32).filter(|&t| open(t, label)).collect();
     while !front.is_empty() {
         context.check()?;
@@ -111,42 +104,24 @@ fn longest_neighbour(surface: &Surface<'_>, barrier: &[bool], label: &[u32], t: 
 }
 
 /// What no seed reaches becomes regions of its own, with the mean curvature of its vertices that have one.
-#[expect(clippy::too_many_arguments, reason = "the state of the growth")]
 fn islands(
     surface: &Surface<'_>,
     sharp: &Sharp,
     cluster: &[u32],
     centers: &[Pair],
-    free: &[bool],
     order: &[u32],
     regions: &mut Regions,
-    context: &Context,
-) -> Result<()> {
-    let mut stack = Vec::new();
-    for (step, &seed) in order.iter().enumerate() {
-        context.check_every(step)?;
-        if regions.label[seed as usize] != NONE || !free[seed as usize] {
-            continue;
+) {
+    let first = regions.curvature.len() as u32;
+    let mut sums: Vec<[f64; 3]> = Vec::new();
+    let visit = |t: u32, region: u32| {
+        sums.resize((region - first) as usize + 1, [0.0; 3]);
+        let Some(sum) = sums.last_mut() else { return };
+        for c in surface.triangles.triangle(t).iter().filter_map(|&v| centers.get(cluster[v as usize] as usize)) {
+            *sum = [sum[0] + c[0], sum[1] + c[1], sum[2] + 1.0];
         }
-        let region = regions.curvature.len() as u32;
-        let (mut sum, mut count) = ([0.0; 2], 0.0);
-        regions.label[seed as usize] = region;
-        stack.push(seed);
-        while let Some(at) = stack.pop() {
-            for v in surface.triangles.triangle(at) {
-                if let Some(c) = centers.get(cluster[v as usize] as usize) {
-                    sum = [sum[0] + c[0], sum[1] + c[1]];
-                    count += 1.0;
-                }
-            }
-            for n in (3 * at..3 * at + 3).filter_map(|c| surface.across(c, &sharp.edge)) {
-                if regions.label[n as usize] == NONE && free[n as usize] {
-                    regions.label[n as usize] = region;
-                    stack.push(n);
-                }
-            }
-        }
-        regions.curvature.push(if count > 0.0 { [sum[0] / count, sum[1] / count] } else { [0.0; 2] });
-    }
-    Ok(())
+    };
+    surface.flood(order, &mut regions.label, first, |c| !sharp.edge[c as usize], visit);
+    let mean = |s: [f64; 3]| if s[2] > 0.0 { [s[0] / s[2], s[1] / s[2]] } else { [0.0; 2] };
+    regions.curvature.extend(sums.into_iter().map(mean));
 }

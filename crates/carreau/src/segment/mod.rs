@@ -6,6 +6,7 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
+//! | renumbering by place | `canonical` | – |
 //! | areas, sharp edges and vertices, the automatic sharp angle | `surface` | §4.1 |
 //! | enrichment of triangles with three sharp vertices | `enrich` | §4.1 |
 //! | classification of vertices | `classify` | §4.2 |
@@ -17,10 +18,14 @@
 //! | rectification by minimum cuts | `cut` | – |
 //! | planar facets | `facets` | – |
 //! | recognition of curved surfaces | `recognise` | – |
+//! | whether there are surfaces at all | `probe` | – |
+//! | rows of flat strips | `strips` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
+//! | parts whose vertices have noise | `noisy` | – |
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
 //! | boundary polylines | `boundaries` | – |
+//! | junctions, where they end | `junctions` | – |
 //!
 //! Where this departs from the paper:
 //! - By default the surfaces of the part are recognised first ([`SegmentOptions::surfaces`]): the vertices of a tessellated
@@ -30,21 +35,26 @@
 //! - Curvatures are multiplied by a length, so that a threshold means the same at every scale.
 //! - The curvature of a boundary is the full tensor across creases and the smooth one elsewhere; with one of them for both,
 //!   either everything merges or nothing does.
-//! - Triangles are visited in an order of place, not of number.
+//! - Vertices and triangles are renumbered by place first: how the input numbers them makes no difference.
 
 mod boundaries;
+mod canonical;
 mod classify;
 mod contour;
 mod cut;
 mod enrich;
 mod facets;
 mod growth;
+mod junctions;
 mod merge;
+mod noisy;
 mod paper;
 mod price;
+mod probe;
 mod recognise;
 mod regions;
 mod score;
+mod strips;
 mod surface;
 mod surfaces;
 #[cfg(test)]
@@ -53,8 +63,9 @@ mod tests;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
-use crate::geometry::primitive::Fit;
+use crate::geometry::primitive::{Fit, Kind};
 use crate::mesh::{SurfaceMesh, Triangles};
+use canonical::Canonical;
 use paper::{CurvatureRegions, Demand, curvature_regions};
 use price::Prices;
 use rayon::prelude::*;
@@ -64,6 +75,7 @@ use serde::{Deserialize, Serialize};
 use surface::{Sharp, Surface};
 
 pub use boundaries::Boundary;
+pub use junctions::Junction;
 pub use merge::{Dendrogram, Merge};
 pub use regions::Region;
 
@@ -218,6 +230,8 @@ pub struct Chosen {
     pub tolerance: f64,
     /// Share of the area that lies on recognised surfaces.
     pub recognised: f64,
+    /// Standard deviation of the vertices of a noisy part from their surfaces; 0 for all other meshes.
+    pub noise: f64,
     /// Triangles that rectification gave to another region.
     pub rectified: usize,
 }
@@ -231,6 +245,8 @@ pub struct Segmentation {
     pub regions: Vec<Region>,
     /// The lines between them.
     pub boundaries: Vec<Boundary>,
+    /// Where the lines end.
+    pub junctions: Vec<Junction>,
     /// All merges of the curvature regions; empty where there were none.
     pub dendrogram: Dendrogram,
     /// The parameters.
@@ -239,8 +255,12 @@ pub struct Segmentation {
 
 /// Share of the area that must lie on recognised surfaces for the mesh to be a part.
 const PART: f64 = 0.02;
+/// Where less of it does, the vertices may have noise.
+const MOST: f64 = 0.5;
 /// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
 const TOLERANCE: f64 = 3e-5;
+/// The same on noisy parts, in standard deviations of the noise.
+const NOISE_TOLERANCE: f64 = 5.0;
 /// Across creases only regions smaller than A_min by this factor are merged first.
 const SHARP_DIVISOR: f64 = 50.0;
 /// Scans: clusters, A_min, rounds of averaging of curvature, and the multiple of the median bend from which edges are sharp.
@@ -270,11 +290,21 @@ pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) 
         return Err(Error::input("the mesh has no faces", "", "segmentation needs triangles"));
     }
     options.check(triangles.len())?;
+    let canonical = Canonical::new(triangles)?;
+    let found = in_order_of_place(&canonical.mesh, &canonical.options(options), context)?;
+    Ok(canonical.restore(found))
+}
+
+/// Segments a mesh by visiting its triangles in the order of their numbers.
+fn in_order_of_place(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) -> Result<Segmentation> {
+    let Some(triangles) = Triangles::of(mesh) else {
+        return Err(Error::Bug("triangles became polygons".into()));
+    };
     let surface = {
         let _stage = context.stage("sharp edges");
         Surface::new(mesh, triangles)
     };
-    let order = surface.canonical_order();
+    let order: Vec<u32> = (0..surface.len() as u32).collect();
     let angle = match options.sharp_angle {
         Some(degrees) => degrees.to_radians(),
         None => surface::sharp_angle(&surface, context)?,
@@ -304,6 +334,7 @@ impl Segmenter<'_> {
             scale,
             tolerance,
             recognised: 0.0,
+            noise: 0.0,
             rectified: 0,
         };
         let mut dendrogram = Dendrogram::default();
@@ -313,7 +344,7 @@ impl Segmenter<'_> {
             self.sharp = Sharp::new(self.surface, self.angle);
             chosen.sharp_angle_deg = self.angle.to_degrees();
         }
-        let curvature = self.curvature(self.surface, &self.sharp)?;
+        let curvature = self.curvature(self.surface.triangles, &self.sharp.edge)?;
         let mut label = match start {
             Some(label) => label,
             None => {
@@ -339,12 +370,29 @@ impl Segmenter<'_> {
         let _stage = self.context.stage("surfaces");
         let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
+        if chosen.recognised < MOST {
+            let _stage = self.context.stage("surfaces with noise");
+            let noisy = noisy::find(self.surface, self.order, self.context)?;
+            if let Some(noisy) = noisy.filter(|noisy| noisy.share > chosen.recognised) {
+                return Ok(Some(self.take_noisy(noisy, chosen)));
+            }
+        }
         if chosen.recognised < PART {
             chosen.recognised = 0.0;
             return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
+    }
+
+    fn take_noisy(&self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
+        chosen.basis = Basis::Surfaces;
+        chosen.recognised = found.share;
+        chosen.noise = found.sigma;
+        if self.options.tolerance.is_none() {
+            chosen.tolerance = NOISE_TOLERANCE * found.sigma;
+        }
+        found.label
     }
 
     fn scale(&self) -> f64 {
@@ -355,10 +403,10 @@ impl Segmenter<'_> {
         }
     }
 
-    fn curvature(&self, surface: &Surface<'_>, sharp: &Sharp) -> Result<Curvature> {
+    fn curvature(&self, triangles: Triangles<'_>, sharp: &[bool]) -> Result<Curvature> {
         let _stage = self.context.stage("curvature");
         let options = CurvatureOptions { estimator: self.options.estimator, radius: self.options.radius };
-        curvature(surface.triangles, &sharp.edge, &options, self.context)
+        curvature(triangles, sharp, &options, self.context)
     }
 
     /// The paper's regions, on the enriched mesh where enrichment is needed.
@@ -369,9 +417,18 @@ impl Segmenter<'_> {
         let Some(triangles) = Triangles::of(&enriched.mesh) else {
             return Err(Error::Bug("enrichment made a polygon".into()));
         };
-        let surface = Surface::new(&enriched.mesh, triangles);
+        let surface = Surface::enriched(self.surface, &enriched, triangles);
         let sharp = Sharp::new(&surface, self.angle);
-        let curvature = self.curvature(&surface, &sharp)?;
+        let curvature = match enriched.surroundings()? {
+            // In a ball there is more than the surroundings.
+            Some(part) if self.options.estimator != Estimator::NormalCycleBall => {
+                let Some(triangles) = Triangles::of(&part.mesh) else {
+                    return Err(Error::Bug("enrichment made a polygon".into()));
+                };
+                part.put_into(curvature, &self.curvature(triangles, &part.of_corners(&sharp.edge))?)
+            }
+            _ => self.curvature(surface.triangles, &sharp.edge)?,
+        };
         let order = surface.canonical_order();
         let found = self.regions_on(&surface, &sharp, &curvature, scale, &order)?;
         Ok(CurvatureRegions { label: enriched.project(&found.label, self.surface.len()), ..found })
@@ -396,9 +453,9 @@ impl Segmenter<'_> {
             min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / SHARP_DIVISOR },
             smoothing: if scan { SCAN_SMOOTHING } else { 0 },
         };
-        let full = full_magnitudes(surface.triangles, &[], self.context)?;
-        let free = vec![true; surface.len()];
-        curvature_regions(surface, sharp, curvature, &full, scale, &free, order, &demand, self.context)
+        // Only creases ask for it.
+        let full = full_magnitudes(surface.triangles, &sharp.vertex, self.context)?;
+        curvature_regions(surface, sharp, curvature, &full, scale, order, &demand, self.context)
     }
 
     /// Corrects the boundaries; returns how many triangles changed. Boundaries between recognised surfaces are exact.
@@ -419,8 +476,7 @@ impl Segmenter<'_> {
             if !guard && moved > 0 {
                 // A cut may have parted a region outside of its band; the smaller parts go to their neighbours.
                 regions::keep_largest_parts(self.surface, label, self.order);
-                let (open, all) = (vec![false; 3 * label.len()], vec![true; label.len()]);
-                growth::fill(self.surface, &open, &all, label, self.context)?;
+                growth::fill(self.surface, &vec![false; 3 * label.len()], label, self.context)?;
             }
         }
         Ok(before.iter().zip(label.iter()).filter(|(a, b)| a != b).count())
@@ -438,13 +494,17 @@ impl Segmenter<'_> {
         let mut labels = regions::connected(self.surface, &label, self.order);
         let count = regions::by_size(self.surface, &mut labels, self.order);
         let groups = Groups::new(&labels, count);
+        // Where surfaces were looked for and there are none, a region on a curved one is a few triangles that happen to fit.
+        let scan = chosen.basis == Basis::Curvature && self.options.surfaces && self.options.tolerance.is_none();
+        let kinds: &[Kind] = if scan { &[Kind::Plane] } else { &Kind::ALL };
         let fits: Vec<Option<Fit>> = (0..count as u32)
             .into_par_iter()
-            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance))
+            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds))
             .collect();
         self.context.check()?;
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);
         let regions = regions::describe(self.surface, &groups, &boundaries, curvature, &fits);
-        Ok(Segmentation { labels, regions, boundaries, dendrogram, chosen })
+        let junctions = junctions::junctions(self.surface, &labels, &regions, &boundaries);
+        Ok(Segmentation { labels, regions, boundaries, junctions, dendrogram, chosen })
     }
 }

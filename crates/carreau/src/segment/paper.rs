@@ -8,6 +8,7 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::curvature::Curvature;
 use crate::mesh::NONE;
+use rayon::prelude::*;
 
 /// How many regions are wanted.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,7 +36,7 @@ pub struct CurvatureRegions {
     pub threshold: f64,
 }
 
-/// Finds the regions among the triangles of `free`; curvatures are multiplied by the length `scale`.
+/// Finds the regions; curvatures are multiplied by the length `scale`.
 #[expect(clippy::too_many_arguments, reason = "the inputs of four stages")]
 pub fn curvature_regions(
     surface: &Surface<'_>,
@@ -43,7 +44,6 @@ pub fn curvature_regions(
     curvature: &Curvature,
     full: &[Pair],
     scale: f64,
-    free: &[bool],
     order: &[u32],
     demand: &Demand,
     context: &Context,
@@ -53,13 +53,16 @@ pub fn curvature_regions(
         [a.max(b), a.min(b)]
     };
     let mut pairs: Vec<Pair> = (0..sharp.vertex.len()).map(magnitudes).collect();
-    for _ in 0..demand.smoothing {
-        context.check()?;
-        pairs = averaged(surface, sharp, &pairs);
+    if demand.smoothing > 0 {
+        let stars = Stars::new(surface, sharp);
+        for _ in 0..demand.smoothing {
+            context.check()?;
+            pairs = stars.averaged(&pairs);
+        }
     }
     let pair = |v: u32| pairs[v as usize];
     let mut used = vec![false; sharp.vertex.len()];
-    for t in (0..surface.len() as u32).filter(|&t| free[t as usize]) {
+    for t in 0..surface.len() as u32 {
         surface.triangles.triangle(t).iter().for_each(|&v| used[v as usize] = !sharp.vertex[v as usize]);
     }
     let ids: Vec<u32> = (0..used.len() as u32).filter(|&v| used[v as usize]).collect();
@@ -74,7 +77,7 @@ pub fn curvature_regions(
     };
     let Regions { mut label, curvature: of } = {
         let _stage = context.stage("growth");
-        grow(surface, sharp, &cluster, &clusters.centers, free, order, context)?
+        grow(surface, sharp, &cluster, &clusters.centers, order, context)?
     };
     let _stage = context.stage("merging");
     let smooth = |v: u32| (!sharp.vertex[v as usize]).then(|| pair(v));
@@ -96,14 +99,42 @@ pub fn curvature_regions(
     Ok(CurvatureRegions { label, dendrogram, clusters: clusters.centers.len(), threshold })
 }
 
-/// Every value averaged with those at the other ends of its smooth edges.
-fn averaged(surface: &Surface<'_>, sharp: &Sharp, values: &[Pair]) -> Vec<Pair> {
-    let t = surface.triangles;
-    let mut sum: Vec<[f64; 3]> = values.iter().map(|v| [v[0], v[1], 1.0]).collect();
-    for c in (0..3 * t.len() as u32).filter(|&c| !sharp.edge[c as usize]) {
-        // Each inner edge is met from both sides and adds to the vertex that its half-edge leaves.
-        let (from, to) = (&mut sum[t.vertex(c) as usize], values[t.vertex(t.next(c)) as usize]);
-        *from = [from[0] + to[0], from[1] + to[1], from[2] + 1.0];
+/// The vertices at the other ends of the smooth edges of every vertex.
+struct Stars {
+    /// Those of vertex `v`: `ends[start[v]..start[v + 1]]`.
+    ends: Vec<u32>,
+    start: Vec<u32>,
+}
+
+impl Stars {
+    /// Each inner edge is met from both sides and listed at the vertex that its half-edge leaves.
+    fn new(surface: &Surface<'_>, sharp: &Sharp) -> Self {
+        let t = surface.triangles;
+        let smooth = || (0..3 * t.len() as u32).filter(|&c| !sharp.edge[c as usize]);
+        let mut start = vec![0u32; sharp.vertex.len() + 1];
+        smooth().for_each(|c| start[t.vertex(c) as usize + 1] += 1);
+        (1..start.len()).for_each(|k| start[k] += start[k - 1]);
+        let (mut fill, mut ends) = (start.clone(), vec![0; start[sharp.vertex.len()] as usize]);
+        for c in smooth() {
+            let at = &mut fill[t.vertex(c) as usize];
+            ends[*at as usize] = t.vertex(t.next(c));
+            *at += 1;
+        }
+        Stars { ends, start }
     }
-    sum.into_iter().map(|s| [s[0] / s[2], s[1] / s[2]]).collect()
+
+    /// Every value averaged with those at the ends.
+    fn averaged(&self, values: &[Pair]) -> Vec<Pair> {
+        let mean = |(v, own): (usize, &Pair)| {
+            let ends = &self.ends[self.start[v] as usize..self.start[v + 1] as usize];
+            let [mut x, mut y] = *own;
+            for &end in ends {
+                let [a, b] = values[end as usize];
+                (x, y) = (x + a, y + b);
+            }
+            let n = ends.len() as f64 + 1.0;
+            [x / n, y / n]
+        };
+        values.par_iter().enumerate().with_min_len(4096).map(mean).collect()
+    }
 }

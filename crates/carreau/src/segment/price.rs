@@ -2,7 +2,7 @@
 //! difference of curvature.
 
 use super::regions::{Groups, fit_most};
-use super::surface::Surface;
+use super::surface::{Surface, quantile};
 use super::{Basis, Chosen};
 use crate::geometry::curvature::Curvature;
 use crate::geometry::primitive::Primitive;
@@ -44,8 +44,7 @@ impl<'a> Prices<'a> {
         let median = |l: u32| {
             std::array::from_fn(|j| {
                 let mut values: Vec<f64> = groups.of(l).iter().map(|&k| triangle[k as usize][j]).collect();
-                let middle = values.len() / 2;
-                if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+                quantile(&mut values, 0.5, f64::total_cmp).unwrap_or_default()
             })
         };
         let region = (0..count as u32).into_par_iter().map(median).collect();
@@ -67,8 +66,7 @@ impl<'a> Prices<'a> {
             let t = self.surface.triangles;
             let far = t.triangle(k).map(|v| p.distance(t.points()[v as usize]).abs()).into_iter().fold(0.0, f64::max);
             let x = far / self.tolerance;
-            let center = (3 * k..3 * k + 3).map(|c| t.point(c)).sum::<glam::DVec3>() / 3.0;
-            let off = p.normal(center).dot(self.surface.normals[k as usize]).abs() < 0.7;
+            let off = p.normal(self.surface.center(k)).dot(self.surface.normals[k as usize]).abs() < 0.7;
             return OFF_SURFACE * size * if off { 1.0 } else { (x * x).min(1.0) };
         }
         let (a, b) = (self.triangle[k as usize], self.region[l as usize]);

@@ -6,7 +6,8 @@
 //! more than it has parameters. Facets that no curved surface takes are planes or stay free.
 
 use super::facets::Facets;
-use super::surface::Surface;
+use super::regions::{Corners, sagitta};
+use super::surface::{Lies, Surface};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::angle_between;
@@ -78,7 +79,8 @@ pub fn recognise(
     let mut order: Vec<u32> = (0..facets.len() as u32).collect();
     // Large strips first: they say most about the surface.
     order.sort_by(|&a, &b| facets.area[b as usize].total_cmp(&facets.area[a as usize]));
-    if facets.len() > PROBED && !search.probe(&order, context)? {
+    let probes = (0..PROBES).map(|k| order[k * order.len() / PROBES]);
+    if facets.len() > PROBED && !search.finds_any(probes, context)? {
         return Ok((search.owner, search.found));
     }
     let mut weak = Vec::new();
@@ -111,6 +113,17 @@ pub fn recognise(
     Ok((search.owner, search.found))
 }
 
+/// Whether some of these facets lie on a curved surface beyond doubt.
+pub fn finds_any(
+    surface: &Surface<'_>,
+    facets: &Facets,
+    accuracy: &Accuracy,
+    seeds: impl Iterator<Item = u32>,
+    context: &Context,
+) -> Result<bool> {
+    Search::new(surface, facets, *accuracy).finds_any(seeds, context)
+}
+
 /// Which neighbours a neighbourhood takes in.
 #[derive(Debug, Clone, Copy)]
 enum Reach {
@@ -140,6 +153,7 @@ struct Search<'a> {
     vertex_stamp: Vec<u32>,
     stamp: u32,
     scratch: Scratch,
+    corners: Corners,
     points: Vec<DVec3>,
     normals: Vec<DVec3>,
 }
@@ -158,17 +172,16 @@ impl<'a> Search<'a> {
             vertex_stamp: vec![0; surface.triangles.points().len()],
             stamp: 0,
             scratch: Scratch::default(),
+            corners: Corners::default(),
             points: Vec::new(),
             normals: Vec::new(),
         }
     }
 
-    /// Whether some of a few seeds, spread over all sizes, find a surface beyond doubt: on a scan none does, and to ask all
-    /// would take long.
-    fn probe(&mut self, order: &[u32], context: &Context) -> Result<bool> {
-        for k in 0..PROBES {
+    /// Whether some of these seeds find a surface beyond doubt: on a scan none does, and to ask all would take long.
+    fn finds_any(&mut self, seeds: impl Iterator<Item = u32>, context: &Context) -> Result<bool> {
+        for seed in seeds {
             context.check()?;
-            let seed = order[k * order.len() / PROBES];
             if self.best_from(seed).is_some_and(|found| found.surplus >= STRONG && !self.is_soft(&found)) {
                 return Ok(true);
             }
@@ -289,24 +302,13 @@ impl<'a> Search<'a> {
 
     /// Collects the distinct vertices of facets, with mean normals; returns their number.
     fn gather(&mut self, patch: &[u32]) -> usize {
-        self.stamp += 1;
+        let triangles = patch.iter().flat_map(|&f| self.facets.triangles(f)).copied();
+        self.corners.collect(self.surface, triangles);
+        let all = 0..self.corners.len();
         self.points.clear();
+        self.points.extend(all.clone().map(|k| self.corners.point(self.surface, k)));
         self.normals.clear();
-        let t = self.surface.triangles;
-        let mut slots: Vec<(u32, DVec3)> = Vec::new();
-        for &f in patch {
-            for &triangle in self.facets.triangles(f) {
-                let n = self.surface.normals[triangle as usize];
-                for c in 3 * triangle..3 * triangle + 3 {
-                    slots.push((t.vertex(c), n * self.surface.corner_angle(c)));
-                }
-            }
-        }
-        slots.sort_by_key(|slot| slot.0);
-        for group in slots.chunk_by(|a, b| a.0 == b.0) {
-            self.points.push(t.points()[group[0].0 as usize]);
-            self.normals.push(group.iter().map(|s| s.1).sum::<DVec3>().normalize_or_zero());
-        }
+        self.normals.extend(all.map(|k| self.corners.normal(self.surface, k)));
         self.points.len()
     }
 
@@ -384,24 +386,11 @@ impl<'a> Search<'a> {
         [1.0, -1.0].into_iter().find(|&sign| self.lies_on(primitive, sign, seed))
     }
 
-    /// Whether all vertices of a facet lie on the surface and its triangles look along its normals.
+    /// Whether all triangles of a facet lie on the surface.
     fn lies_on(&self, primitive: &Primitive, sign: f64, f: u32) -> bool {
-        let t = self.surface.triangles;
         let a = &self.accuracy;
-        self.facets.triangles(f).iter().all(|&triangle| {
-            let p = t.triangle(triangle).map(|v| t.points()[v as usize]);
-            if p.iter().any(|&p| primitive.distance(p).abs() > a.distance) {
-                return false;
-            }
-            let own = self.surface.normals[triangle as usize];
-            if own == DVec3::ZERO {
-                return true;
-            }
-            let n = p.map(|p| primitive.normal(p) * sign);
-            let spread = (0..3).map(|k| angle_between(n[k], n[(k + 1) % 3])).fold(0.0, f64::max);
-            // A chord between two points of a circle turns by half the angle between their normals.
-            spread <= a.bend + a.turn && angle_between(own, n[0] + n[1] + n[2]) <= 0.6 * spread + a.turn
-        })
+        let demand = Lies { distance: a.distance, turn: a.turn, spread: a.bend + a.turn };
+        self.facets.triangles(f).iter().all(|&t| self.surface.lies_on(t, primitive, sign, &demand))
     }
 
     /// Number of planes across an axis that the gathered points lie on, up to 4.
@@ -521,22 +510,10 @@ impl<'a> Search<'a> {
         }
         let area: f64 = facets.iter().map(|&f| self.facets.area[f as usize]).sum();
         let max = self.points.iter().map(|&p| primitive.distance(p).abs()).fold(0.0, f64::max);
-        let sagitta = self.sagitta(&primitive, facets) / area.max(f64::MIN_POSITIVE);
+        let triangles = facets.iter().flat_map(|&f| self.facets.triangles(f)).copied();
+        let sagitta = sagitta(self.surface, triangles, &primitive);
         let surplus = vertices - primitive.kind().parameters();
         Some(Candidate { primitive, surplus, area, sagitta, max, facets: facets.to_vec() })
-    }
-
-    /// How far the triangles leave the surface between their vertices, times their area.
-    fn sagitta(&self, primitive: &Primitive, facets: &[u32]) -> f64 {
-        let t = self.surface.triangles;
-        let triangles = facets.iter().flat_map(|&f| self.facets.triangles(f));
-        triangles
-            .map(|&k| {
-                let p = t.triangle(k).map(|v| t.points()[v as usize]);
-                let middles = (0..3).map(|k| primitive.distance((p[k] + p[(k + 1) % 3]) / 2.0).abs());
-                self.surface.areas[k as usize] * middles.fold(0.0, f64::max)
-            })
-            .sum()
     }
 
     /// Whether a surface is one that only the tolerance made possible: a piece of a freeform one.

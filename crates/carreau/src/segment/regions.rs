@@ -39,26 +39,9 @@ pub fn dense(labels: &[u32]) -> Vec<u32> {
 
 /// The connected parts of labels, numbered in the order of their first triangles.
 pub fn connected(surface: &Surface<'_>, label: &[u32], order: &[u32]) -> Vec<u32> {
-    let open = vec![false; label.len() * 3];
     let mut part = vec![NONE; label.len()];
-    let mut count = 0;
-    let mut stack = Vec::new();
-    for &seed in order {
-        if part[seed as usize] != NONE {
-            continue;
-        }
-        part[seed as usize] = count;
-        stack.push(seed);
-        while let Some(t) = stack.pop() {
-            for n in (3 * t..3 * t + 3).filter_map(|c| surface.across(c, &open)) {
-                if part[n as usize] == NONE && label[n as usize] == label[seed as usize] {
-                    part[n as usize] = count;
-                    stack.push(n);
-                }
-            }
-        }
-        count += 1;
-    }
+    let same = |c: u32| label[c as usize / 3] == label[surface.triangles.opposite(c) as usize / 3];
+    surface.flood(order, &mut part, 0, same, |_, _| ());
     part
 }
 
@@ -135,34 +118,71 @@ const MAX_SAMPLES: usize = 300;
 const FEW_SAMPLES: usize = 60;
 const REFINE_STEPS: usize = 30;
 
-/// The distinct vertices of triangles and their mean normals over these triangles alone.
-pub fn vertices_of(surface: &Surface<'_>, triangles: &[u32]) -> (Vec<u32>, Vec<DVec3>) {
-    let t = surface.triangles;
-    let mut slots: Vec<(u32, u32)> =
-        triangles.iter().flat_map(|&f| (3 * f..3 * f + 3).map(|c| (t.vertex(c), c))).collect();
-    slots.sort_unstable();
-    slots
-        .chunk_by(|a, b| a.0 == b.0)
-        .map(|group| {
-            let sum =
-                group.iter().map(|&(_, c)| surface.normals[c as usize / 3] * surface.corner_angle(c)).sum::<DVec3>();
-            (group[0].0, sum.normalize_or_zero())
-        })
-        .unzip()
+/// The distinct vertices of some triangles, ascending, with their corners.
+#[derive(Default)]
+pub struct Corners {
+    /// `vertex << 32 | corner`, ascending.
+    sorted: Vec<u64>,
+    /// Where each vertex begins, and the end.
+    start: Vec<u32>,
 }
 
-/// The simplest surface within the tolerance of all vertices of a region; triangles must look along it.
-pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> Option<Fit> {
-    let (ids, normals) = vertices_of(surface, triangles);
-    let all = surface.triangles.points();
-    let sample = |most: usize| -> (Vec<DVec3>, Vec<DVec3>) {
-        let step = ids.len().div_ceil(most).max(1);
-        (0..ids.len()).step_by(step).map(|k| (all[ids[k] as usize], normals[k])).unzip()
-    };
-    let ((few, few_normals), (points, _)) = (sample(FEW_SAMPLES), sample(MAX_SAMPLES));
+impl Corners {
+    pub fn of(surface: &Surface<'_>, triangles: &[u32]) -> Self {
+        let mut corners = Corners::default();
+        corners.collect(surface, triangles.iter().copied());
+        corners
+    }
+
+    /// Takes other triangles into the same memory.
+    pub fn collect(&mut self, surface: &Surface<'_>, triangles: impl Iterator<Item = u32>) {
+        let key = |c: u32| u64::from(surface.triangles.vertex(c)) << 32 | u64::from(c);
+        self.sorted.clear();
+        self.sorted.extend(triangles.flat_map(|t| 3 * t..3 * t + 3).map(key));
+        self.sorted.sort_unstable();
+        self.start.clear();
+        let mut last = None;
+        for (at, &key) in (0u32..).zip(&self.sorted) {
+            if last.replace(key >> 32) != Some(key >> 32) {
+                self.start.push(at);
+            }
+        }
+        self.start.push(self.sorted.len() as u32);
+    }
+
+    /// Number of distinct vertices.
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Position of the `k`-th vertex.
+    pub fn point(&self, surface: &Surface<'_>, k: usize) -> DVec3 {
+        surface.triangles.points()[(self.sorted[self.start[k] as usize] >> 32) as usize]
+    }
+
+    /// Mean normal of the `k`-th vertex over these triangles alone.
+    pub fn normal(&self, surface: &Surface<'_>, k: usize) -> DVec3 {
+        let corners = &self.sorted[self.start[k] as usize..self.start[k + 1] as usize];
+        let normal = |&key: &u64| surface.normals[key as u32 as usize / 3] * surface.corner_angle(key as u32);
+        corners.iter().map(normal).sum::<DVec3>().normalize_or_zero()
+    }
+
+    /// Evenly thinned, no more than `most`.
+    fn thinned(&self, most: usize) -> impl Iterator<Item = usize> + Clone {
+        (0..self.len()).step_by(self.len().div_ceil(most).max(1))
+    }
+}
+
+/// The simplest surface of these kinds within the tolerance of all vertices of a region; triangles must look along it.
+pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kinds: &[Kind]) -> Option<Fit> {
+    let corners = Corners::of(surface, triangles);
+    let point = |k| corners.point(surface, k);
+    let (few, few_normals): (Vec<DVec3>, Vec<DVec3>) =
+        corners.thinned(FEW_SAMPLES).map(|k| (point(k), corners.normal(surface, k))).unzip();
+    let points: Vec<DVec3> = corners.thinned(MAX_SAMPLES).map(point).collect();
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
-    for kind in Kind::ALL {
+    for &kind in kinds {
         if few.len() <= kind.parameters() && kind != Kind::Plane {
             continue;
         }
@@ -172,16 +192,17 @@ pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64) -> O
             continue;
         };
         let p = found.primitive;
-        let d = ids.iter().map(|&v| p.distance(all[v as usize]).abs());
+        let d = (0..corners.len()).map(|k| p.distance(point(k)).abs());
         let (max, sum) = d.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d * d));
-        let fit = Fit { primitive: p, rms: (sum / ids.len() as f64).sqrt(), max };
+        let fit = Fit { primitive: p, rms: (sum / corners.len() as f64).sqrt(), max };
         if fit.max > tolerance || !looks_along(surface, triangles, &p) {
             continue;
         }
         if kind == Kind::Plane {
             return Some(fit);
         }
-        let s = sagitta(surface, triangles, &p);
+        let step = triangles.len().div_ceil(MAX_SAMPLES).max(1);
+        let s = sagitta(surface, triangles.iter().copied().step_by(step), &p);
         if best.as_ref().is_none_or(|b| s < 0.5 * b.1) {
             best = Some((fit, s));
         }
@@ -198,10 +219,9 @@ pub fn fit_most(surface: &Surface<'_>, label: &[u32], triangles: &[u32], toleran
     let own = |k: u32| label[k as usize];
     let neighbours = |k: u32| (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE).map(|o| o / 3);
     let inner: Vec<u32> = triangles.iter().copied().filter(|&k| neighbours(k).all(|n| own(n) == own(k))).collect();
-    let (ids, normals) = vertices_of(surface, if inner.len() >= 4 { &inner } else { triangles });
-    let step = ids.len().div_ceil(POINTS).max(1);
-    let points: Vec<DVec3> = ids.iter().step_by(step).map(|&v| t.points()[v as usize]).collect();
-    let normals: Vec<DVec3> = normals.into_iter().step_by(step).collect();
+    let corners = Corners::of(surface, if inner.len() >= 4 { &inner } else { triangles });
+    let (points, normals): (Vec<DVec3>, Vec<DVec3>) =
+        corners.thinned(POINTS).map(|k| (corners.point(surface, k), corners.normal(surface, k))).unzip();
     let mut scratch = Scratch::default();
     Kind::ALL.into_iter().filter(|kind| points.len() >= kind.parameters() + 3).find_map(|kind| {
         let found = fit_robust(kind, &points, &normals, &mut scratch)?.fit.primitive;
@@ -211,26 +231,23 @@ pub fn fit_most(surface: &Surface<'_>, label: &[u32], triangles: &[u32], toleran
 }
 
 /// Area-weighted mean distance of the edges' middles: small where the triangles follow the surface.
-pub fn sagitta(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> f64 {
+pub fn sagitta(surface: &Surface<'_>, triangles: impl Iterator<Item = u32>, p: &Primitive) -> f64 {
     let t = surface.triangles;
-    let (mut sum, mut area) = (0.0, f64::MIN_POSITIVE);
-    let step = triangles.len().div_ceil(MAX_SAMPLES).max(1);
-    for &f in triangles.iter().step_by(step) {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for f in triangles {
         let q = t.triangle(f).map(|v| t.points()[v as usize]);
         let middle = (0..3).map(|k| p.distance((q[k] + q[(k + 1) % 3]) / 2.0).abs()).fold(0.0, f64::max);
         sum += surface.areas[f as usize] * middle;
         area += surface.areas[f as usize];
     }
-    sum / area
+    sum / f64::max(area, f64::MIN_POSITIVE)
 }
 
 /// Whether most of the area looks along the surface's normals, on one side.
 fn looks_along(surface: &Surface<'_>, triangles: &[u32], p: &Primitive) -> bool {
-    let t = surface.triangles;
     let (mut with, mut against, mut off) = (0.0, 0.0, 0.0);
     for &f in triangles {
-        let c = (3 * f..3 * f + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
-        let cos = p.normal(c).dot(surface.normals[f as usize]);
+        let cos = p.normal(surface.center(f)).dot(surface.normals[f as usize]);
         *(if cos > 0.7 {
             &mut with
         } else if cos < -0.7 {

@@ -2,12 +2,15 @@
 //! that are no strips, and free triangles that lie on a neighbour's surface join it.
 
 use super::facets::Facets;
+use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
-use super::surface::Surface;
+use super::regions::Groups;
+use super::strips::{fragments, rows};
+use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::angle_between;
-use crate::geometry::primitive::Primitive;
+use crate::geometry::primitive::{Kind, Primitive};
 use crate::mesh::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -28,10 +31,19 @@ const LARGE: f64 = 8.0;
 const JOIN_TURN: f64 = 0.52;
 /// Freeform surfaces bend between triangles by no more than this, in radians, however coarse they are.
 const COARSEST_BEND: f64 = 1.05;
+/// Most edges inside a freeform surface bend by no more than this share of its sharp angle.
+const MOST: f64 = 0.9;
+const MARGIN: f64 = 1.3;
+/// Half-edges of a free surface below which that says nothing.
+const FEW_EDGES: usize = 40;
 /// Stray triangles join a surface from this many times the tolerance.
 const STRAY: f64 = 20.0;
+/// Strips of a curved surface bend by no more than this, in radians: planes that bend more are the sides of a prism.
+const STRIP_BEND: f64 = 0.105;
+/// Rounds of freeing fragments of strips.
+const FRAGMENT_ROUNDS: usize = 4;
 /// Surfaces with a smaller share of the area do not make a part.
-const WORTH: f64 = 2e-4;
+pub const WORTH: f64 = 2e-4;
 /// Free pieces of no more triangles than this are none of their own.
 const CRUMB: u32 = 4;
 
@@ -48,17 +60,22 @@ pub struct Surfaces {
 pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
     let diagonal = surface.mesh.diagonal();
     let floor = floor(surface, diagonal);
-    let mut by_area = order.to_vec();
-    by_area.sort_by(|&a, &b| surface.areas[b as usize].total_cmp(&surface.areas[a as usize]));
     let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
     let rungs: Vec<f64> =
         [floor].into_iter().chain(RUNGS.map(|r| r * diagonal).into_iter().filter(|&r| r > floor)).collect();
+    let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
+    let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
+    if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
+        return Ok(found);
+    }
+    let by_area = surface.by_area(order);
     for (k, &distance) in rungs.iter().enumerate() {
-        let accuracy = Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
-        found.climb(surface, &by_area, sharp_angle, &accuracy, k + 1 == rungs.len(), context)?;
+        found.climb(surface, &by_area, sharp_angle, &accuracy(distance), k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
     }
     found.absorb(surface, found.tolerance, |_| true);
+    found.unite(surface);
+    found.free_strips(surface, sharp_angle);
     Ok(found)
 }
 
@@ -98,15 +115,42 @@ impl Surfaces {
             });
         }
         let planes = Planes { surface, facets: &facets, owner: &owner, sharp_angle, accuracy, last };
+        let mut strips = Vec::new();
         for f in 0..facets.len() as u32 {
             if facets.triangles(f).iter().all(|&t| self.label[t as usize] == NONE) && planes.contains(f) {
                 let label = self.primitives.len() as u32;
                 self.primitives.push(planes.plane(f));
                 facets.triangles(f).iter().for_each(|&t| self.label[t as usize] = label);
+                if planes.is_strip(f) {
+                    strips.push(f);
+                }
             }
         }
         self.assign(&facets, &owner, base);
+        if last {
+            self.release(surface, &facets, strips, sharp_angle);
+        }
         Ok(())
+    }
+
+    /// Frees strips beside a free surface that bends as much in itself as it does towards them: they are a part of it.
+    fn release(&mut self, surface: &Surface<'_>, facets: &Facets, mut strips: Vec<u32>, sharp_angle: f64) {
+        let t = surface.triangles;
+        let limit = self.free_sharp_angle(surface, sharp_angle);
+        loop {
+            let belongs = |f: &u32| {
+                facets.triangles(*f).iter().flat_map(|&k| 3 * k..3 * k + 3).any(|c| {
+                    let o = t.opposite(c);
+                    o != NONE && self.label[o as usize / 3] == NONE && f64::from(surface.bend[c as usize]) <= limit
+                })
+            };
+            let (freed, kept): (Vec<u32>, Vec<u32>) = strips.into_iter().partition(belongs);
+            if freed.is_empty() {
+                return;
+            }
+            freed.iter().flat_map(|&f| facets.triangles(f)).for_each(|&k| self.label[k as usize] = NONE);
+            strips = kept;
+        }
     }
 
     /// Labels the triangles of facets with an owner.
@@ -120,20 +164,100 @@ impl Surfaces {
     /// and triangles that bend more than the rest.
     fn absorb(&mut self, surface: &Surface<'_>, distance: f64, may: impl Fn(u32) -> bool) {
         let t = surface.triangles;
+        let demand = Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY };
         let mut queue: VecDeque<u32> = (0..surface.len() as u32).filter(|&k| self.label[k as usize] != NONE).collect();
         while let Some(k) = queue.pop_front() {
             let label = self.label[k as usize];
             let p = self.primitives[label as usize];
-            let center = (3 * k..3 * k + 3).map(|c| t.point(c)).sum::<DVec3>() / 3.0;
-            let sign = p.normal(center).dot(surface.normals[k as usize]).signum();
+            let sign = p.normal(surface.center(k)).dot(surface.normals[k as usize]).signum();
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if self.label[n as usize] == NONE && may(n) && joins(surface, &p, sign, n, distance) {
+                if self.label[n as usize] == NONE && may(n) && surface.lies_on(n, &p, sign, &demand) {
                     self.label[n as usize] = label;
                     queue.push_back(n);
                 }
             }
         }
+    }
+
+    /// Makes one surface of neighbours that lie on the same one: hypotheses that started from different strips stop at
+    /// each other.
+    fn unite(&mut self, surface: &Surface<'_>) {
+        let t = surface.triangles;
+        let crossing =
+            |c: &u32| t.opposite(*c) != NONE && self.label[*c as usize / 3] < self.label[t.opposite(*c) as usize / 3];
+        let pair = |c: u32| [self.label[c as usize / 3], self.label[t.opposite(c) as usize / 3]];
+        let mut pairs: Vec<[u32; 2]> = (0..3 * surface.len() as u32).filter(crossing).map(pair).collect();
+        pairs.retain(|p| p[1] != NONE && self.kind(p[0]) == self.kind(p[1]));
+        pairs.sort_unstable();
+        pairs.dedup();
+        if pairs.is_empty() {
+            return;
+        }
+        let groups = Groups::new(&self.label, self.primitives.len());
+        let area: Vec<f64> =
+            (0..groups.len() as u32).map(|l| groups.of(l).iter().map(|&k| surface.areas[k as usize]).sum()).collect();
+        let mut home: Vec<u32> = (0..self.primitives.len() as u32).collect();
+        let root = |home: &[u32], mut l: u32| {
+            while home[l as usize] != l {
+                l = home[l as usize];
+            }
+            l
+        };
+        for [a, b] in pairs {
+            let (a, b) = (root(&home, a), root(&home, b));
+            let (large, small) = if area[a as usize] >= area[b as usize] { (a, b) } else { (b, a) };
+            if a != b && self.lies_on(surface, groups.of(small), groups.of(large)[0], large) {
+                home[small as usize] = large;
+            }
+        }
+        self.label.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = root(&home, *l));
+    }
+
+    /// Frees the flat strips of curved surfaces that were subdivided.
+    fn free_strips(&mut self, surface: &Surface<'_>, sharp_angle: f64) {
+        let is_plane: Vec<bool> = self.primitives.iter().map(|p| p.kind() == Kind::Plane).collect();
+        let bends = TURN..STRIP_BEND.min(sharp_angle);
+        let free = |label: &mut [u32], gone: Vec<bool>| {
+            let old = label.iter_mut().filter(|l| **l != NONE && gone[**l as usize]);
+            old.map(|l| *l = NONE).count() > 0
+        };
+        let found = rows(surface, &self.label, &is_plane, &bends);
+        free(&mut self.label, found);
+        // Fragments that are free make others free.
+        for _ in 0..FRAGMENT_ROUNDS {
+            let found = fragments(surface, &self.label, &is_plane, &bends);
+            if !free(&mut self.label, found) {
+                return;
+            }
+        }
+    }
+
+    fn kind(&self, label: u32) -> Kind {
+        self.primitives[label as usize].kind()
+    }
+
+    /// Whether triangles lie on a surface and look along it as its own triangle `model` does.
+    fn lies_on(&self, surface: &Surface<'_>, triangles: &[u32], model: u32, label: u32) -> bool {
+        let p = &self.primitives[label as usize];
+        let sign = p.normal(surface.center(model)).dot(surface.normals[model as usize]).signum();
+        let demand = Lies { distance: self.tolerance, turn: TURN, spread: MAX_BEND + TURN };
+        triangles.iter().all(|&k| surface.lies_on(k, p, sign, &demand))
+    }
+
+    /// Bends above this are sharp on the free surface, in radians: the sharp angle adapts to how much it bends between its
+    /// triangles.
+    fn free_sharp_angle(&self, surface: &Surface<'_>, sharp_angle: f64) -> f64 {
+        let t = surface.triangles;
+        let free = |k: u32| self.label[k as usize] == NONE;
+        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
+        let mut bends: Vec<f32> =
+            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
+        let typical = 3.0 * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from);
+        let most = MARGIN * quantile(&mut bends, MOST, f32::total_cmp).map_or(0.0, f64::from);
+        // A few edges have no distribution.
+        let limit = if bends.len() < FEW_EDGES { typical } else { typical.max(most) };
+        limit.max(sharp_angle).min(COARSEST_BEND.max(sharp_angle))
     }
 
     /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
@@ -149,50 +273,14 @@ impl Surfaces {
     /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the
     /// free surface bends between its triangles. Single crumbs go to the free region beside them.
     pub fn complete(&self, surface: &Surface<'_>, order: &[u32], sharp_angle: f64) -> Vec<u32> {
-        let t = surface.triangles;
-        let free = |k: u32| self.label[k as usize] == NONE;
-        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
-        let mut bends: Vec<f32> =
-            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
-        let middle = bends.len() / 2;
-        let typical =
-            if bends.is_empty() { 0.0 } else { f64::from(*bends.select_nth_unstable_by(middle, f32::total_cmp).1) };
-        let limit = (3.0 * typical).max(sharp_angle).min(COARSEST_BEND.max(sharp_angle));
-        let barrier: Vec<bool> = surface.bend.iter().map(|&b| f64::from(b) > limit).collect();
+        let limit = self.free_sharp_angle(surface, sharp_angle);
         let mut label = self.label.clone();
-        let mut next = self.primitives.len() as u32;
-        let mut stack = Vec::new();
-        for &seed in order {
-            if label[seed as usize] != NONE {
-                continue;
-            }
-            label[seed as usize] = next;
-            stack.push(seed);
-            while let Some(k) = stack.pop() {
-                for n in (3 * k..3 * k + 3).filter_map(|c| surface.across(c, &barrier)) {
-                    if label[n as usize] == NONE {
-                        label[n as usize] = next;
-                        stack.push(n);
-                    }
-                }
-            }
-            next += 1;
-        }
+        let open = |c: u32| f64::from(surface.bend[c as usize]) <= limit;
+        surface.flood(order, &mut label, self.primitives.len() as u32, open, |_, _| ());
         dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
+        divide_wedges(surface, &mut label, self.primitives.len() as u32);
         label
     }
-}
-
-/// Whether a triangle lies on a surface and looks along it.
-fn joins(surface: &Surface<'_>, p: &Primitive, sign: f64, n: u32, distance: f64) -> bool {
-    let points = surface.triangles.triangle(n).map(|v| surface.triangles.points()[v as usize]);
-    if points.iter().any(|&x| p.distance(x).abs() > distance) {
-        return false;
-    }
-    let normals = points.map(|x| p.normal(x) * sign);
-    let spread = (0..3).map(|k| angle_between(normals[k], normals[(k + 1) % 3])).fold(0.0, f64::max);
-    let own = surface.normals[n as usize];
-    own == DVec3::ZERO || angle_between(own, normals[0] + normals[1] + normals[2]) <= 0.6 * spread + JOIN_TURN
 }
 
 /// Gives free pieces of a few triangles to the larger free piece that they have the longest boundary with, where the mesh
@@ -231,15 +319,35 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
     }
 }
 
+/// Divides free pieces of only two directions: two planes that meet, not the coarsest of curved surfaces.
+fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
+    let count = label.iter().max().map_or(0, |&m| m + 1);
+    let groups = Groups::new(label, count as usize);
+    let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= TURN;
+    let mut next = count;
+    for l in first_free..count {
+        let Some(&first) = groups.of(l).first() else { continue };
+        let others: Vec<u32> = groups.of(l).iter().copied().filter(|&k| !flat(first, k)).collect();
+        let Some(&second) = others.first() else { continue };
+        // A single triangle is a crumb.
+        let large = others.len() > 1 && groups.of(l).len() - others.len() > 1;
+        if large && others.iter().all(|&k| flat(second, k)) {
+            others.iter().for_each(|&k| label[k as usize] = next);
+            next += 1;
+        }
+    }
+}
+
 /// Which facets are planes of the part.
-struct Planes<'a> {
-    surface: &'a Surface<'a>,
-    facets: &'a Facets,
-    owner: &'a [u32],
-    sharp_angle: f64,
-    accuracy: &'a Accuracy,
+pub struct Planes<'a> {
+    pub surface: &'a Surface<'a>,
+    pub facets: &'a Facets,
+    /// Curved surface of every facet, or [`NONE`].
+    pub owner: &'a [u32],
+    pub sharp_angle: f64,
+    pub accuracy: &'a Accuracy,
     /// No looser tolerance follows: what may be a strip of a surface that was not found is decided now.
-    last: bool,
+    pub last: bool,
 }
 
 impl Planes<'_> {
@@ -248,7 +356,8 @@ impl Planes<'_> {
         Primitive::Plane { origin, normal: self.facets.normal[f as usize] }
     }
 
-    fn contains(&self, f: u32) -> bool {
+    /// Whether a facet is a plane of the part.
+    pub fn contains(&self, f: u32) -> bool {
         if self.owner[f as usize] != NONE {
             return false;
         }

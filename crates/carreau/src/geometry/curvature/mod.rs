@@ -31,7 +31,7 @@ use crate::mesh::{NONE, Triangles};
 use ball::{Ball, Visits};
 use corrected::Corrected;
 use glam::DVec3;
-use normal_cycle::{MEPP_SHARE, Ring, turns};
+use normal_cycle::{MEPP_SHARE, Ring, turn, turns};
 use rayon::prelude::*;
 use scale::Scale;
 use sectors::Sectors;
@@ -142,10 +142,13 @@ pub fn full_magnitudes(triangles: Triangles<'_>, wanted: &[bool], context: &Cont
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
     let none = vec![false; 3 * triangles.len()];
-    let sectors = Sectors::new(triangles, &none, context)?;
-    let ring = Ring { turns: turns(&sectors, context)?, share: 1.0 };
+    let wanted = |v: u32| wanted.get(v as usize).copied().unwrap_or(wanted.is_empty());
+    let sectors = Sectors::around(triangles, &none, wanted, context)?;
+    // A vertex asks only for the half-edges that leave it.
+    let needed = |c: u32| if wanted(triangles.vertex(c)) { turn(&sectors, c) } else { 0.0 };
+    let ring = Ring { turns: map(3 * triangles.len(), context, needed)?, share: 1.0 };
     map(triangles.points().len(), context, |v| {
-        if !wanted.get(v as usize).copied().unwrap_or(wanted.is_empty()) {
+        if !wanted(v) {
             return [0.0; 2];
         }
         let found = at_vertex(&sectors, v, |s, plane| ring.at(&sectors, s, plane));

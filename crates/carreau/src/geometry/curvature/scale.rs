@@ -14,11 +14,17 @@ pub(super) struct Scale(i32);
 impl Scale {
     /// The scale of the vertices that faces use. A power of two rounds nothing: a mesh and its double give the same digits.
     pub fn of(triangles: Triangles<'_>) -> Self {
+        let all =
+            triangles.points().par_iter().with_min_len(4096).map(|p| p.abs().max_element()).reduce(|| 0.0, f64::max);
+        let some = if triangles.is_empty() { 0.0 } else { triangles.point(0).abs().max_element() };
+        // The largest is between these two: most often there is no need to look which vertices are used.
+        if [some, all].iter().all(|&x| x > 0.0 && FREE.contains(&exponent(x))) {
+            return Scale(0);
+        }
         let largest = |c: u32| triangles.point(c).abs().max_element();
         let corners = (0..3 * triangles.len() as u32).into_par_iter().with_min_len(4096);
-        let largest = corners.map(largest).reduce(|| 0.0, f64::max);
-        let exponent = if largest > 0.0 { largest.log2().floor() as i32 } else { 0 };
-        Scale(if FREE.contains(&exponent) { 0 } else { exponent })
+        let largest = exponent(corners.map(largest).reduce(|| 0.0, f64::max));
+        Scale(if FREE.contains(&largest) { 0 } else { largest })
     }
 
     /// The points to work on, where they are not the mesh's own.
@@ -42,6 +48,11 @@ impl Scale {
     pub fn area(self, area: f64) -> f64 {
         times(times(area, self.0), self.0)
     }
+}
+
+/// Of the power of two just below a length; zero of none.
+fn exponent(length: f64) -> i32 {
+    if length > 0.0 { length.log2().floor() as i32 } else { 0 }
 }
 
 /// x · 2ⁿ; the largest number where that is beyond the range.

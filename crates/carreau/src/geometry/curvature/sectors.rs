@@ -65,14 +65,28 @@ pub(super) struct Sectors<'a> {
 impl<'a> Sectors<'a> {
     /// Cuts a mesh; `feature[c]` tells whether the half-edge that leaves corner `c` lies on a feature.
     pub fn new(triangles: Triangles<'a>, feature: &[bool], context: &Context) -> Result<Self> {
+        Self::around(triangles, feature, |_| true, context)
+    }
+
+    /// [`Sectors::new`] with faces and fans around wanted vertices only; others are empty.
+    pub fn around(
+        triangles: Triangles<'a>,
+        feature: &[bool],
+        wanted: impl Fn(u32) -> bool + Send + Sync,
+        context: &Context,
+    ) -> Result<Self> {
         let open = |(&closed, c)| if closed { NONE } else { triangles.opposite(c) };
         let across: Vec<u32> = feature.iter().zip(0u32..).map(open).collect();
         let (of_corner, further, count) = cut(triangles, &across, context)?;
         let (start, corners) = grouped(&of_corner, count);
-        let faces = map(triangles.len(), context, |t| face(&triangles, t))?;
+        let faces = map(triangles.len(), context, |t| {
+            if triangles.triangle(t).into_iter().any(&wanted) { face(&triangles, t) } else { Face::default() }
+        })?;
         let fans = Vec::new();
         let mut sectors = Sectors { triangles, of_corner, across, faces, fans, further, start, corners };
-        sectors.fans = map(count, context, |s| sectors.fan(s))?;
+        let vertices = triangles.points().len() as u32;
+        let fan = |s: u32| if s >= vertices || wanted(s) { sectors.fan(s) } else { Fan::default() };
+        sectors.fans = map(count, context, fan)?;
         Ok(sectors)
     }
 

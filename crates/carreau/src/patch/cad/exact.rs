@@ -44,13 +44,12 @@ pub fn triangle(scene: &Scene, t: FaceId) -> PieceSurface {
     PieceSurface { surface: plane(scene.corners(t)), scale: None, trimmed: true }
 }
 
-/// The plane of a block whose vertices are no farther from it than `flatness`, and whose edges are all longer than `width`.
-pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64, width: f64) -> Option<Surface> {
+/// The plane of a block whose vertices are no farther from it than `flatness`.
+pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64) -> Option<Surface> {
     let [m, n] = block.size;
     let node = |r: u32, c: u32| scene.point(block.vertex(scene.patches, r, c));
     let cells = || (0..m).flat_map(|r| (0..n).map(move |c| (r, c)));
     let corners = |(r, c): (u32, u32)| [node(r, c), node(r, c + 1), node(r + 1, c + 1), node(r + 1, c)];
-    let narrow = cells().map(corners).any(|p| (0..4).any(|k| p[k].distance(p[(k + 1) % 4]) <= width));
     let vector: DVec3 = cells().map(corners).map(|[a, b, c, d]| (c - a).cross(d - b)).sum();
     let normal = vector.try_normalize()?;
     let origin = node(0, 0);
@@ -59,7 +58,7 @@ pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64, width: f64) ->
         d.dot(normal).abs() > flatness
     });
     let axis = (node(0, n) - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
-    (!narrow && !far).then_some(Surface::Plane { origin, normal, axis })
+    (!far).then_some(Surface::Plane { origin, normal, axis })
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal

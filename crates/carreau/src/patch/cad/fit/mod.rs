@@ -6,9 +6,10 @@
 //! | `side` | the curves of a side are joined, with knots of full multiplicity at nodes in between |
 //! | `surface` | between given sides the inner control points are fitted and the knots refined |
 //! | `stencil` | the equations of that, solved |
+//! | `simple` | whether the border of a plane face stays clear of itself |
 //!
-//! A block in a plane is a plane face, whatever its border looks like: it needs no control points and asks nothing of its
-//! sides. Sides are never changed by a surface, so neighbours meet without gap or tolerance (C0), at T-nodes, too. A block whose
+//! A block in a plane is a plane face as long as its fitted border does not cross itself: it needs no control points and
+//! asks nothing of its sides. Sides are never changed by a surface, so neighbours meet without gap or tolerance (C0), at T-nodes, too. A block whose
 //! surface does not reach the tolerance, or would not be smaller than the exact one of degree (1, 1), stays exact. Its
 //! border then is the polyline of its vertices, and that its neighbours have to follow: with kinks at every vertex. They
 //! may in turn not be worth it any more; so exact blocks are settled first, by counting control points, then the rest is
@@ -16,10 +17,11 @@
 
 mod curve;
 mod side;
+mod simple;
 mod stencil;
 mod surface;
 
-use super::chain::Chains;
+use super::chain::{ChainUse, Chains};
 use super::piece::{Block, Piece, Source};
 use super::scene::Scene;
 use super::{Geometry, PatchFit, PieceSurface, Rung, exact};
@@ -28,14 +30,16 @@ use crate::error::{Error, Result};
 use crate::geometry::brep::{Curve, Surface};
 use crate::geometry::bspline::BSplineCurve;
 use curve::{ChainCurve, Shape};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use side::Frame;
+use simple::is_simple;
 use surface::{Fitted, Problem};
 
 /// Vertices this near to a plane, as a share of the diagonal, lie in it: no farther than the file says itself.
 const FLATNESS: f64 = 1e-9;
-/// Sides of a plane face may move by the tolerance; its cells are this many times as wide, so that they never cross.
-const NARROW: f64 = 4.0;
+/// Points by which a spline is seen between two vertices.
+const SAMPLES: u32 = 4;
 
 /// Fitted curves and surfaces for all chains and pieces, and what every patch came to.
 pub fn geometry(
@@ -52,7 +56,15 @@ pub fn geometry(
         let open: Vec<u32> =
             (0..pieces.len() as u32).filter(|&k| ladder.spline[k as usize] && fitted[k as usize].is_none()).collect();
         if open.is_empty() {
-            break;
+            let crossed = ladder.crossed_planes();
+            if crossed.is_empty() {
+                break;
+            }
+            crossed.iter().for_each(|&k| ladder.planes[k as usize] = None);
+            for k in ladder.make_exact(crossed)? {
+                fitted[k as usize] = None;
+            }
+            continue;
         }
         let trials: Vec<Result<Option<Fitted>>> = ctx.install(|| open.par_iter().map(|&k| ladder.fit(k)).collect());
         let mut failed = Vec::new();
@@ -108,7 +120,7 @@ impl<'a> Ladder<'a> {
         let scales = pieces.iter().map(scale).collect();
         let flatness = FLATNESS * scene.mesh.diagonal();
         let plane = |piece: &Piece| match piece.source {
-            Source::Block(b) => exact::plane_of_block(scene, b, flatness, NARROW * tolerance),
+            Source::Block(b) => exact::plane_of_block(scene, b, flatness),
             _ => None,
         };
         let planes: Vec<Option<Surface>> = pieces.iter().map(plane).collect();
@@ -145,6 +157,37 @@ impl<'a> Ladder<'a> {
             return ChainCurve::exact(&path.iter().map(|&v| self.scene.point(v)).collect::<Vec<_>>());
         }
         self.curves[chain as usize].clone()
+    }
+
+    /// Plane faces whose borders, as they stand, cross or touch themselves.
+    fn crossed_planes(&self) -> Vec<u32> {
+        let crossed = |k: &u32| match self.planes[*k as usize] {
+            Some(Surface::Plane { normal, axis, .. }) => {
+                let across = normal.cross(axis);
+                let border = self.chains.loops[*k as usize].iter().flatten().flat_map(|of| self.samples(of));
+                !is_simple(&border.map(|p| DVec2::new(p.dot(axis), p.dot(across))).collect::<Vec<_>>())
+            }
+            _ => false,
+        };
+        self.ctx.install(|| (0..self.pieces.len() as u32).into_par_iter().filter(crossed).collect())
+    }
+
+    /// Points of a chain as it is used, without the last one.
+    fn samples(&self, of: &ChainUse) -> Vec<DVec3> {
+        let path = &self.chains.paths[of.chain as usize];
+        let curve = self.curve(of.chain);
+        let mut points: Vec<DVec3> = match curve.shape {
+            Shape::Polyline(stops) => stops.iter().map(|&k| self.scene.point(path[k as usize])).collect(),
+            Shape::Spline(spline) => {
+                let steps = (path.len() as u32 - 1) * SAMPLES;
+                (0..=steps).map(|k| spline.point(f64::from(k) / f64::from(steps))).collect()
+            }
+        };
+        if of.reversed {
+            points.reverse();
+        }
+        points.pop();
+        points
     }
 
     fn frame(&self, piece: u32) -> Result<Frame> {

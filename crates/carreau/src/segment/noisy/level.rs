@@ -1,0 +1,127 @@
+//! How noisy a mesh is: the residuals of small patches from the paraboloids through them.
+
+use super::patch::Patches;
+use crate::mesh::NONE;
+use crate::numeric::levenberg::solve_cholesky;
+use crate::segment::surface::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Patches that are asked.
+const SAMPLES: usize = 1500;
+/// Triangles of a patch.
+const SIZE: usize = 24;
+/// Fewer patches say nothing.
+const LEAST_PATCHES: usize = 8;
+/// Patches end where the mesh bends by more, in radians.
+const FOLD: f64 = 0.7;
+/// The quartile of the root mean square of about 13 normal numbers, over their deviation.
+const QUARTILE: f64 = 0.86;
+/// Coefficients of a paraboloid.
+const UNKNOWNS: usize = 6;
+
+/// The standard deviation of the vertices from a smooth surface, along the normal, as the quieter part of the mesh has it;
+/// `None` where there are too few patches to tell.
+pub fn level(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
+    let barrier = |c: u32| f64::from(surface.bend[c as usize]) > FOLD;
+    let mut patches = Patches::new(surface);
+    let mut residuals = Vec::new();
+    for &seed in order.iter().step_by(order.len().div_ceil(SAMPLES).max(1)) {
+        patches.around(seed, SIZE, &barrier);
+        if patches.triangles.len() == SIZE {
+            residuals.extend(residual(surface, &patches.triangles, &patches.points));
+        }
+    }
+    let quarter = residuals.len() / 4;
+    let enough = residuals.len() >= LEAST_PATCHES;
+    enough.then(|| *residuals.select_nth_unstable_by(quarter, f64::total_cmp).1 / QUARTILE)
+}
+
+/// Root mean square residual of points from their paraboloid over the mean plane of triangles.
+fn residual(surface: &Surface<'_>, triangles: &[u32], points: &[DVec3]) -> Option<f64> {
+    if points.len() < UNKNOWNS + 4 {
+        return None;
+    }
+    let up = triangles.iter().map(|&k| surface.normals[k as usize] * surface.areas[k as usize]).sum::<DVec3>();
+    let up = up.try_normalize()?;
+    let u = up.any_orthonormal_vector();
+    let v = up.cross(u);
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let size = points.iter().map(|p| p.distance(mean)).fold(0.0, f64::max);
+    let row = |p: DVec3| {
+        let d = (p - mean) / size;
+        let (x, y) = (d.dot(u), d.dot(v));
+        ([1.0, x, y, x * x, x * y, y * y], d.dot(up))
+    };
+    let (mut matrix, mut rhs) = ([[0.0; UNKNOWNS]; UNKNOWNS], [0.0; UNKNOWNS]);
+    for (r, z) in points.iter().map(|&p| row(p)) {
+        for i in 0..UNKNOWNS {
+            (0..UNKNOWNS).for_each(|j| matrix[i][j] += r[i] * r[j]);
+            rhs[i] += r[i] * z;
+        }
+    }
+    let c = solve_cholesky(&matrix, &rhs)?;
+    let square = |p: DVec3| {
+        let (r, z) = row(p);
+        (z - r.iter().zip(&c).map(|(a, b)| a * b).sum::<f64>()).powi(2)
+    };
+    let sum: f64 = points.iter().map(|&p| square(p)).sum();
+    let rms = size * (sum / (points.len() - UNKNOWNS) as f64).sqrt();
+    rms.is_finite().then_some(rms)
+}
+
+/// What noise of a given deviation does to the triangles.
+pub struct Noise {
+    pub sigma: f64,
+    /// Mean length of an edge.
+    pub edge: f64,
+    /// Deviation of the normal of every triangle, in radians, about each of two axes.
+    pub turn: Vec<f64>,
+    /// Per corner: the half-edge is a border or bends more than noise does.
+    pub crease: Vec<bool>,
+}
+
+/// Bends of this many deviations, and of at least so many radians, are creases.
+const CREASE: f64 = 4.0;
+const LEAST_CREASE: f64 = 0.35;
+/// Normals of slivers say nothing; this deviation, in radians, says so.
+const LARGEST_TURN: f64 = 1.0;
+
+impl Noise {
+    pub fn new(surface: &Surface<'_>, sigma: f64) -> Self {
+        let edge = mean_edge(surface);
+        let turn: Vec<f64> = (0..surface.len() as u32)
+            .into_par_iter()
+            .map(|k| {
+                let longest = (3 * k..3 * k + 3).map(|c| surface.edge_length(c)).fold(0.0, f64::max);
+                // √2 σ / edge for an equilateral triangle.
+                let height = 2.0 * surface.areas[k as usize] / longest;
+                if height > 0.0 { (1.23 * sigma / height).min(LARGEST_TURN) } else { LARGEST_TURN }
+            })
+            .collect();
+        let crease = (0..3 * surface.len() as u32).into_par_iter().map(|c| is_crease(surface, &turn, c)).collect();
+        Noise { sigma, edge, turn, crease }
+    }
+
+    /// Deviation of the bend of a half-edge, in radians.
+    pub fn bend(&self, surface: &Surface<'_>, c: u32) -> f64 {
+        bend_deviation(surface, &self.turn, c)
+    }
+}
+
+/// Length of the sides of equilateral triangles of the mean area.
+pub fn mean_edge(surface: &Surface<'_>) -> f64 {
+    (surface.total_area / surface.len().max(1) as f64 * 4.0 / 3f64.sqrt()).sqrt()
+}
+
+fn bend_deviation(surface: &Surface<'_>, turn: &[f64], c: u32) -> f64 {
+    match surface.triangles.opposite(c) {
+        NONE => LARGEST_TURN,
+        o => turn[c as usize / 3].hypot(turn[o as usize / 3]),
+    }
+}
+
+/// Borders have the bend π.
+fn is_crease(surface: &Surface<'_>, turn: &[f64], c: u32) -> bool {
+    f64::from(surface.bend[c as usize]) > (CREASE * bend_deviation(surface, turn, c)).max(LEAST_CREASE)
+}

@@ -1,0 +1,225 @@
+//! Hypotheses: surfaces through patches of several sizes, grown as far as they reach.
+
+use super::level::Noise;
+use super::model::{DEAREST, FREE, Fitter, Model, is_wrong};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::primitive::Kind;
+use crate::mesh::NONE;
+use crate::segment::surface::Surface;
+use rustc_hash::FxHashSet;
+
+/// Triangles of a patch, from sure to small.
+const SIZES: [usize; 4] = [160, 64, 26, 10];
+/// Seeds that are asked at most; parts have tens to hundreds.
+const MOST_SEEDS: usize = 3000;
+/// A triangle this cheap on a surface that was proposed is no seed any more.
+const EXPLAINED: f64 = 2.0;
+/// A surface that ends at creases with this share of its border needs no rival.
+const BOUNDED: f64 = 0.9;
+/// Share of the price per parameter: of equally good surfaces the simplest.
+const PER_PARAMETER: f64 = 0.01;
+/// Triangles that a hypothesis has at least.
+const LEAST: usize = 5;
+
+/// Seeds of a probe, how far their surfaces grow (triangles), and what each says at most (vertices).
+const PROBES: usize = 48;
+const PROBE_SIZE: usize = 1000;
+const PROBE_SAMPLES: usize = 100;
+/// Standard deviation of a normal distribution over its median absolute value.
+const NORMAL_OVER_MEDIAN: f64 = 1.4826;
+
+/// A hypothesis with its triangles.
+pub struct Proposal {
+    pub model: Model,
+    pub triangles: Vec<u32>,
+}
+
+/// Surfaces proposed from all over the mesh.
+pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Context) -> Result<Vec<Proposal>> {
+    let mut fitter = Fitter::new(surface, noise);
+    let mut explained = vec![false; surface.len()];
+    let mut all = Vec::new();
+    let mut asked = 0;
+    for seed in seeds(surface, noise, order) {
+        if explained[seed as usize] {
+            continue;
+        }
+        context.check()?;
+        asked += 1;
+        if asked > MOST_SEEDS {
+            break;
+        }
+        // Whatever comes of it: its neighbours would find the same.
+        explained[seed as usize] = true;
+        if let Some(found) = best_from(&mut fitter, seed) {
+            for &k in &found.triangles {
+                explained[k as usize] |= found.model.price(surface, noise, k) <= EXPLAINED;
+            }
+            all.push(found);
+        }
+    }
+    Ok(all)
+}
+
+/// What a few hypotheses, evenly spread over the mesh, tell about its noise.
+pub struct Probe {
+    /// Share of the seeds that lie on a surface which noise alone keeps them from.
+    pub share: f64,
+    /// The deviation of the vertices from the surfaces that were found, whatever keeps them from these.
+    pub sigma: f64,
+}
+
+/// Asks a few seeds.
+pub fn probe(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Context) -> Result<Probe> {
+    let mut fitter = Fitter::new(surface, noise);
+    fitter.most = PROBE_SIZE;
+    let (mut asked, mut hits) = (0.0, 0.0);
+    let mut distances = Vec::new();
+    for &seed in order.iter().skip(order.len() / PROBES / 2).step_by((order.len() / PROBES).max(1)) {
+        context.check()?;
+        asked += 1.0;
+        let Some(found) = best_from(&mut fitter, seed) else { continue };
+        if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
+            hits += 1.0;
+        }
+        fitter.patches.gather_of(&found.triangles);
+        fitter.patches.thin(PROBE_SAMPLES);
+        distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
+    }
+    let middle = distances.len() / 2;
+    let sigma = if distances.is_empty() {
+        noise.sigma
+    } else {
+        NORMAL_OVER_MEDIAN * *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    Ok(Probe { share: hits / f64::max(asked, 1.0), sigma })
+}
+
+/// All triangles, those farthest from creases first.
+fn seeds(surface: &Surface<'_>, noise: &Noise, order: &[u32]) -> Vec<u32> {
+    let t = surface.triangles;
+    let mut depth = vec![NONE; surface.len()];
+    let mut queue: Vec<u32> =
+        order.iter().copied().filter(|&k| (3 * k..3 * k + 3).any(|c| noise.crease[c as usize])).collect();
+    queue.iter().for_each(|&k| depth[k as usize] = 0);
+    let mut next = 0;
+    while next < queue.len() {
+        let k = queue[next];
+        next += 1;
+        for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
+            if depth[o as usize / 3] == NONE {
+                depth[o as usize / 3] = depth[k as usize] + 1;
+                queue.push(o / 3);
+            }
+        }
+    }
+    let mut seeds = order.to_vec();
+    seeds.sort_by_key(|&k| std::cmp::Reverse(depth[k as usize]));
+    seeds
+}
+
+/// The best surface through a seed: of the largest patch that lies on one.
+fn best_from(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
+    let noise = fitter.noise;
+    let mut last = usize::MAX;
+    for size in SIZES {
+        fitter.patches.around(seed, size, &|c| noise.crease[c as usize]);
+        let (count, points) = (fitter.patches.triangles.len(), fitter.patches.points.len());
+        if count >= last || points < Kind::Plane.parameters() + 1 {
+            continue;
+        }
+        last = count;
+        let best = best_through(fitter, seed);
+        if best.is_some() {
+            return best;
+        }
+    }
+    None
+}
+
+fn best_through(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
+    let (surface, noise) = (fitter.surface, fitter.noise);
+    let patch = fitter.patches.triangles.clone();
+    let mut best: Option<(f64, Proposal)> = None;
+    for kind in Kind::ALL {
+        fitter.patches.gather_of(&patch);
+        let Some(start) = fitter.through(kind) else { continue };
+        let start = Model::of(start.primitive, surface, &patch);
+        let Some((model, triangles)) = fitter.grow(start, seed) else { continue };
+        if triangles.len() < LEAST {
+            continue;
+        }
+        let proposal = Proposal { model, triangles };
+        let score = proposal.score(surface, noise) * (1.0 - PER_PARAMETER * kind.parameters() as f64);
+        let bounded = proposal.bounded(surface, noise) >= BOUNDED;
+        if best.as_ref().is_none_or(|b| score > b.0) {
+            best = Some((score, proposal));
+        }
+        if bounded {
+            break;
+        }
+    }
+    best.map(|b| b.1)
+}
+
+impl Proposal {
+    /// Area of the triangles, less where they are dear.
+    fn score(&self, surface: &Surface<'_>, noise: &Noise) -> f64 {
+        let worth = |&k: &u32| surface.areas[k as usize] * (1.0 - self.model.price(surface, noise, k) / DEAREST);
+        self.triangles.iter().map(worth).sum()
+    }
+
+    /// Share of the border that is at creases.
+    fn bounded(&self, surface: &Surface<'_>, noise: &Noise) -> f64 {
+        let inside: FxHashSet<u32> = self.triangles.iter().copied().collect();
+        let (mut hard, mut all) = (0.0, 0.0);
+        for c in self.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3) {
+            let o = surface.triangles.opposite(c);
+            if o == NONE || !inside.contains(&(o / 3)) {
+                let length = surface.edge_length(c);
+                all += length;
+                hard += if noise.crease[c as usize] { length } else { 0.0 };
+            }
+        }
+        if all > 0.0 { hard / all } else { 1.0 }
+    }
+}
+
+/// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE`] and a surface its own price.
+/// Returns the models and the label of every triangle, [`NONE`] where no chosen proposal reaches.
+pub fn choose(surface: &Surface<'_>, noise: &Noise, proposals: &[Proposal]) -> (Vec<Model>, Vec<u32>) {
+    let prices: Vec<Vec<f32>> = proposals
+        .iter()
+        .map(|p| p.triangles.iter().map(|&k| p.model.price(surface, noise, k) as f32).collect())
+        .collect();
+    let mut label = vec![NONE; surface.len()];
+    let mut current = vec![FREE as f32; surface.len()];
+    let saving = |p: usize, current: &[f32]| -> f64 {
+        let each = proposals[p].triangles.iter().zip(&prices[p]).map(|(&k, &x)| f64::from(current[k as usize] - x));
+        each.filter(|&x| x > 0.0).sum::<f64>() - proposals[p].model.cost()
+    };
+    // What a proposal saves only falls: the first in the queue whose value is up to date is the best.
+    let mut queue: Vec<(f64, usize)> = (0..proposals.len()).map(|p| (saving(p, &current), p)).collect();
+    let mut models = Vec::new();
+    loop {
+        queue.retain(|q| q.0 > 0.0);
+        queue.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let Some((_, p)) = queue.pop() else { break };
+        let fresh = saving(p, &current);
+        if queue.last().is_some_and(|second| fresh < second.0) {
+            queue.push((fresh, p));
+            continue;
+        }
+        if fresh > 0.0 {
+            for (&k, &x) in proposals[p].triangles.iter().zip(&prices[p]) {
+                if x < current[k as usize] {
+                    label[k as usize] = models.len() as u32;
+                    current[k as usize] = x;
+                }
+            }
+            models.push(proposals[p].model);
+        }
+    }
+    (models, label)
+}
