@@ -1,6 +1,7 @@
 //! The order of the operations.
 
 use super::decimate::Demand;
+use super::relocate::Accept;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
@@ -9,6 +10,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// Edges above are split, edges below collapsed, while the mesh is balanced.
 const LONG: f64 = 1.45;
 const SHORT: f64 = 0.85;
+/// Relocations of all vertices after every round.
+const SMOOTHINGS: usize = 2;
 
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow.
@@ -25,7 +28,7 @@ impl Work<'_> {
 
     /// Splits, collapses, flips and moves in turns, the worst last.
     fn balance(&mut self, rounds: usize, context: &Context) -> Result<()> {
-        for round in 0..rounds {
+        for _ in 0..rounds {
             {
                 let _stage = context.stage("divide");
                 self.divide(LONG, 3, context)?;
@@ -38,18 +41,18 @@ impl Work<'_> {
             {
                 let _stage = context.stage("swap");
                 self.swap(4, context)?;
-                if round + 1 < rounds {
-                    self.regularise(context)?;
-                }
+                self.regularise(context)?;
             }
             {
                 let _stage = context.stage("relocate");
-                self.relocate(None, context)?;
+                for _ in 0..SMOOTHINGS {
+                    self.relocate(Accept::Harmless, context)?;
+                }
             }
         }
         for _ in 0..2 {
             self.swap(4, context)?;
-            self.relocate(None, context)?;
+            self.relocate(Accept::Better, context)?;
         }
         let _stage = context.stage("polish");
         self.polish(context)

@@ -200,8 +200,8 @@ pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) ->
 }
 
 /// Runs with a corrected scale until the natural count is so near to the wanted one that trimming does no harm.
-const TARGET_RUNS: usize = 4;
-const TARGET_SLACK: f64 = 0.03;
+const TARGET_RUNS: usize = 6;
+const TARGET_SLACK: f64 = 0.008;
 
 /// Adapts and trims; returns the number of triangles before trimming, too.
 fn run_counted(
@@ -349,7 +349,7 @@ impl Source {
         let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
         let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
         // Noise needs room; clean models do without.
-        let (least, most, cap) = if self.is_scan { (20.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
+        let (least, most, cap) = if self.is_scan { (45.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
         let allowed = (1.25 * on_sphere).clamp(f64::to_radians(least), f64::to_radians(most));
         Limits {
             cos_allowed: allowed.cos(),

@@ -19,6 +19,17 @@ use glam::DVec3;
 
 /// A ball whose worst shape is above this may lose some of it for a better mean.
 const GOOD: f32 = 0.75;
+/// Shapes and length qualities that a smoothing move must not fall below.
+const TOLERABLE: f32 = 0.6;
+
+/// When a move is accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Accept {
+    /// Unless it spoils something: between flips and collapses, where a strict test would stick in a local optimum.
+    Harmless,
+    /// If the ball gets better.
+    Better,
+}
 
 /// Where a vertex would go.
 struct Move {
@@ -40,31 +51,28 @@ struct Ball {
 
 impl Work<'_> {
     /// Moves every vertex once. Returns how many moved.
-    pub fn relocate(&mut self, worst_only: Option<f32>, context: &Context) -> Result<usize> {
+    pub fn relocate(&mut self, accept: Accept, context: &Context) -> Result<usize> {
         let mut done = 0;
         for v in 0..self.mesh.vertex_slots() {
             context.check_every(v as usize)?;
             if !self.mesh.is_vertex(v) || self.rank[v as usize] == Rank::Corner {
                 continue;
             }
-            if worst_only.is_some_and(|limit| self.worst_around(v).0 >= limit) {
-                continue;
-            }
-            done += usize::from(self.relocate_vertex(v));
+            done += usize::from(self.relocate_vertex(v, accept));
         }
         Ok(done)
     }
 
     /// Moves one vertex if its ball gets better.
-    pub fn relocate_vertex(&mut self, v: u32) -> bool {
+    pub fn relocate_vertex(&mut self, v: u32, accept: Accept) -> bool {
         match self.rank[v as usize] {
-            Rank::Free => self.relocate_free(v),
-            Rank::Curve => self.relocate_curve(v),
+            Rank::Free => self.relocate_free(v, accept),
+            Rank::Curve => self.relocate_curve(v, accept),
             Rank::Corner => false,
         }
     }
 
-    fn relocate_free(&mut self, v: u32) -> bool {
+    fn relocate_free(&mut self, v: u32, accept: Accept) -> bool {
         let p = self.point(v);
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         self.mesh.for_neighbours(v, |w| {
@@ -83,7 +91,7 @@ impl Work<'_> {
         }
         let before = self.ball(v);
         for share in [1.0, 0.5, 0.25] {
-            if self.try_free(v, wedge, p + step * share, &before) {
+            if self.try_free(v, wedge, p + step * share, &before, accept) {
                 return true;
             }
         }
@@ -91,17 +99,17 @@ impl Work<'_> {
     }
 
     /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
-    fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball) -> bool {
+    fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> bool {
         let spot = self.spot(self.seat[wedge as usize], p);
         let to =
             Move { point: spot.point, size: spot.size, parameter: 0.0, wedges: [(wedge, Some(spot)), (NONE, None)] };
-        self.try_move(v, &to, before)
+        self.try_move(v, &to, before, accept)
     }
 
     /// A free vertex with a bad ball tries a pattern of places around it; the scale shrinks until one is better.
     pub fn search_vertex(&mut self, v: u32) -> bool {
         if self.rank[v as usize] != Rank::Free {
-            return self.relocate_vertex(v);
+            return self.relocate_vertex(v, Accept::Better);
         }
         let Some(first) = self.mesh.around(v).next() else { return false };
         let wedge = self.mesh.wedge(first);
@@ -114,7 +122,7 @@ impl Work<'_> {
                 let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
                 let before = self.ball(v);
                 let to = self.point(v) + scale * (x * angle.cos() + y * angle.sin());
-                better |= self.try_free(v, wedge, to, &before);
+                better |= self.try_free(v, wedge, to, &before, Accept::Better);
             }
             any |= better;
             if !better {
@@ -124,7 +132,7 @@ impl Work<'_> {
         any
     }
 
-    fn relocate_curve(&mut self, v: u32) -> bool {
+    fn relocate_curve(&mut self, v: u32, accept: Accept) -> bool {
         let mesh = &self.mesh;
         // The curve half-edges at the vertex, leaving it where they exist, else entering it.
         let mut curve = [NONE; 2];
@@ -190,7 +198,7 @@ impl Work<'_> {
             }
             let point = chain.at(to).0;
             let to = Move { point, size, parameter: chain.wrapped(to), wedges };
-            if self.try_move(v, &to, &before) {
+            if self.try_move(v, &to, &before, accept) {
                 return true;
             }
         }
@@ -211,11 +219,12 @@ impl Work<'_> {
         ball
     }
 
-    fn try_move(&mut self, v: u32, to: &Move, before: &Ball) -> bool {
+    fn try_move(&mut self, v: u32, to: &Move, before: &Ball, accept: Accept) -> bool {
         let mesh = &self.mesh;
         let mut after = Ball { shape: f32::INFINITY, cosine: f32::INFINITY, mean: 0.0, length: f64::INFINITY };
         let mut count = 0.0;
-        let least = if before.shape > GOOD { GOOD } else { before.shape };
+        let good = if accept == Accept::Better { GOOD } else { TOLERABLE };
+        let least = before.shape.min(good);
         for h in mesh.around(v) {
             let wedge = mesh.wedge(h);
             let spot = to.wedges.iter().find(|(w, _)| *w == wedge).and_then(|(_, s)| s.as_ref());
@@ -235,7 +244,11 @@ impl Work<'_> {
             let l = metric_length(to.point.distance(self.point(w)), to.size, self.size[w as usize]);
             after.length = after.length.min(length_quality(l));
         });
-        if !after.is_better_than(before) || !self.allows_cosine(after.cosine, before.cosine) {
+        let accepted = match accept {
+            Accept::Better => after.is_better_than(before),
+            Accept::Harmless => after.length >= before.length.min(f64::from(TOLERABLE)),
+        };
+        if !accepted || !self.allows_cosine(after.cosine, before.cosine) {
             return false;
         }
         self.mesh.points[v as usize] = to.point;

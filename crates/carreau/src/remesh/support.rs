@@ -31,20 +31,20 @@ pub struct Support {
 pub struct Radius {
     /// With weights that fall with the fourth power of the distance.
     near: f64,
-    /// With equal weights for both rings.
+    /// With weights that rise with the fourth power of the distance.
     far: f64,
     /// Mean length of the edges.
     spacing: f64,
 }
 
 impl Radius {
-    /// The radius at the scale of the size α r: near where sizes are about as long as edges, far where they are more than
-    /// twice as long.
+    /// The radius at the scale of the size α r: near where sizes are up to twice as long as edges, far where they are more
+    /// than three times as long.
     pub fn at_scale(&self, alpha: f64) -> f64 {
         if !(self.near.is_finite() && self.far.is_finite()) {
             return self.near.min(self.far);
         }
-        let t = (alpha * self.far / self.spacing - 1.0).clamp(0.0, 1.0);
+        let t = (alpha * self.far / self.spacing - 2.0).clamp(0.0, 1.0);
         self.near.powf(1.0 - t) * self.far.powf(t)
     }
 }
@@ -241,8 +241,9 @@ impl Support {
             let d = (self.mesh.points[w as usize] - p) * unit_length;
             let (u, v, z) = (d.dot(x), d.dot(y), d.dot(n));
             let row = [0.5 * u * u, u * v, 0.5 * v * v];
-            let near = (u * u + v * v + z * z).max(1e-9).powi(-2);
-            for (m, weight) in systems.iter_mut().zip([near, 1.0]) {
+            let squared = (u * u + v * v + z * z).max(1e-9);
+            let far = squared * squared;
+            for (m, weight) in systems.iter_mut().zip([far.recip(), far]) {
                 for i in 0..3 {
                     for j in 0..3 {
                         m[i][j] += weight * row[i] * row[j];

@@ -1,4 +1,7 @@
 //! Edges are flipped where that makes the worse of the two triangles better by one per cent, or repairs constraint (1).
+//!
+//! Departure: a triangle is worth q cos² of its deviation instead of q alone. Of two diagonals with about the same shapes
+//! the one that follows the surface wins, which costs nothing and lowers the mean deviation by several per cent.
 
 use super::work::{Face, Work};
 use crate::context::Context;
@@ -7,8 +10,15 @@ use crate::mesh::{NONE, next, previous};
 
 /// Gain in the worst shape for which a flip is worth it.
 const GAIN: f32 = 1.01;
+/// Shapes may fall by this factor where valences become regular.
+const REGULAR_LOSS: f32 = 0.6;
 /// Flips make no edges longer than this, unless the old one was as long.
 const LONGEST: f64 = 1.6;
+
+/// What flips make better: the shape, and how well the triangle fits the surface.
+fn value(face: Face) -> f32 {
+    face.shape * face.cosine.max(0.0).powi(2)
+}
 
 impl Work<'_> {
     /// Flips edges until nothing gets better, at most so many sweeps. Returns how many.
@@ -50,7 +60,7 @@ impl Work<'_> {
             let cost = |v: u32, change: i32| (valence[v as usize] + change).pow(2);
             let before: i32 = ends.iter().chain(&tips).map(|&v| cost(v, 0)).sum();
             let after = ends.iter().map(|&v| cost(v, -1)).sum::<i32>() + tips.iter().map(|&v| cost(v, 1)).sum::<i32>();
-            if after < before && self.try_swap(h, 0.8) {
+            if after < before && self.try_swap(h, REGULAR_LOSS) {
                 ends.iter().for_each(|&v| valence[v as usize] -= 1);
                 tips.iter().for_each(|&v| valence[v as usize] += 1);
                 done += 1;
@@ -74,14 +84,15 @@ impl Work<'_> {
         let [a, b, c, d] = [h, next(h), previous(h), previous(o)];
         let [pa, pb, pc, pd] = [a, b, c, d].map(|x| self.point(mesh.vertex(x)));
         let [na, nb, nc, nd] = [a, b, c, d].map(|x| self.normal[mesh.wedge(x) as usize]);
-        let (f, g) = (self.face[h as usize / 3], self.face[o as usize / 3]);
-        let before = Face { shape: f.shape.min(g.shape), cosine: f.cosine.min(g.cosine) };
+        let (old_f, old_g) = (self.face[h as usize / 3], self.face[o as usize / 3]);
+        let before = old_f.worse(old_g);
         let [f, g] = [self.judge([pc, pd, pb], [nc, nd, nb]), self.judge([pd, pc, pa], [nd, nc, na])];
-        let after = Face { shape: f.shape.min(g.shape), cosine: f.cosine.min(g.cosine) };
+        let after = f.worse(g);
         let repairs = f64::from(before.cosine) < self.limits.cos_cap
             && after.cosine > before.cosine + 0.01
             && after.shape > 0.7 * before.shape;
-        let improves = after.shape > gain * before.shape && self.allows_cosine(after.cosine, before.cosine);
+        let [old, new] = [[old_f, old_g], [f, g]].map(|pair| value(pair[0]).min(value(pair[1])));
+        let improves = new > gain * old && self.allows_cosine(after.cosine, before.cosine);
         if !improves && !repairs {
             return false;
         }

@@ -6,6 +6,7 @@
 
 use super::Source;
 use super::decimate::Demand;
+use super::relocate::Accept;
 use super::work::Work;
 use super::{RemeshOptions, support::Support};
 use crate::context::Context;
@@ -63,7 +64,7 @@ impl Work<'_> {
             }
             self.divide_to(limit, least, context)?;
             self.swap(2, context)?;
-            self.relocate(Some(0.75), context)?;
+            self.relocate(Accept::Better, context)?;
         }
         Ok(())
     }

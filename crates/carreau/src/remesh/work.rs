@@ -11,7 +11,7 @@ const SHAPE_SCALE: f64 = 2.0 * 1.732_050_807_568_877_2;
 
 /// Splits, collapses and relocation settle at a mean length a little below one: the mesh at work has sizes larger by this
 /// factor, so that the mean is one in those asked for.
-pub const BALANCE: f64 = 1.035;
+pub const BALANCE: f64 = 1.02;
 
 /// What new triangles and edges must respect.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +35,13 @@ pub struct Face {
     pub shape: f32,
     /// Smallest cosine between the face normal and a corner normal.
     pub cosine: f32,
+}
+
+impl Face {
+    /// The worst of both.
+    pub fn worse(self, other: Face) -> Face {
+        Face { shape: self.shape.min(other.shape), cosine: self.cosine.min(other.cosine) }
+    }
 }
 
 /// The mesh at work.
