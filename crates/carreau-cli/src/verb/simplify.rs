@@ -20,6 +20,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  \
     carreau simplify scan.ply -o coarse.ply --deviation 14 --json coarse.json\n  \
     carreau simplify scan.ply -o coarse.obj --triangles 20000\n  \
+    carreau simplify scan.ply -o light.glb --triangles 5000 --geometric\n  \
     carreau simplify part.stl -o coarse.vtu --distance 0.1% --feature-angle 30")]
 pub struct Simplify {
     #[command(flatten)]
@@ -33,6 +34,9 @@ pub struct Simplify {
     /// Enriches to this angle first; off: not [default: off]
     #[arg(long, value_name = "DEG|off", value_parser = number_or_off)]
     enrich: Option<OrOff>,
+    /// Shapes are left aside: as near to the surface as the number of triangles allows
+    #[arg(long, conflicts_with = "enrich")]
+    geometric: bool,
 }
 
 /// Refines a surface to an angular deviation
@@ -111,6 +115,7 @@ impl Simplify {
         let o = &mut options.remesh;
         o.triangles = self.triangles.or(o.triangles);
         o.enrich = self.enrich.map_or(o.enrich, |e| e.0);
+        o.geometric |= self.geometric;
         options.distance = self.distance.or(options.distance);
         self.remesh.run("simplify", &options, remesh::simplify)
     }

@@ -16,7 +16,7 @@ const SMOOTHINGS: usize = 2;
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow.
     pub fn adapt(&mut self, context: &Context) -> Result<()> {
-        let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.0 };
+        let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1 };
         {
             let _stage = context.stage("decimate");
             self.decimate(FRAC_1_SQRT_2, &strict, context)?;

@@ -5,8 +5,8 @@
 //! vertex would be a corner; they are read at the scale of the size map: the turn is that between the chords to the points
 //! one size before and behind.
 
-use crate::geometry::normals::angle_between;
-use crate::mesh::{EditMesh, NONE};
+use crate::geometry::normals::{angle_between, unit};
+use crate::mesh::{EditMesh, NONE, triangle_area_vector};
 use glam::DVec3;
 
 /// How freely a vertex moves; ordered.
@@ -41,6 +41,8 @@ const BORDER_TURN_DEG: f64 = 60.0;
 pub struct Chain {
     pub kind: Kind,
     pub closed: bool,
+    /// A ridge all of whose edges are sharp.
+    pub sharp: bool,
     pub points: Vec<DVec3>,
     /// Source vertices; in a closed chain the first is repeated at the end.
     pub vertices: Vec<u32>,
@@ -158,6 +160,18 @@ impl Curves {
         curves
     }
 
+    /// Tells for every ridge whether all its edges have an angle above a limit with the given cosine.
+    pub fn find_sharp(&mut self, mesh: &EditMesh, cosine: f64) {
+        let normal = |h: u32| {
+            let [a, b, c] = mesh.positions(h / 3);
+            unit(triangle_area_vector(a, b, c))
+        };
+        for chain in self.chains.iter_mut().filter(|c| c.kind == Kind::Ridge) {
+            let is_sharp = |s: &[u32; 2]| s[0] != NONE && s[1] != NONE && normal(s[0]).dot(normal(s[1])) < cosine;
+            chain.sharp = chain.sides.iter().all(is_sharp);
+        }
+    }
+
     fn add(&mut self, mesh: &mut EditMesh, chain: Chain) {
         let id = self.chains.len() as u32;
         for (k, &v) in chain.vertices.iter().enumerate() {
@@ -222,6 +236,7 @@ impl Tracer {
     fn find_corners(&mut self, mesh: &EditMesh, size: &[f64]) {
         for v in 0..mesh.vertex_slots() {
             self.rank[v as usize] = match self.of(v) {
+                _ if mesh.is_copy(v) => Rank::Corner,
                 [] => Rank::Free,
                 [a, b] if a.kind == b.kind && a.kind == Kind::Ridge => {
                     let p = |v: u32| mesh.points[v as usize];
@@ -299,6 +314,7 @@ impl Tracer {
         let mut chain = Chain {
             kind: self.ends[k].kind,
             closed: false,
+            sharp: false,
             points: vec![mesh.points[v as usize]],
             vertices: vec![v],
             arc: vec![0.0],

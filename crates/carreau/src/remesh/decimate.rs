@@ -86,6 +86,7 @@ impl Work<'_> {
     pub fn may_go(&self, h: u32, keep: Keep) -> bool {
         let (gone, kept) = self.mesh.gone_and_kept(h, keep);
         match self.rank[gone as usize] {
+            _ if self.mesh.joins_copies(h, keep) => false,
             Rank::Free => true,
             Rank::Curve => self.mesh.curve(h) != NONE && self.rank[kept as usize] >= Rank::Curve,
             Rank::Corner => false,
@@ -163,7 +164,9 @@ impl Work<'_> {
         if on_curve && !self.curve_collapse_holds(h, gone, kept) {
             return None;
         }
-        Some(after.shape)
+        let (after_strain, before_strain) =
+            (self.strain_around(gone, p, kept), self.strain_around(gone, self.point(gone), NONE));
+        self.allows_strain(after_strain, before_strain).then_some(after.shape)
     }
 
     #[inline]

@@ -8,6 +8,9 @@ use crate::geometry::normals::unit;
 use crate::mesh::{NONE, next, previous};
 use glam::DVec3;
 
+/// Splits make no shapes below this, unless the triangle was as bad before.
+const NEEDLE: f32 = 0.01;
+
 impl Work<'_> {
     /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
     pub fn divide(&mut self, limit: f64, sweeps: usize, context: &Context) -> Result<usize> {
@@ -114,7 +117,9 @@ impl Work<'_> {
             let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
             let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
             for new in [self.judge([a, p, c], [na, n, nc]), self.judge([p, b, c], [n, nb, nc])] {
-                if new.shape < 0.2 * before.shape || !self.allows_cosine(new.cosine, before.cosine) {
+                if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
+                    || !self.allows_cosine(new.cosine, before.cosine)
+                {
                     return false;
                 }
             }

@@ -6,8 +6,16 @@ use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::{Column, CornerId, Side, SurfaceMesh};
 
-/// The kind of curve that every half-edge of a triangular mesh lies on.
-pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
+/// How a mesh is read.
+pub struct Reading {
+    /// The kind of curve that every half-edge of the triangular mesh lies on.
+    pub marks: Marks,
+    /// The surface is a scan: there is noise to take out.
+    pub noisy: bool,
+}
+
+/// Finds the edges that stay.
+pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
     let wanted = FeatureOptions {
         angle_deg: (options.feature_angle < 180.0).then_some(options.feature_angle),
         borders: true,
@@ -15,7 +23,7 @@ pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
         edges: Vec::new(),
     };
     let mut features = feature_edges(mesh, &wanted)?;
-    drop_noise(mesh, &mut features.corners, options)?;
+    let noisy = is_scan(mesh)? && drop_noise(mesh, &mut features.corners, options);
     let labels = match &options.labels {
         None => None,
         Some(name) => match mesh.attributes.face.get(name) {
@@ -34,7 +42,7 @@ pub fn mark(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Marks> {
             }
         }
     };
-    Ok((0..mesh.corner_count()).map(kind).collect())
+    Ok(Reading { marks: (0..mesh.corner_count()).map(kind).collect(), noisy })
 }
 
 /// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.
@@ -47,9 +55,10 @@ const FLAT_DEG: f64 = 0.1;
 /// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
 const EDGES_PER_LOOSE_END: usize = 40;
 
-/// Drops ridges that are only noise. CAD models have flat faces and ridges that end at other ridges; scans have neither:
-/// there, ridges found by angle alone are scattered pieces with loose ends, and each would pin its vertices.
-fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions) -> Result<()> {
+/// Drops ridges that are only noise; false where they are no noise. CAD models have flat faces and ridges that end at other
+/// ridges; scans have neither: there, ridges found by angle alone are few, in scattered pieces with loose ends, and each
+/// would pin its vertices.
+fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions) -> bool {
     let n = mesh.vertex_count();
     let ends = |c: usize| {
         let c = CornerId::new(c);
@@ -69,11 +78,12 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
     }
     let loose_ends = |c: usize| ends(c).iter().filter(|&&v| degree[v] == 1).count();
     let loose: usize = ridges.iter().map(|&c| loose_ends(c)).sum();
-    if ridges.is_empty() || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
-        return Ok(());
+    if ridges.is_empty() {
+        return true;
     }
-    if ridges.len() as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0 || !is_scan(mesh)? {
-        return Ok(());
+    let too_many = ridges.len() as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0;
+    if too_many || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
+        return false;
     }
     let mut leader: Vec<u32> = (0..n as u32).collect();
     for &c in &ridges {
@@ -102,11 +112,11 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
             }
         }
     }
-    Ok(())
+    true
 }
 
 /// Whether a surface has no flat places to speak of, as scans have none.
-pub fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
+fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
     let bent = feature_edges(mesh, &bent)?.corners;
     let flat = bent.iter().filter(|&&b| !b).count();

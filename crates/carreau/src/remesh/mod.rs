@@ -13,18 +13,23 @@
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
 //! | splits of long edges | `divide` | Part I |
 //! | flips | `swap` | §2 |
+//! | edges keep their nature | `creases` | – |
 //! | relocation | `relocate` | §3, "bougé de points" |
 //! | the worst first | `polish` | – |
 //! | the order of all this | `adapt` | §3 |
 //! | a wanted number of triangles | `target` | – |
-//! | attributes | `transfer` | – |
+//! | shapes left aside: least error first | `geometric` | – |
+//! | the result, attributes | `output`, `transfer` | – |
 //! | figures | `quality` | §4 |
 
 mod adapt;
+mod creases;
 mod curves;
 mod decimate;
 mod divide;
 mod features;
+mod geometric;
+mod output;
 mod polish;
 mod quality;
 mod relocate;
@@ -40,11 +45,11 @@ mod work;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::{
-    Column, CornerId, EditMesh, NONE, RepairOptions, Side, SurfaceMesh, area_vector, gather_columns, repair,
-    safe_length,
-};
+use crate::mesh::{Column, CornerId, EditMesh, RepairOptions, Side, SurfaceMesh, area_vector, repair, safe_length};
+use creases::Dihedral;
 use curves::{Curves, Kind};
+use geometric::{Geometric, Goal};
+use output::Made;
 use serde::{Deserialize, Serialize};
 use support::{Radius, Support};
 use work::{Limits, Work};
@@ -82,6 +87,8 @@ pub struct RemeshOptions {
     pub distance: Option<f64>,
     /// Enriches to this angle first, in degrees.
     pub enrich: Option<f64>,
+    /// Shapes and lengths are left aside: the collapses of least error, into the best points.
+    pub geometric: bool,
 }
 
 impl Default for RemeshOptions {
@@ -99,6 +106,7 @@ impl Default for RemeshOptions {
             triangles: None,
             distance: None,
             enrich: None,
+            geometric: false,
         }
     }
 }
@@ -125,7 +133,7 @@ pub struct Remeshed {
     pub mesh: SurfaceMesh,
     /// What was achieved.
     pub quality: RemeshQuality,
-    /// What was repaired before, one sentence each.
+    /// What was repaired before, and what could not be reached, one sentence each.
     pub repaired: Vec<String>,
 }
 
@@ -146,7 +154,7 @@ pub struct Remeshed {
 /// distance cannot be reached, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.check()?;
-    let (cleaned, repaired) = clean(mesh, context)?;
+    let (cleaned, mut repaired) = clean(mesh, context)?;
     let enriched = match options.enrich {
         Some(deviation) => {
             let first = RemeshOptions { deviation, enrich: None, triangles: None, distance: None, ..options.clone() };
@@ -156,6 +164,7 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     };
     let mut source = Source::new(&enriched, options, context)?;
     let out = match (options.distance, options.triangles) {
+        _ if options.geometric => least_error(mesh, &enriched, &mut source, options, context)?,
         (Some(distance), _) => within_distance(mesh, &enriched, &mut source, options, distance, context)?,
         (None, Some(wanted)) => {
             let mut aim = wanted as f64;
@@ -181,6 +190,10 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
             run(&enriched, &source, options, false, context)?
         }
     };
+    if let Some(wanted) = options.triangles.filter(|&n| out.face_count().abs_diff(n) as f64 > 0.01 * n as f64) {
+        let reached = out.face_count();
+        repaired.push(format!("{wanted} triangles were asked for, the curves and the surface allow {reached}"));
+    }
     let quality = quality::measure(&out, &sizes(&out))?;
     Ok(Remeshed { mesh: out, quality, repaired })
 }
@@ -216,7 +229,7 @@ fn run_counted(
     if let Some(wanted) = options.triangles {
         work.trim(wanted, context)?;
     }
-    Ok((finish(mesh, source, &work)?, natural))
+    Ok((source.finish(mesh, &work)?, natural))
 }
 
 /// Adapts the source to its size map.
@@ -230,9 +243,11 @@ fn run(
     let mut work = Work::new(&source.support, &source.curves, source.limits(options));
     work.curved = curved;
     work.adapt(context)?;
-    finish(mesh, source, &work)
+    source.finish(mesh, &work)
 }
 
+/// How closely a distance is looked at where it is a promise: what counts is the upper bound.
+const CLOSE_LOOK: DistanceOptions = DistanceOptions { samples: 20_000, refinements: 200_000 };
 /// Runs of [`within_distance`] before it gives up.
 const DISTANCE_RUNS: usize = 8;
 
@@ -248,12 +263,11 @@ fn within_distance(
     let mut scale = options.scale;
     let mut best: Option<(f64, SurfaceMesh)> = None;
     let mut too_large = f64::INFINITY;
-    let look = DistanceOptions { samples: 20_000, refinements: 200_000 };
     for _ in 0..DISTANCE_RUNS {
         let options = RemeshOptions { scale, triangles: None, ..options.clone() };
         source.set_sizes(&options, context)?;
         let out = run(mesh, source, &options, false, context)?;
-        let distance = compare(input, &out, &look, context)?.distance.max_upper;
+        let distance = compare(input, &out, &CLOSE_LOOK, context)?.distance.max_upper;
         if distance <= limit {
             let reached = distance > 0.8 * limit || too_large < 1.15 * scale;
             best = Some((scale, out));
@@ -272,9 +286,59 @@ fn within_distance(
             break;
         }
     }
-    best.map(|b| b.1).ok_or_else(|| {
-        Error::Numeric(format!("no mesh within the distance {limit} was found; enrich first, or allow more"))
-    })
+    best.map(|b| b.1).ok_or_else(|| out_of_reach(limit))
+}
+
+/// Halvings of the error in [`least_error`] in search of a distance.
+const ERROR_RUNS: usize = 10;
+
+/// The purely geometric mode. With a distance the error to stop at is found by halving: the order of the collapses does not
+/// depend on it, so that every run is the beginning of the next coarser one.
+fn least_error(
+    input: &SurfaceMesh,
+    mesh: &SurfaceMesh,
+    source: &mut Source,
+    options: &RemeshOptions,
+    context: &Context,
+) -> Result<SurfaceMesh> {
+    source.set_sizes(options, context)?;
+    let _stage = context.stage("decimate");
+    let theta = options.deviation.to_radians();
+    let with_target = options.triangles.is_some() || options.distance.is_some();
+    let mut goal = Goal {
+        triangles: options.triangles.unwrap_or(0),
+        error: f64::INFINITY,
+        cosine: if with_target { -1.0 } else { theta.cos() },
+    };
+    let run = |goal: &Goal| {
+        let mut work = Geometric::new(&source.support, &source.curves);
+        work.run(goal, context)?;
+        let seat = |corner: u32| work.mesh.source[corner as usize / 3];
+        let size = |v: u32| source.support.size[v as usize];
+        output::assemble(mesh, &source.support, &Made { mesh: &work.mesh, seat: &seat, size: &size })
+    };
+    let Some(limit) = options.distance else { return run(&goal) };
+    let (mut low, mut high) = (0.0, 2.0 * limit);
+    let mut best = None;
+    for _ in 0..ERROR_RUNS {
+        goal.error = if low == 0.0 { 0.5 * high } else { 0.5 * (low + high) };
+        let out = run(&goal)?;
+        let distance = compare(input, &out, &CLOSE_LOOK, context)?.distance.max_upper;
+        if distance <= limit {
+            best = Some(out);
+            low = goal.error;
+            if distance > 0.95 * limit {
+                break;
+            }
+        } else {
+            high = goal.error;
+        }
+    }
+    best.ok_or_else(|| out_of_reach(limit))
+}
+
+fn out_of_reach(limit: f64) -> Error {
+    Error::Numeric(format!("no mesh within the distance {limit} was found; enrich first, or allow more"))
 }
 
 fn sizes(mesh: &SurfaceMesh) -> Vec<f64> {
@@ -294,7 +358,7 @@ struct Source {
     curve_radius: Vec<f64>,
     diagonal: f64,
     /// There is noise to take out.
-    is_scan: bool,
+    noisy: bool,
 }
 
 impl Source {
@@ -303,22 +367,16 @@ impl Source {
         if mesh.faces().is_empty() {
             return Err(Error::input("the mesh has no faces", "", ""));
         }
-        let marks = features::mark(mesh, options)?;
+        let features::Reading { marks, noisy } = features::read(mesh, options)?;
         let mut edit = EditMesh::new(mesh).ok_or_else(|| Error::Bug("polygons in a triangulated mesh".into()))?;
         // Borders are read at the scale of the size map, which is known only roughly before the curves are.
         let scale = vec![0.01 * mesh.diagonal(); edit.vertex_slots() as usize];
-        let curves = Curves::trace(&mut edit, &marks, &scale);
+        let mut curves = Curves::trace(&mut edit, &marks, &scale);
+        curves.find_sharp(&edit, options.feature_angle.to_radians().cos());
         let support = Support::new(edit);
         let radius = support.radii(&curves.rank);
         let curve_radius = curve_radii(&curves, radius.len());
-        Ok(Source {
-            support,
-            curves,
-            radius,
-            curve_radius,
-            diagonal: mesh.diagonal(),
-            is_scan: features::is_scan(mesh)?,
-        })
+        Ok(Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal(), noisy })
     }
 
     /// The size map of the options, graded; normals fitted at its scale.
@@ -338,10 +396,17 @@ impl Source {
             size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
         }
         self.support.fit_normals(0.5, 6);
-        if self.is_scan {
+        if self.noisy {
             self.support.fit_points(&self.curves.rank, 1.0, 0.1);
         }
         Ok(())
+    }
+
+    /// What was adapted, as a surface mesh.
+    fn finish(&self, mesh: &SurfaceMesh, work: &Work) -> Result<SurfaceMesh> {
+        let seat = |corner: u32| work.seat[work.mesh.wedge(corner) as usize];
+        let size = |v: u32| work.size[v as usize] / work.scale;
+        output::assemble(mesh, &self.support, &Made { mesh: &work.mesh, seat: &seat, size: &size })
     }
 
     fn limits(&self, options: &RemeshOptions) -> Limits {
@@ -349,7 +414,7 @@ impl Source {
         let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
         let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
         // Noise needs room; clean models do without.
-        let (least, most, cap) = if self.is_scan { (45.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
+        let (least, most, cap) = if self.noisy { (45.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
         let allowed = (1.25 * on_sphere).clamp(f64::to_radians(least), f64::to_radians(most));
         Limits {
             cos_allowed: allowed.cos(),
@@ -357,6 +422,7 @@ impl Source {
             curve_sag_share: (0.75 * (0.5 * theta).tan()).max(0.12),
             ridge_sag: options.ridge_tolerance * self.diagonal,
             border_sag: f64::INFINITY,
+            dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),
         }
     }
 }
@@ -401,46 +467,4 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
     let repaired = repair(&mesh, &options, context)?;
     let said = repaired.report.sentences();
     Ok((repaired.mesh.triangulated()?, said))
-}
-
-/// The result as a surface mesh: cut vertices are joined again, face attributes follow their triangle.
-fn finish(mesh: &SurfaceMesh, source: &Source, work: &Work) -> Result<SurfaceMesh> {
-    let compact = work.mesh.compact();
-    let mut first = vec![NONE; mesh.vertex_count()];
-    let mut id = vec![0u32; compact.vertices.len()];
-    let mut kept = Vec::new();
-    for (k, &v) in compact.vertices.iter().enumerate() {
-        let origin = work.mesh.origin[v as usize];
-        let known = if origin == NONE { NONE } else { first[origin as usize] };
-        id[k] = if known != NONE { known } else { kept.len() as u32 };
-        if known == NONE {
-            if origin != NONE {
-                first[origin as usize] = kept.len() as u32;
-            }
-            kept.push(v);
-        }
-    }
-    let faces: Vec<[u32; 3]> = compact.faces.iter().map(|f| f.map(|v| id[v as usize])).collect();
-    let points = kept.iter().map(|&v| work.mesh.points[v as usize]).collect();
-    let mut out = SurfaceMesh::from_triangles(points, &faces)?;
-    if !mesh.attributes.face.is_empty() {
-        let under = |&t: &u32| {
-            let [a, b, c] = work.mesh.positions(t);
-            source.support.locate(work.seat[work.mesh.wedge(3 * t) as usize], (a + b + c) / 3.0).0.triangle
-        };
-        let parents: Vec<u32> = compact.triangles.iter().map(under).collect();
-        out.attributes.face = gather_columns(&mesh.attributes.face, &parents);
-    }
-    if !mesh.attributes.vertex.is_empty() {
-        let seat = |&v: &u32| {
-            let wedge = work.mesh.around(v).next().map_or(0, |h| work.mesh.wedge(h));
-            source.support.locate(work.seat[wedge as usize], work.mesh.points[v as usize]).0
-        };
-        let seats: Vec<_> = kept.iter().map(seat).collect();
-        out.attributes.vertex = transfer::at_seats(&mesh.attributes.vertex, &source.support, &seats);
-    }
-    out.attributes.names = mesh.attributes.names.clone();
-    let size = kept.iter().map(|&v| work.size[v as usize] / work.scale).collect();
-    out.attributes.vertex.insert("size".into(), Column::Scalar(size));
-    Ok(out)
 }

@@ -1,7 +1,7 @@
 //! The worst first: whatever makes a bad triangle or a bad edge better is done.
 //!
 //! Goodness of a cavity: the smaller of its worst shape over 0.7 and its worst length quality over 0.63. An operation is
-//! accepted if that rises; constraint (1) holds as everywhere.
+//! accepted if that rises. Of constraint (1) only the hard cap is left: it holds for the few, not for the mean.
 
 use super::curves::Rank;
 use super::size::length_quality;
@@ -18,6 +18,13 @@ const SWEEPS: usize = 6;
 impl Work<'_> {
     /// Treats bad triangles and edges, the worst first, in a few sweeps.
     pub fn polish(&mut self, context: &Context) -> Result<()> {
+        let allowed = std::mem::replace(&mut self.limits.cos_allowed, self.limits.cos_cap);
+        let done = self.polish_within_cap(context);
+        self.limits.cos_allowed = allowed;
+        done
+    }
+
+    fn polish_within_cap(&mut self, context: &Context) -> Result<()> {
         for _ in 0..SWEEPS {
             let mut bad = self.bad_triangles();
             bad.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -9,7 +9,7 @@
 //!      ╱ │ ╲            ╱  │ ╲
 //! ```
 
-use super::curves::{Kind, Rank};
+use super::curves::{Chain, Kind, Rank};
 use super::size::{length_quality, metric_length};
 use super::work::{Face, Spot, Work};
 use crate::context::Context;
@@ -40,6 +40,15 @@ struct Move {
     wedges: [(u32, Option<Spot>); 2],
 }
 
+/// A curve vertex between its neighbours on the chain.
+struct CurveSite<'a> {
+    chain: &'a Chain,
+    edges: [u32; 2],
+    neighbours: [u32; 2],
+    /// Signed ways to the neighbours along the chain.
+    ways: [f64; 2],
+}
+
 /// What a ball is worth.
 #[derive(Clone, Copy)]
 struct Ball {
@@ -49,7 +58,7 @@ struct Ball {
     length: f64,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
     /// Moves every vertex once. Returns how many moved.
     pub fn relocate(&mut self, accept: Accept, context: &Context) -> Result<usize> {
         let mut done = 0;
@@ -108,8 +117,10 @@ impl Work<'_> {
 
     /// A free vertex with a bad ball tries a pattern of places around it; the scale shrinks until one is better.
     pub fn search_vertex(&mut self, v: u32) -> bool {
-        if self.rank[v as usize] != Rank::Free {
-            return self.relocate_vertex(v, Accept::Better);
+        match self.rank[v as usize] {
+            Rank::Free => {}
+            Rank::Curve => return self.search_curve(v),
+            Rank::Corner => return false,
         }
         let Some(first) = self.mesh.around(v).next() else { return false };
         let wedge = self.mesh.wedge(first);
@@ -132,77 +143,92 @@ impl Work<'_> {
         any
     }
 
+    /// Moves a curve vertex to where the edges on both sides have equal lengths, were the size constant.
     fn relocate_curve(&mut self, v: u32, accept: Accept) -> bool {
+        let Some(site) = self.curve_site(v) else { return false };
+        let lengths = site.neighbours.map(|w| self.length(v, w));
+        let [before, behind] = site.ways;
+        let step = (lengths[1] - lengths[0]) / (lengths[0] / before.abs() + lengths[1] / behind.abs());
+        let step = step * behind.signum();
+        if !step.is_finite() || step.abs() < 0.01 * self.size[v as usize] {
+            return false;
+        }
+        let ball = self.ball(v);
+        [1.0, 0.5, 0.25].iter().any(|share| self.try_curve(v, &site, share * step, &ball, accept))
+    }
+
+    /// A curve vertex with a bad ball tries places on both sides; the step shrinks until one is better.
+    fn search_curve(&mut self, v: u32) -> bool {
+        let mut any = false;
+        for share in [0.3, 0.15, 0.07] {
+            for sign in [1.0, -1.0] {
+                let Some(site) = self.curve_site(v) else { return any };
+                let ball = self.ball(v);
+                any |= self.try_curve(v, &site, sign * share * self.size[v as usize], &ball, Accept::Better);
+            }
+        }
+        any
+    }
+
+    /// Where a curve vertex is on its chain; `None` where it cannot move.
+    fn curve_site(&self, v: u32) -> Option<CurveSite<'a>> {
         let mesh = &self.mesh;
         // The curve half-edges at the vertex, leaving it where they exist, else entering it.
-        let mut curve = [NONE; 2];
+        let mut edges = [NONE; 2];
         let mut count = 0;
         let mut last = NONE;
         for h in mesh.around(v) {
             if mesh.curve(h) != NONE && count < 2 {
-                curve[count] = h;
+                edges[count] = h;
                 count += 1;
             }
             last = previous(h);
         }
         if last != NONE && mesh.opposite(last) == NONE && count < 2 {
-            curve[count] = last;
+            edges[count] = last;
             count += 1;
         }
         if count < 2 {
-            return false;
+            return None;
         }
-        let Some((chain, _)) = self.on_chain(curve[0]) else { return false };
-        if chain.kind == Kind::Seam {
-            return false;
-        }
-        let s = self.parameter[v as usize];
-        let other = |h: u32| if mesh.vertex(h) == v { mesh.head(h) } else { mesh.vertex(h) };
-        let ways = curve.map(|h| {
-            let [a, b] = self.span(chain, v, other(h));
+        let (chain, _) = self.on_chain(edges[0])?;
+        let neighbours = edges.map(|h| if mesh.vertex(h) == v { mesh.head(h) } else { mesh.vertex(h) });
+        let ways = neighbours.map(|w| {
+            let [a, b] = self.span(chain, v, w);
             b - a
         });
-        let lengths = curve.map(|h| self.length(v, other(h)));
-        if !(ways[0] * ways[1] < 0.0) {
+        (chain.kind != Kind::Seam && ways[0] * ways[1] < 0.0).then_some(CurveSite { chain, edges, neighbours, ways })
+    }
+
+    /// Moves a curve vertex along its chain, if that is accepted and the curve holds.
+    fn try_curve(&mut self, v: u32, site: &CurveSite, step: f64, before: &Ball, accept: Accept) -> bool {
+        let (s, chain) = (self.parameter[v as usize], site.chain);
+        let to = s + step;
+        let [a, b] = site.ways;
+        if !((step - a) * (step - b) < 0.0) {
             return false;
         }
-        // Equal lengths on both sides, if the size were constant.
-        let step = (lengths[1] - lengths[0]) / (lengths[0] / ways[0].abs() + lengths[1] / ways[1].abs());
-        let step = step * ways[1].signum();
-        if !step.is_finite() || step.abs() < 0.01 * self.size[v as usize] {
+        let worst = chain.sag([s, s + a]).max(chain.sag([s, s + b]));
+        if !site.ways.iter().all(|w| self.curve_allows(chain, [to, s + w], worst)) {
             return false;
         }
-        let before = self.ball(v);
-        for share in [1.0, 0.5, 0.25] {
-            let to = s + share * step;
-            let spans = ways.map(|w| [to, s + w]);
-            let sags = ways.map(|w| chain.sag([s, s + w]));
-            let worst = sags[0].max(sags[1]);
-            if !spans.iter().all(|&span| self.curve_allows(chain, span, worst)) {
-                continue;
-            }
-            let [left, right] = self.chain_spots(chain, to);
-            let mut wedges = [(NONE, None), (NONE, None)];
-            let mut size = f64::INFINITY;
-            for (k, &h) in curve.iter().enumerate() {
-                if self.mesh.vertex(h) != v {
-                    continue;
-                }
-                let spot = if ways[k] > 0.0 { left } else { right };
-                let Some(spot) = spot else { continue };
+        let [left, right] = self.chain_spots(chain, to);
+        let mut wedges = [(NONE, None), (NONE, None)];
+        let mut size = f64::INFINITY;
+        for (k, &h) in site.edges.iter().enumerate() {
+            let spot = if site.ways[k] > 0.0 { left } else { right };
+            if self.mesh.vertex(h) == v
+                && let Some(spot) = spot
+            {
                 wedges[k] = (self.mesh.wedge(h), Some(spot));
                 size = size.min(spot.size);
             }
-            if !size.is_finite() {
-                return false;
-            }
-            let point = chain.at(to).0;
-            let to = Move { point, size, parameter: chain.wrapped(to), wedges };
-            if self.try_move(v, &to, &before, accept) {
-                return true;
-            }
         }
-        false
+        if !size.is_finite() {
+            return false;
+        }
+        let to = Move { point: chain.at(to).0, size, parameter: chain.wrapped(to), wedges };
+        self.try_move(v, &to, before, accept)
     }
 
     /// What the triangles and edges around a vertex are worth as they are.
@@ -249,6 +275,10 @@ impl Work<'_> {
             Accept::Harmless => after.length >= before.length.min(f64::from(TOLERABLE)),
         };
         if !accepted || !self.allows_cosine(after.cosine, before.cosine) {
+            return false;
+        }
+        let strain = |p| self.strain_around(v, p, NONE);
+        if !self.allows_strain(strain(to.point), strain(self.point(v))) {
             return false;
         }
         self.mesh.points[v as usize] = to.point;

@@ -100,7 +100,8 @@ impl Work<'_> {
         if new > LONGEST.max(old) && after.shape > 0.05 && before.shape > 0.1 {
             return false;
         }
-        if !mesh.can_flip(h) {
+        let (strain_before, strain_after) = self.strain_of_flip(h);
+        if !mesh.can_flip(h) || !self.allows_strain(strain_after, strain_before) {
             return false;
         }
         self.mesh.flip(h);

@@ -1,6 +1,7 @@
 //! The whole room on models whose surface is known.
 
 use super::*;
+use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::Topology;
 use crate::sample;
 
@@ -45,6 +46,64 @@ fn a_wanted_number_of_triangles_is_met() {
     let options = RemeshOptions { triangles: Some(wanted), ..at(20.0) };
     let out = simplify(&mesh, &options, &Context::new()).unwrap();
     assert!(out.mesh.face_count().abs_diff(wanted) as f64 <= 0.01 * wanted as f64, "{}", out.mesh.face_count());
+}
+
+#[test]
+fn least_error_is_nearer_than_good_shapes_and_stops_at_the_count() {
+    let (mesh, context) = (model("torus"), Context::new());
+    let wanted = mesh.face_count() / 4;
+    let run = |geometric| {
+        let options = RemeshOptions { triangles: Some(wanted), geometric, ..at(20.0) };
+        let out = simplify(&mesh, &options, &context).unwrap();
+        let quality = out.quality.with_distance(&mesh, &out.mesh, &context).unwrap();
+        (out.mesh, quality)
+    };
+    let ((light, near), (_, graded)) = (run(true), run(false));
+    assert!(light.face_count() <= wanted && light.face_count() + 2 >= wanted, "{}", light.face_count());
+    assert!(near.distance_rms < graded.distance_rms && near.shape_min > 0.05 && graded.shape_min > near.shape_min);
+    assert_eq!(Topology::of(&light).euler, Topology::of(&mesh).euler);
+}
+
+#[test]
+fn a_distance_is_a_promise() {
+    let (mesh, context) = (model("bracket"), Context::new());
+    for geometric in [false, true] {
+        let limit = 4e-3 * mesh.diagonal();
+        let options = RemeshOptions { distance: Some(limit), geometric, ..at(20.0) };
+        let out = simplify(&mesh, &options, &context).unwrap();
+        let found = compare(&mesh, &out.mesh, &CLOSE_LOOK, &context).unwrap().distance;
+        assert!(found.max_upper <= limit && out.mesh.face_count() < 2 * mesh.face_count());
+    }
+}
+
+#[test]
+fn no_smooth_edge_becomes_a_crease() {
+    let (mesh, context) = (model("bracket"), Context::new());
+    let out = simplify(&mesh, &at(30.0), &context).unwrap().mesh;
+    let sharp = |m: &SurfaceMesh, angle| {
+        let options = FeatureOptions { angle_deg: Some(angle), borders: false, tags: false, edges: Vec::new() };
+        feature_edges(m, &options).unwrap().corners
+    };
+    let marks = sharp(&out, 35.0);
+    let half = sharp(&mesh, 17.5);
+    let ridge: Vec<[glam::DVec3; 2]> = (0..mesh.corner_count())
+        .filter(|&c| half[c])
+        .map(CornerId::new)
+        .map(|c| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| mesh.points()[v.index()]))
+        .collect();
+    let far = |p: glam::DVec3| {
+        ridge
+            .iter()
+            .map(|&[a, b]| {
+                let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+                p.distance(a.lerp(b, t))
+            })
+            .fold(f64::INFINITY, f64::min)
+    };
+    for c in (0..out.corner_count()).filter(|&c| marks[c]).map(CornerId::new) {
+        let [p, q] = [out.vertex(c), out.vertex(out.next(c))].map(|v| out.points()[v.index()]);
+        assert!(far(0.5 * (p + q)) < 1e-3 * mesh.diagonal());
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The mesh at work: an [`EditMesh`] with the size of every vertex, the normal of every wedge, and the worst of every
 //! triangle, so that a cavity is judged without computing what was there before.
 
+use super::creases::Dihedral;
 use super::curves::{Chain, Curves, Kind, Rank};
 use super::size::{length_quality, metric_length};
 use super::support::{Seat, Support};
@@ -26,6 +27,8 @@ pub struct Limits {
     pub ridge_sag: f64,
     /// Sag of a border edge, absolute.
     pub border_sag: f64,
+    /// Dihedral angles, on models without noise.
+    pub dihedral: Option<Dihedral>,
 }
 
 /// Shape and worst cosine with a corner normal of a triangle.
@@ -255,17 +258,6 @@ impl<'a> Work<'a> {
     pub fn chain_spots(&self, chain: &Chain, s: f64) -> [Option<Spot>; 2] {
         let (p, k) = chain.at(s);
         chain.sides[k].map(|h| (h != NONE).then(|| self.spot_at(self.support.seat_in(h / 3, p), p)))
-    }
-
-    /// Lowest shape, lowest cosine and lowest length quality around a vertex.
-    pub fn worst_around(&self, v: u32) -> (f32, f32) {
-        let (mut shape, mut cosine) = (f32::INFINITY, f32::INFINITY);
-        for h in self.mesh.around(v) {
-            let face = self.face[h as usize / 3];
-            shape = shape.min(face.shape);
-            cosine = cosine.min(face.cosine);
-        }
-        (shape, cosine)
     }
 
     /// Lowest size quality of the edges at a vertex.

@@ -79,6 +79,22 @@ impl EditMesh {
         if common { Err(CollapseError::Link) } else { Ok(()) }
     }
 
+    /// Whether a collapse makes an edge between two copies of cut vertices, or a triangle of three: in the welded mesh it
+    /// may exist already.
+    pub fn joins_copies(&self, h: u32, keep: Keep) -> bool {
+        let (gone, kept) = self.gone_and_kept(h, keep);
+        if !self.is_copy(kept) {
+            return false;
+        }
+        let mut joins = false;
+        self.for_neighbours(gone, |w| joins |= w != kept && self.is_copy(w) && !self.are_neighbours(w, kept));
+        joins |= self.around(gone).any(|h| {
+            let sides = [self.head(h), self.apex(h)];
+            !sides.contains(&kept) && sides.iter().all(|&v| self.is_copy(v))
+        });
+        joins
+    }
+
     /// Whether an edge joins two vertices.
     pub fn are_neighbours(&self, a: u32, b: u32) -> bool {
         let mut found = false;

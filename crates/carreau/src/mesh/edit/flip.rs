@@ -14,14 +14,15 @@ use super::{EditMesh, next, previous};
 use crate::mesh::triangles::NONE;
 
 impl EditMesh {
-    /// Whether the topology allows it: an inner edge on no curve, whose apexes are not joined already.
+    /// Whether the topology allows it: an inner edge on no curve, whose apexes are not joined already, and
+    /// could not be joined elsewhere, as copies could.
     pub fn can_flip(&self, h: u32) -> bool {
         let o = self.opposite(h);
         if o == NONE || self.curve(h) != NONE {
             return false;
         }
         let (c, d) = (self.apex(h), self.apex(o));
-        c != d && !self.are_neighbours(c, d)
+        c != d && !self.are_neighbours(c, d) && !(self.is_copy(c) && self.is_copy(d))
     }
 
     /// Flips an edge for which [`EditMesh::can_flip`] is true; afterwards `h` runs from c to d.

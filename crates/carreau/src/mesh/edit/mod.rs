@@ -15,7 +15,8 @@
 //!
 //! Only manifold meshes can be edited. Where the source is not (three faces on an edge, two fans at a vertex, faces that
 //! run along an edge in the same direction), it is cut: the vertices there get one copy per fan, all with the same
-//! [`EditMesh::origin`]. Who leaves them alone can weld them again.
+//! [`EditMesh::origin`]. Who leaves them alone can weld them again; no flip joins two such copies, and
+//! [`EditMesh::joins_copies`] tells whether a collapse would.
 
 mod collapse;
 mod flip;
@@ -54,6 +55,8 @@ pub struct EditMesh {
     /// The triangle of the source mesh that each triangle took the place of; descendants inherit it.
     pub source: Vec<u32>,
     corners: Vec<Corner>,
+    /// Whether a vertex of the source is one of several copies.
+    copied: Vec<bool>,
     /// A half-edge that leaves each vertex, on borders the one without an opposite; [`NONE`] for removed vertices.
     start: Vec<u32>,
     free: Vec<u32>,
@@ -93,6 +96,7 @@ impl EditMesh {
             origin: (0..mesh.vertex_count() as u32).collect(),
             source: (0..triangles as u32).collect(),
             corners,
+            copied: vec![false; mesh.vertex_count()],
             start: vec![NONE; mesh.vertex_count()],
             free: Vec::new(),
             live_triangles: triangles,
@@ -115,6 +119,8 @@ impl EditMesh {
                 self.points.push(self.points[vertex as usize]);
                 self.origin.push(self.origin[vertex as usize]);
                 self.start.push(NONE);
+                self.copied[vertex as usize] = true;
+                self.copied.push(true);
                 vertex = self.start.len() as u32 - 1;
             }
             self.start[vertex as usize] = first;
@@ -241,6 +247,12 @@ impl EditMesh {
     #[inline]
     pub fn positions(&self, t: u32) -> [DVec3; 3] {
         self.triangle(t).map(|v| self.points[v as usize])
+    }
+
+    /// Whether the vertex is one of several copies: an edge between two such vertices may exist elsewhere, too.
+    #[inline]
+    pub fn is_copy(&self, v: u32) -> bool {
+        self.copied.get(v as usize).copied().unwrap_or(false)
     }
 
     /// Whether the vertex lies on a border of the (cut) mesh.
