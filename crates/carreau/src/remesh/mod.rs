@@ -173,6 +173,7 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
             for _ in 0..TARGET_RUNS {
                 let scale = target::find_scale(&mut source, options, aim, context)?;
                 let options = RemeshOptions { scale, ..options.clone() };
+                source.set_sizes(&options, context)?;
                 let (out, natural) = run_counted(&enriched, &source, &options, context)?;
                 if best.as_ref().is_none_or(|b| miss(&out) <= miss(b)) {
                     best = Some(out);
@@ -213,8 +214,8 @@ pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) ->
 }
 
 /// Runs with a corrected scale until the natural count is so near to the wanted one that trimming does no harm.
-const TARGET_RUNS: usize = 6;
-const TARGET_SLACK: f64 = 0.008;
+const TARGET_RUNS: usize = 5;
+const TARGET_SLACK: f64 = target::WITHIN;
 
 /// Adapts and trims; returns the number of triangles before trimming, too.
 fn run_counted(
@@ -379,8 +380,18 @@ impl Source {
         Ok(Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal(), noisy })
     }
 
-    /// The size map of the options, graded; normals fitted at its scale.
+    /// The size map of the options, graded; normals and points fitted at its scale.
     fn set_sizes(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
+        self.set_size_map(options, context)?;
+        self.support.fit_normals(0.5, 6);
+        if self.noisy {
+            self.support.fit_points(&self.curves.rank, 1.0, 0.1);
+        }
+        Ok(())
+    }
+
+    /// The size map alone.
+    fn set_size_map(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
         let _stage = context.stage("size map");
         let alpha = 2.0 * options.deviation.to_radians().sin() * options.scale;
         let (low, high) = (options.min_size * self.diagonal, options.max_size * self.diagonal);
@@ -394,10 +405,6 @@ impl Source {
         self.support.size = self.radius.iter().enumerate().map(|(v, r)| size(v, r.at_scale(alpha))).collect();
         if let Some(beta) = options.gradation {
             size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
-        }
-        self.support.fit_normals(0.5, 6);
-        if self.noisy {
-            self.support.fit_points(&self.curves.rank, 1.0, 0.1);
         }
         Ok(())
     }

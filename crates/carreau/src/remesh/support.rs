@@ -20,6 +20,8 @@ pub struct Support {
     pub mesh: EditMesh,
     /// Unit normal of every wedge.
     pub normal: Vec<DVec3>,
+    /// The same before they are fitted to sizes.
+    raw_normal: Vec<DVec3>,
     /// Size at every vertex.
     pub size: Vec<f64>,
     /// Position of every vertex with the noise taken out.
@@ -80,8 +82,10 @@ impl Support {
                 mesh.set_wedge(h, wedge);
             }
         }
-        let mut out = Support { normal: Vec::new(), size: Vec::new(), fitted: mesh.points.clone(), mesh };
+        let mut out =
+            Support { normal: Vec::new(), raw_normal: Vec::new(), size: Vec::new(), fitted: mesh.points.clone(), mesh };
         out.normal = out.fan_normals(wedges as usize);
+        out.raw_normal.clone_from(&out.normal);
         out
     }
 
@@ -106,6 +110,7 @@ impl Support {
     /// triangles as it needs for a kernel of about `share` sizes.
     pub fn fit_normals(&mut self, share: f64, most: usize) {
         let mesh = &self.mesh;
+        self.normal.clone_from(&self.raw_normal);
         let at_vertex = rounds(mesh, &self.size, share, most);
         let mut rounds = vec![0u8; self.normal.len()];
         for h in 0..mesh.half_edge_slots() {

@@ -34,7 +34,7 @@ fn predicted(support: &Support) -> f64 {
 pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f64, context: &Context) -> Result<f64> {
     let mut scale = options.scale;
     for _ in 0..8 {
-        source.set_sizes(&RemeshOptions { scale, ..options.clone() }, context)?;
+        source.set_size_map(&RemeshOptions { scale, ..options.clone() }, context)?;
         let ratio = predicted(&source.support) / wanted;
         if (ratio - 1.0).abs() < 0.005 {
             break;
