@@ -87,7 +87,7 @@ pub fn measure(mesh: &SurfaceMesh, size: &[f64]) -> Result<RemeshQuality> {
 impl RemeshQuality {
     /// Adds the distance between the source and the result.
     pub fn with_distance(mut self, source: &SurfaceMesh, result: &SurfaceMesh, context: &Context) -> Result<Self> {
-        let options = DistanceOptions { samples: 40_000, refinements: 20_000 };
+        let options = DistanceOptions { samples: 200_000, refinements: 20_000 };
         let found = compare(source, result, &options, context)?;
         self.distance_max = Some(found.relative.max);
         self.distance_rms = Some(found.relative.rms);
