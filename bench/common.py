@@ -1,10 +1,24 @@
 """What the measurements share."""
+import argparse
+import json
+import os
 import resource
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
+
+
+def arguments(description):
+    """The command line of the measurements beside libigl."""
+    p = argparse.ArgumentParser(description=description)
+    p.add_argument("--carreau", default="target/release/carreau")
+    p.add_argument("--runs", type=int, default=5)
+    p.add_argument("--radius", type=int, default=5, help="libigl's, default 5 as there")
+    p.add_argument("files", nargs="*", metavar="MESH.obj")
+    return p.parse_args()
 
 
 def read_obj(path):
@@ -30,6 +44,18 @@ def cpu_seconds(command):
     before = spent()
     status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
     return spent() - before if status == 0 else None
+
+
+def carreau_seconds(binary, verb, source, *options):
+    """CPU seconds of the process on one thread but for the share that its record gives to reading; None where it fails."""
+    with tempfile.TemporaryDirectory() as folder:
+        record = os.path.join(folder, "record.json")
+        seconds = cpu_seconds([binary, verb, source, "--threads", "1", "-q", "--json", record, *options])
+        if seconds is None:
+            return None
+        with open(record) as file:
+            stages = json.load(file)["seconds"]
+        return seconds * (1 - stages["read"] / stages["total"])
 
 
 def libigl_seconds(source, radius):

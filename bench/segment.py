@@ -1,28 +1,22 @@
 #!/usr/bin/env python3
 """Segmentation: the whole of carreau segment beside libigl's curvature alone on the same meshes; see README.md."""
-import argparse
 import os
 import statistics
 
-from common import cpu_seconds, libigl_seconds, read_obj
+from common import arguments, carreau_seconds, libigl_seconds, read_obj
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__)
-    p.add_argument("--carreau", default="target/release/carreau")
-    p.add_argument("--runs", type=int, default=5)
-    p.add_argument("--radius", type=int, default=5, help="libigl's, default 5 as there")
-    p.add_argument("files", nargs="*", metavar="MESH.obj")
-    a = p.parse_args()
+    a = arguments(__doc__)
     verbs = ["curvature", "segment"]
-    print("CPU seconds on one thread, medians; carreau: the whole process with reading, libigl: the call alone\n")
+    print("CPU seconds on one thread, medians; carreau: the process but for reading, libigl: the call alone\n")
     print("| file | triangles | curvature | segment | libigl | libigl / curvature | libigl / segment |")
     print("|---|---|---|---|---|---|---|")
     for source in a.files:
         seconds = {name: [] for name in [*verbs, "libigl"]}
         for _ in range(a.runs):  # alternating, so that a busy machine is busy for all
             for verb in verbs:
-                seconds[verb].append(cpu_seconds([a.carreau, verb, source, "--threads", "1", "-q"]))
+                seconds[verb].append(carreau_seconds(a.carreau, verb, source))
             seconds["libigl"].append(libigl_seconds(source, a.radius))
         row = [os.path.basename(source), str(len(read_obj(source)[1]))]
         median = {name: None if None in all else statistics.median(all) for name, all in seconds.items()}

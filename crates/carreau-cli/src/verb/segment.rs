@@ -239,14 +239,7 @@ fn group(out: &mut RawMesh, result: &Segmentation) {
 
 /// The name of the kind of surface.
 fn kind(region: &Region) -> &'static str {
-    match region.primitive {
-        None => "freeform",
-        Some(Primitive::Plane { .. }) => "plane",
-        Some(Primitive::Sphere { .. }) => "sphere",
-        Some(Primitive::Cylinder { .. }) => "cylinder",
-        Some(Primitive::Cone { .. }) => "cone",
-        Some(Primitive::Torus { .. }) => "torus",
-    }
+    region.primitive.map_or("freeform", |p| p.kind().name())
 }
 
 /// The record and the summary.

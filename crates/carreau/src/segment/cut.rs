@@ -9,6 +9,7 @@
 //! the triangles by themselves: contours get straight, never at the cost of the fit. (The paper's contour following is
 //! excellent on parts of revolution and loses faces where tangent contours meet in threes.)
 
+use super::regions::count;
 use super::score::Scores;
 use super::surface::Surface;
 use crate::context::Context;
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rings of triangles on each side of a boundary.
-const BAND: usize = 4;
+const BAND: usize = 3;
 /// Price of an edge of the best score, per length.
 const BASE: f64 = 0.05;
 /// Capacities are integers: this many steps for the dearest node or edge.
@@ -74,11 +75,6 @@ pub fn cut(
         }
     }
     Ok(moved)
-}
-
-/// One more than the largest label.
-fn count(label: &[u32]) -> usize {
-    label.iter().filter(|&&l| l != NONE).max().map_or(0, |&m| m as usize + 1)
 }
 
 /// The contacts of every two regions, in order of the pairs.

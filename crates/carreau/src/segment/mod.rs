@@ -370,7 +370,7 @@ impl Segmenter<'_> {
         let _stage = self.context.stage("surfaces");
         let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
-        if chosen.recognised < MOST {
+        if chosen.recognised < MOST && found.exact_share(self.surface) < PART {
             let _stage = self.context.stage("surfaces with noise");
             let noisy = noisy::find(self.surface, self.order, self.context)?;
             if let Some(noisy) = noisy.filter(|noisy| noisy.share > chosen.recognised) {

@@ -1,7 +1,7 @@
 //! What a triangle costs in a region: by its distance from the region's surface where it lies on one, else by the
 //! difference of curvature.
 
-use super::regions::{Groups, fit_most};
+use super::regions::{Groups, count, fit_most};
 use super::surface::{Surface, quantile};
 use super::{Basis, Chosen};
 use crate::geometry::curvature::Curvature;
@@ -27,7 +27,7 @@ pub struct Prices<'a> {
 
 impl<'a> Prices<'a> {
     pub fn new(surface: &'a Surface<'a>, label: &[u32], curvature: &Curvature, chosen: &Chosen) -> Self {
-        let count = label.iter().max().map_or(0, |&m| m as usize + 1);
+        let count = count(label);
         let groups = Groups::new(label, count);
         let t = surface.triangles;
         let pair = |v: u32| {
@@ -54,8 +54,7 @@ impl<'a> Prices<'a> {
             _ => fit_most(surface, label, groups.of(l), chosen.tolerance),
         };
         let primitives = (0..count as u32).into_par_iter().map(fitted).collect();
-        // Equilateral triangles of the mean area.
-        let edge = (surface.total_area / surface.len() as f64 * 4.0 / 3f64.sqrt()).sqrt().max(f64::MIN_POSITIVE);
+        let edge = surface.mean_edge().max(f64::MIN_POSITIVE);
         Prices { surface, primitives, triangle, region, edge, tolerance: chosen.tolerance }
     }
 

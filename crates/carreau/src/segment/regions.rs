@@ -37,6 +37,11 @@ pub fn dense(labels: &[u32]) -> Vec<u32> {
     labels.par_iter().map(|l| values.binary_search(l).map_or(NONE, |k| k as u32)).collect()
 }
 
+/// One more than the largest label.
+pub fn count(label: &[u32]) -> usize {
+    label.iter().filter(|&&l| l != NONE).max().map_or(0, |&m| m as usize + 1)
+}
+
 /// The connected parts of labels, numbered in the order of their first triangles.
 pub fn connected(surface: &Surface<'_>, label: &[u32], order: &[u32]) -> Vec<u32> {
     let mut part = vec![NONE; label.len()];
@@ -48,9 +53,9 @@ pub fn connected(surface: &Surface<'_>, label: &[u32], order: &[u32]) -> Vec<u32
 /// Takes the label from all connected parts but the largest of each label; [`NONE`] is left there.
 pub fn keep_largest_parts(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) {
     let part = connected(surface, label, order);
-    let mut area = vec![0.0; part.iter().max().map_or(0, |&m| m as usize + 1)];
+    let mut area = vec![0.0; count(&part)];
     part.iter().zip(&surface.areas).for_each(|(&p, &a)| area[p as usize] += a);
-    let mut largest = vec![NONE; label.iter().max().map_or(0, |&m| m as usize + 1)];
+    let mut largest = vec![NONE; count(label)];
     for &t in order {
         let (p, best) = (part[t as usize], &mut largest[label[t as usize] as usize]);
         if *best == NONE || area[p as usize] > area[*best as usize] {
@@ -66,7 +71,7 @@ pub fn keep_largest_parts(surface: &Surface<'_>, label: &mut [u32], order: &[u32
 
 /// Numbers labels by area, largest first; ties by the first triangle in the order.
 pub fn by_size(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) -> usize {
-    let count = label.iter().max().map_or(0, |&m| m as usize + 1);
+    let count = count(label);
     let (mut area, mut first) = (vec![0.0; count], vec![NONE; count]);
     for (k, &t) in order.iter().enumerate() {
         let l = label[t as usize] as usize;

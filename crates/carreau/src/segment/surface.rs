@@ -92,6 +92,16 @@ impl<'a> Surface<'a> {
         (3 * t..3 * t + 3).map(|c| self.triangles.point(c)).sum::<DVec3>() / 3.0
     }
 
+    /// Whether a triangle looks along the normals of a primitive (1) or against them (−1).
+    pub fn side(&self, t: u32, p: &Primitive) -> f64 {
+        p.normal(self.center(t)).dot(self.normals[t as usize]).signum()
+    }
+
+    /// Length of the sides of equilateral triangles of the mean area.
+    pub fn mean_edge(&self) -> f64 {
+        (self.total_area / self.len().max(1) as f64 * 4.0 / 3f64.sqrt()).sqrt()
+    }
+
     /// Whether the vertices of a triangle lie within a distance of a primitive and the triangle looks along its normals
     /// times `sign`: the normals at the vertices are no more than `spread` apart, and its own misses their mean by no more
     /// than `turn` (radians) beyond what a chord does, which turns by half the angle between the normals at its ends.

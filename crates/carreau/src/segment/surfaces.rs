@@ -4,7 +4,7 @@
 use super::facets::Facets;
 use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
-use super::regions::Groups;
+use super::regions::{Groups, count};
 use super::strips::{fragments, rows};
 use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
@@ -52,6 +52,8 @@ pub struct Surfaces {
     /// Surface of every triangle; [`NONE`] where none was found.
     pub label: Vec<u32>,
     pub primitives: Vec<Primitive>,
+    /// The first so many hold their vertices to rounding, the others to a looser tolerance.
+    pub exact: u32,
     /// The loosest tolerance.
     pub tolerance: f64,
 }
@@ -60,7 +62,7 @@ pub struct Surfaces {
 pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
     let diagonal = surface.mesh.diagonal();
     let floor = floor(surface, diagonal);
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
+    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), exact: 0, tolerance: floor };
     let rungs: Vec<f64> =
         [floor].into_iter().chain(RUNGS.map(|r| r * diagonal).into_iter().filter(|&r| r > floor)).collect();
     let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
@@ -72,6 +74,9 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
     for (k, &distance) in rungs.iter().enumerate() {
         found.climb(surface, &by_area, sharp_angle, &accuracy(distance), k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
+        if k == 0 {
+            found.exact = found.primitives.len() as u32;
+        }
     }
     found.absorb(surface, found.tolerance, |_| true);
     found.unite(surface);
@@ -169,7 +174,7 @@ impl Surfaces {
         while let Some(k) = queue.pop_front() {
             let label = self.label[k as usize];
             let p = self.primitives[label as usize];
-            let sign = p.normal(surface.center(k)).dot(surface.normals[k as usize]).signum();
+            let sign = surface.side(k, &p);
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
                 if self.label[n as usize] == NONE && may(n) && surface.lies_on(n, &p, sign, &demand) {
@@ -240,7 +245,7 @@ impl Surfaces {
     /// Whether triangles lie on a surface and look along it as its own triangle `model` does.
     fn lies_on(&self, surface: &Surface<'_>, triangles: &[u32], model: u32, label: u32) -> bool {
         let p = &self.primitives[label as usize];
-        let sign = p.normal(surface.center(model)).dot(surface.normals[model as usize]).signum();
+        let sign = surface.side(model, p);
         let demand = Lies { distance: self.tolerance, turn: TURN, spread: MAX_BEND + TURN };
         triangles.iter().all(|&k| surface.lies_on(k, p, sign, &demand))
     }
@@ -262,8 +267,17 @@ impl Surfaces {
 
     /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
     pub fn share(&self, surface: &Surface<'_>) -> f64 {
-        let mut area = vec![0.0; self.primitives.len()];
-        for (&l, &a) in self.label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE) {
+        self.share_of_first(self.primitives.len() as u32, surface)
+    }
+
+    /// Share of the area on surfaces that hold their vertices to rounding, as vertices with noise never lie.
+    pub fn exact_share(&self, surface: &Surface<'_>) -> f64 {
+        self.share_of_first(self.exact, surface)
+    }
+
+    fn share_of_first(&self, count: u32, surface: &Surface<'_>) -> f64 {
+        let mut area = vec![0.0; count as usize];
+        for (&l, &a) in self.label.iter().zip(&surface.areas).filter(|(l, _)| **l < count) {
             area[l as usize] += a;
         }
         let total = surface.total_area.max(f64::MIN_POSITIVE);
@@ -289,7 +303,7 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
     const ROUNDS: usize = 8;
     let t = surface.triangles;
     for _ in 0..ROUNDS {
-        let count = label.iter().max().map_or(0, |&m| m as usize + 1);
+        let count = count(label);
         let mut size = vec![0u32; count];
         label.iter().for_each(|&l| size[l as usize] += 1);
         let crumb = |l: u32| l >= first_free && size[l as usize] <= CRUMB;
@@ -321,8 +335,8 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
 
 /// Divides free pieces of only two directions: two planes that meet, not the coarsest of curved surfaces.
 fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
-    let count = label.iter().max().map_or(0, |&m| m + 1);
-    let groups = Groups::new(label, count as usize);
+    let groups = Groups::new(label, count(label));
+    let count = groups.len() as u32;
     let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= TURN;
     let mut next = count;
     for l in first_free..count {

@@ -6,7 +6,9 @@
 //! Departures: on a curved surface edges away from the centre are tilted against its tangent plane; each is laid into it
 //! in full length, where its projection would make spheres a few per cent too flat. The program of the paper's authors
 //! follows only edges that lead away from the centre, and so loses those along the rim (a quarter of the curvature at two
-//! edge lengths), and divides by the disc's area even at borders; both is exact here.
+//! edge lengths), and divides by the disc's area even at borders; both is exact here. And the rim is a soft one, the mean of
+//! [`RIMS`]: where edges lie in rows, a whole row enters or leaves a hard one at once (torus of 10,000 triangles, three edge
+//! lengths: median error of k_max 1.6 % with one rim, 0.6 % with three).
 
 use super::clip::{clipped_area, clipped_part};
 use super::normal_cycle::turn;
@@ -17,6 +19,9 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec3;
+
+/// The balls whose sums are added, as shares of the radius, smallest first.
+const RIMS: [f64; 3] = [0.9, 1.0, 1.1];
 
 /// What the visits of one thread remember.
 pub(super) struct Visits {
@@ -48,7 +53,8 @@ struct Cell {
 /// The second fundamental form in a ball around a vertex.
 pub(super) struct Ball<'a> {
     cells: Vec<Cell>,
-    radius: f64,
+    /// Squares of the radii, smallest first.
+    squares: [f64; 3],
     /// Stops long visits.
     context: &'a Context,
 }
@@ -64,16 +70,15 @@ impl<'a> Ball<'a> {
                 area: sectors.faces[t as usize].area,
             }
         })?;
-        Ok(Ball { cells, radius, context })
+        Ok(Ball { cells, squares: RIMS.map(|rim| (rim * radius).powi(2)), context })
     }
 
-    /// The form at a sector and the area of the surface in the ball. The result means nothing once the context has
+    /// The form at a sector and the area of the surface in the balls, in the mean. The result means nothing once the context has
     /// failed; the caller asks it again.
     pub fn at(&self, sectors: &Sectors<'_>, visits: &mut Visits, sector: u32, plane: &Frame) -> (Form, f64) {
         let Some(&first) = sectors.corners(sector).first() else { return (Form::default(), 0.0) };
         let points = sectors.triangles.points();
         let centre = sectors.triangles.point(first);
-        let square = self.radius * self.radius;
         visits.visit += 1;
         let (found, measured) = (2 * visits.visit, 2 * visits.visit + 1);
         visits.waiting.clear();
@@ -109,18 +114,20 @@ impl<'a> Ball<'a> {
                 }
             };
             let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
-            if distance[0].max(distance[1]).max(distance[2]) <= square {
+            let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
+            if distance[0].max(distance[1]).max(distance[2]) <= self.squares[0] {
                 area += cell.area;
-                measure(0, 1.0, p[1] - p[0]);
-                measure(1, 1.0, p[2] - p[1]);
-                measure(2, 1.0, p[0] - p[2]);
+                (0..3).for_each(|k| measure(k, 1.0, edges[k]));
             } else {
-                let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
-                let parts = [part(0, 1), part(1, 2), part(2, 0)];
-                area += clipped_area(p, parts, &sectors.faces[triangle as usize], square);
-                measure(0, parts[0][1] - parts[0][0], p[1] - p[0]);
-                measure(1, parts[1][1] - parts[1][0], p[2] - p[1]);
-                measure(2, parts[2][1] - parts[2][0], p[0] - p[2]);
+                let (mut shares, mut inside) = ([0.0; 3], 0.0);
+                for square in self.squares {
+                    let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
+                    let parts = [part(0, 1), part(1, 2), part(2, 0)];
+                    inside += clipped_area(p, parts, &sectors.faces[triangle as usize], square);
+                    (0..3).for_each(|k| shares[k] += parts[k][1] - parts[k][0]);
+                }
+                area += inside / RIMS.len() as f64;
+                (0..3).for_each(|k| measure(k, shares[k] / RIMS.len() as f64, edges[k]));
             }
         }
         if !(area > NO_AREA) {

@@ -138,6 +138,9 @@ pub fn curvature(
 /// # Errors
 /// [`Error::Cancelled`], [`Error::Deadline`].
 pub fn full_magnitudes(triangles: Triangles<'_>, wanted: &[bool], context: &Context) -> Result<Vec<[f64; 2]>> {
+    if !wanted.is_empty() && !wanted.contains(&true) {
+        return Ok(vec![[0.0; 2]; triangles.points().len()]);
+    }
     let scale = Scale::of(triangles);
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));

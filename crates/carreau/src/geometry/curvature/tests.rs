@@ -99,7 +99,7 @@ fn irregular_tori_and_cylinders_have_their_curvatures_and_directions() {
     let cylinder = irregular(100, 40, false, on_cylinder);
     // Largest median and 95th percentile of the relative error of kmax, and 95th percentile of the angle.
     for (estimator, bounds) in
-        [(Estimator::Corrected, [0.015, 0.055, 2.5]), (Estimator::NormalCycleBall, [0.02, 0.055, 2.0])]
+        [(Estimator::Corrected, [0.015, 0.055, 2.5]), (Estimator::NormalCycleBall, [0.012, 0.035, 1.2])]
     {
         for (mesh, radius) in [(&torus, 0.4), (&cylinder, 1.0)] {
             let k = with(mesh, estimator);

@@ -46,19 +46,13 @@ pub fn triangle(scene: &Scene, t: FaceId) -> PieceSurface {
 
 /// The plane of a block whose vertices are no farther from it than `flatness`.
 pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64) -> Option<Surface> {
-    let [m, n] = block.size;
-    let node = |r: u32, c: u32| scene.point(block.vertex(scene.patches, r, c));
-    let cells = || (0..m).flat_map(|r| (0..n).map(move |c| (r, c)));
-    let corners = |(r, c): (u32, u32)| [node(r, c), node(r, c + 1), node(r + 1, c + 1), node(r + 1, c)];
-    let vector: DVec3 = cells().map(corners).map(|[a, b, c, d]| (c - a).cross(d - b)).sum();
+    let cells = || block.cells(scene.patches).map(|cell| cell.map(|v| scene.point(v)));
+    let vector: DVec3 = cells().map(|[a, b, c, d]| (c - a).cross(d - b)).sum();
     let normal = vector.try_normalize()?;
-    let origin = node(0, 0);
-    let far = (0..=m).flat_map(|r| (0..=n).map(move |c| (r, c))).any(|(r, c)| {
-        let d: DVec3 = node(r, c) - origin;
-        d.dot(normal).abs() > flatness
-    });
-    let axis = (node(0, n) - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
-    (!far).then_some(Surface::Plane { origin, normal, axis })
+    let [origin, end] = [0, block.size[1]].map(|c| scene.point(block.vertex(scene.patches, 0, c)));
+    let axis = (end - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
+    let flat = cells().flatten().all(|p| (p - origin).dot(normal).abs() <= flatness);
+    flat.then_some(Surface::Plane { origin, normal, axis })
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal

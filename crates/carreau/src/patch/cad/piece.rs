@@ -53,6 +53,13 @@ impl Block {
         patches[self.patch as usize].vertex(self.from[0] + row, self.from[1] + col).0
     }
 
+    /// The corners of all cells, counter-clockwise, row by row.
+    pub fn cells(self, patches: &[Patch]) -> impl Iterator<Item = [u32; 4]> {
+        let at = move |r, c| self.vertex(patches, r, c);
+        let corners = move |r, c| [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)];
+        (0..self.size[0]).flat_map(move |r| (0..self.size[1]).map(move |c| corners(r, c)))
+    }
+
     /// The border, counter-clockwise from the first node, as (row, column) of the block.
     fn border(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let [m, n] = self.size;

@@ -97,10 +97,7 @@ fn root(parent: &mut [u32], mut k: u32) -> u32 {
 /// The cells of a piece; triangles repeat their last corner.
 fn corners<'a>(scene: &'a Scene, piece: &'a Piece) -> Box<dyn Iterator<Item = [u32; 4]> + 'a> {
     match piece.source {
-        Source::Block(b) => Box::new((0..b.size[0]).flat_map(move |r| {
-            let at = move |r, c| b.vertex(scene.patches, r, c);
-            (0..b.size[1]).map(move |c| [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)])
-        })),
+        Source::Block(b) => Box::new(b.cells(scene.patches)),
         Source::Triangle(t) => {
             let face = scene.mesh.face(t);
             Box::new(std::iter::once([face[0], face[1], face[2], face[2]]))

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Patches that are asked.
-const SAMPLES: usize = 1500;
+const SAMPLES: usize = 800;
 /// Triangles of a patch.
 const SIZE: usize = 24;
 /// Fewer patches say nothing.
@@ -89,7 +89,7 @@ const LARGEST_TURN: f64 = 1.0;
 
 impl Noise {
     pub fn new(surface: &Surface<'_>, sigma: f64) -> Self {
-        let edge = mean_edge(surface);
+        let edge = surface.mean_edge();
         let turn: Vec<f64> = (0..surface.len() as u32)
             .into_par_iter()
             .map(|k| {
@@ -107,11 +107,6 @@ impl Noise {
     pub fn bend(&self, surface: &Surface<'_>, c: u32) -> f64 {
         bend_deviation(surface, &self.turn, c)
     }
-}
-
-/// Length of the sides of equilateral triangles of the mean area.
-pub fn mean_edge(surface: &Surface<'_>) -> f64 {
-    (surface.total_area / surface.len().max(1) as f64 * 4.0 / 3f64.sqrt()).sqrt()
 }
 
 fn bend_deviation(surface: &Surface<'_>, turn: &[f64], c: u32) -> f64 {

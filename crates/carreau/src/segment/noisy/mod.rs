@@ -21,7 +21,7 @@ mod patch;
 mod propose;
 
 use super::growth;
-use super::regions::{Groups, connected};
+use super::regions::{Groups, connected, count};
 use super::surface::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -29,6 +29,7 @@ use crate::mesh::NONE;
 use expand::Energy;
 use level::Noise;
 use model::{Fitter, Model};
+use propose::Probe;
 
 /// Noise below and above these shares of an edge is none, or no part is left.
 const QUIETEST: f64 = 2e-3;
@@ -36,6 +37,8 @@ const LOUDEST: f64 = 0.15;
 /// Paraboloids of a few triangles and surfaces of the part see the same noise, up to this factor. On organic shapes the surfaces
 /// grow until they are as wrong as noise allows: measured 1.46 to 1.86 on scans, at most 1.1 on parts.
 const SAME_NOISE: f64 = 1.28;
+/// Some of the seeds are enough where they are apart by more.
+const OTHER_NOISE: f64 = 1.55;
 /// Share of the seeds, and of the area, that lies on surfaces where the mesh is a part.
 const PROBED: f64 = 0.25;
 const PART: f64 = 0.6;
@@ -91,12 +94,13 @@ pub fn find(surface: &Surface<'_>, order: &[u32], context: &Context) -> Result<O
 /// fraction of a second.
 fn noise_of_part(surface: &Surface<'_>, order: &[u32], context: &Context) -> Result<Option<Noise>> {
     let Some(sigma) = level::level(surface, order) else { return Ok(None) };
-    let edge = level::mean_edge(surface);
+    let edge = surface.mean_edge();
     if !(QUIETEST * edge..LOUDEST * edge).contains(&sigma) {
         return Ok(None);
     }
     let first = Noise::new(surface, sigma);
-    let probe = propose::probe(surface, &first, order, context)?;
+    let hopeless = |probe: &Probe| probe.sigma > OTHER_NOISE * sigma;
+    let probe = propose::probe(surface, &first, order, hopeless, context)?;
     let is_part = probe.share >= PROBED && probe.sigma <= SAME_NOISE * sigma && probe.sigma > 0.0;
     Ok(is_part.then(|| if probe.sigma < sigma { Noise::new(surface, probe.sigma) } else { first }))
 }
@@ -136,26 +140,9 @@ fn complete(
 ) -> Result<Vec<u32>> {
     let models = energy.models.len() as u32;
     // Free pieces end at creases.
-    let mut next = models;
-    let mut stack = Vec::new();
-    for &seed in order {
-        if label[seed as usize] != NONE {
-            continue;
-        }
-        label[seed as usize] = next;
-        stack.push(seed);
-        while let Some(k) = stack.pop() {
-            for n in (3 * k..3 * k + 3).filter_map(|c| surface.across(c, &noise.crease)) {
-                if label[n as usize] == NONE {
-                    label[n as usize] = next;
-                    stack.push(n);
-                }
-            }
-        }
-        next += 1;
-    }
+    let next = surface.flood(order, &mut label, models, |c| !noise.crease[c as usize], |_, _| ());
     let part = connected(surface, &label, order);
-    let mut size = vec![0usize; part.iter().max().map_or(0, |&m| m as usize + 1)];
+    let mut size = vec![0usize; count(&part)];
     part.iter().for_each(|&p| size[p as usize] += 1);
     for k in 0..label.len() {
         let least = if label[k] >= models { FREE_CRUMB } else { CRUMB };

@@ -89,10 +89,8 @@ impl Model {
 
     /// The model of a primitive on the side that the triangles look to.
     pub fn of(primitive: Primitive, surface: &Surface<'_>, triangles: &[u32]) -> Self {
-        let along = |&k: &u32| {
-            let center = (3 * k..3 * k + 3).map(|c| surface.triangles.point(c)).sum::<DVec3>() / 3.0;
-            surface.areas[k as usize] * primitive.normal(center).dot(surface.normals[k as usize])
-        };
+        let along =
+            |&k: &u32| surface.areas[k as usize] * primitive.normal(surface.center(k)).dot(surface.normals[k as usize]);
         let sum: f64 = triangles.iter().map(along).sum();
         Model { primitive, sign: if sum < 0.0 { -1.0 } else { 1.0 } }
     }

@@ -6,7 +6,7 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::Kind;
 use crate::mesh::NONE;
-use crate::segment::surface::Surface;
+use crate::segment::surface::{Surface, quantile};
 use rustc_hash::FxHashSet;
 
 /// Triangles of a patch, from sure to small.
@@ -22,8 +22,9 @@ const PER_PARAMETER: f64 = 0.01;
 /// Triangles that a hypothesis has at least.
 const LEAST: usize = 5;
 
-/// Seeds of a probe, how far their surfaces grow (triangles), and what each says at most (vertices).
+/// Seeds of a probe, in so many rounds, how far their surfaces grow (triangles), and what each says at most (vertices).
 const PROBES: usize = 48;
+const PROBE_ROUNDS: usize = 8;
 const PROBE_SIZE: usize = 1000;
 const PROBE_SAMPLES: usize = 100;
 /// Standard deviation of a normal distribution over its median absolute value.
@@ -70,30 +71,41 @@ pub struct Probe {
     pub sigma: f64,
 }
 
-/// Asks a few seeds.
-pub fn probe(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Context) -> Result<Probe> {
+/// Asks a few seeds; no more than those of a round once the answer is hopeless.
+pub fn probe(
+    surface: &Surface<'_>,
+    noise: &Noise,
+    order: &[u32],
+    hopeless: impl Fn(&Probe) -> bool,
+    context: &Context,
+) -> Result<Probe> {
     let mut fitter = Fitter::new(surface, noise);
     fitter.most = PROBE_SIZE;
+    let step = (order.len() / PROBES).max(1);
+    let seeds: Vec<u32> = order.iter().copied().skip(order.len() / PROBES / 2).step_by(step).collect();
     let (mut asked, mut hits) = (0.0, 0.0);
     let mut distances = Vec::new();
-    for &seed in order.iter().skip(order.len() / PROBES / 2).step_by((order.len() / PROBES).max(1)) {
-        context.check()?;
-        asked += 1.0;
-        let Some(found) = best_from(&mut fitter, seed) else { continue };
-        if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
-            hits += 1.0;
+    let mut answer = Probe { share: 0.0, sigma: noise.sigma };
+    for round in 0..PROBE_ROUNDS {
+        for &seed in seeds.iter().skip(round).step_by(PROBE_ROUNDS) {
+            context.check()?;
+            asked += 1.0;
+            let Some(found) = best_from(&mut fitter, seed) else { continue };
+            if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
+                hits += 1.0;
+            }
+            fitter.patches.gather_of(&found.triangles);
+            fitter.patches.thin(PROBE_SAMPLES);
+            distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
         }
-        fitter.patches.gather_of(&found.triangles);
-        fitter.patches.thin(PROBE_SAMPLES);
-        distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
+        let median = quantile(&mut distances, 0.5, f64::total_cmp);
+        answer.share = hits / f64::max(asked, 1.0);
+        answer.sigma = median.map_or(noise.sigma, |median| NORMAL_OVER_MEDIAN * median);
+        if hopeless(&answer) {
+            break;
+        }
     }
-    let middle = distances.len() / 2;
-    let sigma = if distances.is_empty() {
-        noise.sigma
-    } else {
-        NORMAL_OVER_MEDIAN * *distances.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    Ok(Probe { share: hits / f64::max(asked, 1.0), sigma })
+    Ok(answer)
 }
 
 /// All triangles, those farthest from creases first.
