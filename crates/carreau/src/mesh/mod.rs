@@ -7,6 +7,7 @@
 //! | `half_edges` | half-edges grouped by edge |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
+//! | `triangulate` | polygons cut into triangles |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
 //! | `attributes` | named columns |
 //! | `area` | area vectors of faces |
@@ -37,6 +38,7 @@ mod surface;
 pub(crate) mod test_models;
 mod topology;
 mod triangles;
+mod triangulate;
 mod weld;
 
 pub use area::{area_vector, safe_length, triangle_area_vector};

@@ -454,10 +454,21 @@ fn curve_radii(curves: &Curves, vertices: usize) -> Vec<f64> {
     radius
 }
 
-/// Repairs what needs it: degenerate and repeated faces, inconsistent senses. A sound mesh is only copied.
+/// Triangles, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in
+/// two ways.
 fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
     let _stage = context.stage("clean");
-    let mesh = mesh.clone().triangulated()?;
+    let (mut mesh, mut said) = repaired_if_needed(mesh.clone(), context)?;
+    if !mesh.is_triangular() {
+        let (triangles, more) = repaired_if_needed(mesh.triangulated()?, context)?;
+        mesh = triangles;
+        said.extend(more);
+    }
+    Ok((mesh, said))
+}
+
+/// Repairs degenerate and repeated faces and inconsistent senses. A sound mesh is returned as it is.
+fn repaired_if_needed(mesh: SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
     let diagonal = mesh.diagonal();
     let flat = |f: &[u32]| safe_length(area_vector(mesh.points(), f)) <= 1e-12 * diagonal * diagonal;
     let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
@@ -465,13 +476,14 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
         let across = |k: usize| mesh.opposite(CornerId::new(3 * f + k)).map(|o| mesh.face_of(o));
         across(0).is_some() && across(0) == across(1) && across(1) == across(2)
     };
-    let needed =
-        mesh.faces().iter().any(flat) || (0..mesh.corner_count()).any(irregular) || (0..mesh.face_count()).any(pillow);
+    let needed = mesh.faces().iter().any(flat)
+        || (0..mesh.corner_count()).any(irregular)
+        || (mesh.is_triangular() && (0..mesh.face_count()).any(pillow));
     if !needed {
         return Ok((mesh, Vec::new()));
     }
     let options = RepairOptions { weld: None, split: false, outward: false, ..RepairOptions::default() };
     let repaired = repair(&mesh, &options, context)?;
     let said = repaired.report.sentences();
-    Ok((repaired.mesh.triangulated()?, said))
+    Ok((repaired.mesh, said))
 }
