@@ -37,6 +37,8 @@ fn help_names_every_verb_and_each_has_an_example() {
         "compare",
         "curvature",
         "segment",
+        "enrich",
+        "simplify",
         "patch",
         "completions",
         "man",

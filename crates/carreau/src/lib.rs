@@ -8,6 +8,7 @@ pub mod length;
 pub mod mesh;
 pub mod numeric;
 pub mod patch;
+pub mod remesh;
 pub mod report;
 pub mod sample;
 pub mod segment;

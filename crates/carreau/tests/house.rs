@@ -11,6 +11,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
     ("patch", &["mesh", "geometry", "numeric"]),
+    ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
     ("io", &["mesh", "geometry", "patch"]),
     ("sample", &["mesh", "geometry", "patch"]),

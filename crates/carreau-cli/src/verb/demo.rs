@@ -10,6 +10,7 @@ use carreau::io::cad::{CadOptions, write_cad};
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
+use carreau::remesh::{RemeshOptions, simplify};
 use carreau::report::figure;
 use carreau::segment::{SegmentOptions, segment};
 use carreau::{Error, sample};
@@ -56,6 +57,11 @@ impl Demo {
             about: "The faces of a part, each on its surface: plane, cylinder, cone, sphere, torus or freeform.",
             figures: Vec::new(),
         };
+        let mut graded = Section {
+            title: "Graded meshes",
+            about: "Within an angle of the surface, small where it bends; ridges and corners stay.",
+            figures: Vec::new(),
+        };
         let mut patches = Section {
             title: "Quad patches",
             about: "Grids of quads on the same vertices; each patch is one B-spline face of the STEP file.",
@@ -65,9 +71,10 @@ impl Demo {
             let mesh = sample::make(name, None, &session.context)?;
             let input = self.write(session, name, "", &RawMesh::from(mesh.clone()))?;
             regions.figures.push(self.segment(session, name, &mesh, &input)?);
+            graded.figures.push(self.remesh(session, name, &mesh, &input)?);
             patches.figures.push(self.patch(session, name, &mesh, &input)?);
         }
-        Ok(vec![regions, patches])
+        Ok(vec![regions, graded, patches])
     }
 
     /// Triangles to regions.
@@ -84,6 +91,25 @@ impl Demo {
             mesh.face_count()
         );
         self.figure(session, name, caption, picture, &[("triangles", input), ("regions", &file)])
+    }
+
+    /// Triangles to a graded mesh.
+    fn remesh(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+        let options = RemeshOptions { deviation: 20.0, ..RemeshOptions::default() };
+        let result = simplify(mesh, &options, &session.context)?;
+        let (q, triangles) = (result.quality, result.mesh.face_count());
+        let out = RawMesh::from(result.mesh);
+        let file = self.write(session, name, "-graded", &out)?;
+        let picture = self.draw(session, name, "-graded", &out)?;
+        let caption = format!(
+            "{} triangles → {triangles} at 20°; shape {:.2} on average, {:.2} at worst; {:.1} % of the edges within .6 to 1.7 of \
+             the wanted length",
+            mesh.face_count(),
+            q.shape_mean,
+            q.shape_min,
+            100.0 * q.length_in_06_17
+        );
+        self.figure(session, name, caption, picture, &[("triangles", input), ("graded", &file)])
     }
 
     /// Triangles to patches, and to a CAD file.

@@ -1,4 +1,4 @@
-//! The verbs, one file each.
+//! The verbs, one file each; `simplify` holds `enrich` as well.
 
 mod compare;
 mod convert;
@@ -10,6 +10,7 @@ mod repair;
 mod sample;
 mod segment;
 mod shell;
+mod simplify;
 
 use crate::session::Failure;
 use clap::Subcommand;
@@ -26,6 +27,8 @@ pub enum Verb {
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Segment(segment::Segment),
+    Enrich(simplify::Enrich),
+    Simplify(simplify::Simplify),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -43,6 +46,8 @@ impl Verb {
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
+            Verb::Enrich(verb) => verb.run(),
+            Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),
         }

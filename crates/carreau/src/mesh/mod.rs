@@ -13,6 +13,7 @@
 //! | `weld` | vertices at one place, exactly or within a tolerance |
 //! | `duplicates` | faces on the same vertices |
 //! | `disjoint_sets` | union-find |
+//! | `edit` | [`EditMesh`]: collapse, flip, split, relocate |
 //! | `connectivity` | components, irregular edges, which faces to turn, umbrellas |
 //! | `nesting` | closed components: volume, nesting, which are inside out |
 //! | `topology` | [`Topology`]: counts, genus, defects with their places |
@@ -24,6 +25,7 @@ mod boundary;
 mod connectivity;
 mod disjoint_sets;
 mod duplicates;
+mod edit;
 mod half_edges;
 mod id;
 mod nesting;
@@ -40,6 +42,7 @@ mod weld;
 pub use area::{area_vector, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
 pub(crate) use disjoint_sets::DisjointSets;
+pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;

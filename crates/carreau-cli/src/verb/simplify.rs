@@ -1,0 +1,202 @@
+//! `simplify` and `enrich`: a graded mesh within an angle of the surface.
+
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::io::WriteOptions;
+use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::remesh::{self, RemeshOptions, Remeshed};
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Coarsens a surface to an angular deviation, a number of triangles or a distance
+///
+/// Ridges, corners, borders and tagged edges stay. PLY and VTU output carries the vertex property size: the edge length
+/// that the size map asks for.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau simplify scan.ply -o coarse.ply --deviation 14 --json coarse.json\n  \
+    carreau simplify scan.ply -o coarse.obj --triangles 20000\n  \
+    carreau simplify scan.ply -o light.glb --triangles 5000 --geometric\n  \
+    carreau simplify part.stl -o coarse.vtu --distance 0.1% --feature-angle 30")]
+pub struct Simplify {
+    #[command(flatten)]
+    remesh: Remesh,
+    /// Number of triangles, met within 1 %; the sizes are scaled
+    #[arg(long, value_name = "N", conflicts_with = "distance")]
+    triangles: Option<usize>,
+    /// Largest distance between input and output, both ways; the sizes are scaled
+    #[arg(long, value_name = "LENGTH")]
+    distance: Option<Length>,
+    /// Enriches to this angle first; off: not [default: off]
+    #[arg(long, value_name = "DEG|off", value_parser = number_or_off)]
+    enrich: Option<OrOff>,
+    /// Shapes are left aside: as near to the surface as the number of triangles allows
+    #[arg(long, conflicts_with = "enrich")]
+    geometric: bool,
+}
+
+/// Refines a surface to an angular deviation
+///
+/// Long edges are split, with the new vertices on curved patches through the vertex normals. PLY and VTU output carries
+/// the vertex property size: the edge length that the size map asks for.
+#[derive(Args)]
+#[command(after_help = "Example:\n  carreau enrich part.stl -o fine.ply --deviation 2 --gradation 1.5")]
+pub struct Enrich {
+    #[command(flatten)]
+    remesh: Remesh,
+}
+
+/// What both verbs have.
+#[derive(Args)]
+struct Remesh {
+    /// The surface; polygons are fanned
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Angle between edges and the surface, in degrees [default: 14; enrich: 5]
+    #[arg(long, value_name = "DEG")]
+    deviation: Option<f64>,
+    /// Largest ratio of sizes over one unit of length [default: 1.5]
+    #[arg(long, value_name = "B|off", value_parser = number_or_off)]
+    gradation: Option<OrOff>,
+    /// Edges with more than this angle between their faces stay, in degrees; 180: none [default: 35]
+    #[arg(long, value_name = "DEG")]
+    feature_angle: Option<f64>,
+    /// A face property of integers: edges between two values stay
+    #[arg(long, value_name = "PROPERTY")]
+    labels: Option<String>,
+    /// Edges tagged in the file are not special
+    #[arg(long)]
+    ignore_tags: bool,
+    /// Smallest edge length [default: 0.02%]
+    #[arg(long, value_name = "LENGTH")]
+    min_size: Option<Length>,
+    /// Largest edge length [default: 20%]
+    #[arg(long, value_name = "LENGTH")]
+    max_size: Option<Length>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// A number, or `off`.
+#[derive(Debug, Clone, Copy)]
+struct OrOff(Option<f64>);
+
+fn number_or_off(text: &str) -> Result<OrOff, String> {
+    match text {
+        "off" => Ok(OrOff(None)),
+        _ => text.parse().map(|x| OrOff(Some(x))).map_err(|_| format!("'{text}' is neither a number nor off")),
+    }
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    remesh: RemeshOptions,
+    /// Lengths stay as they were given: their shares refer to the input.
+    distance: Option<Length>,
+    min_size: Option<Length>,
+    max_size: Option<Length>,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Simplify {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let mut options = self.remesh.options("simplify", RemeshOptions::default())?;
+        let o = &mut options.remesh;
+        o.triangles = self.triangles.or(o.triangles);
+        o.enrich = self.enrich.map_or(o.enrich, |e| e.0);
+        o.geometric |= self.geometric;
+        options.distance = self.distance.or(options.distance);
+        self.remesh.run("simplify", &options, remesh::simplify)
+    }
+}
+
+impl Enrich {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.remesh.options("enrich", RemeshOptions { deviation: 5.0, ..RemeshOptions::default() })?;
+        self.remesh.run("enrich", &options, remesh::enrich)
+    }
+}
+
+type Method = fn(&SurfaceMesh, &RemeshOptions, &carreau::Context) -> Result<Remeshed, Error>;
+
+impl Remesh {
+    /// Defaults, then options file, then flags.
+    fn options(&self, verb: &str, defaults: RemeshOptions) -> Result<Options, Error> {
+        let mut all = Options { remesh: defaults, ..Options::default() };
+        if let Some(file) = &self.common.options {
+            all = options_from(file, verb, &all)?;
+        }
+        let o = &mut all.remesh;
+        o.deviation = self.deviation.unwrap_or(o.deviation);
+        o.gradation = self.gradation.map_or(o.gradation, |g| g.0);
+        o.feature_angle = self.feature_angle.unwrap_or(o.feature_angle);
+        o.labels = self.labels.clone().or(o.labels.take());
+        o.tags &= !self.ignore_tags;
+        all.min_size = self.min_size.or(all.min_size);
+        all.max_size = self.max_size.or(all.max_size);
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn run(&self, verb: &'static str, options: &Options, method: Method) -> Result<(), Failure> {
+        Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", options);
+            let mesh = session.read_triangles(&self.input)?;
+            let context = session.context.clone();
+            let diagonal = mesh.diagonal();
+            let mut wanted = options.remesh.clone();
+            wanted.distance = options.distance.map(|d| d.resolve(diagonal));
+            let share = |length: Length| length.resolve(diagonal) / diagonal.max(f64::MIN_POSITIVE);
+            wanted.min_size = options.min_size.map_or(wanted.min_size, share);
+            wanted.max_size = options.max_size.map_or(wanted.max_size, share);
+            let result = context.install(|| method(&mesh, &wanted, &context))?;
+            self.tell(session, &mesh, result)
+        })
+    }
+
+    fn tell(&self, session: &mut Session, source: &SurfaceMesh, result: Remeshed) -> Result<(), Error> {
+        let context = session.context.clone();
+        let mut quality = result.quality;
+        // Distances take as long as the method itself: only a record asks for them.
+        if self.common.json.is_some() {
+            quality = context.install(|| quality.with_distance(source, &result.mesh, &context))?;
+        }
+        result.repaired.iter().for_each(|what| session.warn(what.clone()));
+        let q = &quality;
+        session.say(format!("{} triangles, before {}", result.mesh.face_count(), source.face_count()));
+        session.say(format!("shape: min {:.3}, mean {:.3}", q.shape_min, q.shape_mean));
+        session.say(format!(
+            "edges in the metric: {:.2} to {:.2}, mean {:.3}; {:.2} % in [0.6, 1.7]",
+            q.length_min,
+            q.length_max,
+            q.length_mean,
+            100.0 * q.length_in_06_17
+        ));
+        session.say(format!(
+            "deviation: mean {:.2}°, over the area {:.2}°, max {:.1}°",
+            q.deviation_mean_deg, q.deviation_area_mean_deg, q.deviation_max_deg
+        ));
+        session.record.set("quality", quality);
+        let out = RawMesh::from(result.mesh);
+        session.draw(&out)?;
+        let mut counts = json!({ "vertices": out.points.len(), "faces": out.faces.len() });
+        if let Some(file) = &self.output {
+            counts["file"] = json!(file.to_string_lossy());
+            session.write_mesh(file, &out, &WriteOptions::default())?;
+        }
+        session.record.set("output", counts);
+        Ok(())
+    }
+}

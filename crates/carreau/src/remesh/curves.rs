@@ -1,0 +1,348 @@
+//! Ridges, borders and other curves that stay: chains of source edges between corners, parametrised by arc length.
+//!
+//! A corner is a vertex where other than two curve edges meet, or where a curve turns sharply. Ridges are read vertex by
+//! vertex: they come from CAD models, whose every corner counts. Borders of scans are ragged, and at that scale every
+//! vertex would be a corner; they are read at the scale of the size map: the turn is that between the chords to the points
+//! one size before and behind.
+
+use crate::geometry::normals::{angle_between, unit};
+use crate::mesh::{EditMesh, NONE, triangle_area_vector};
+use glam::DVec3;
+
+/// How freely a vertex moves; ordered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rank {
+    /// On the surface.
+    Free,
+    /// Along its curve.
+    Curve,
+    /// Not at all.
+    Corner,
+}
+
+/// What a curve is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// An inner edge that is sharp, tagged, or between two labels.
+    Ridge,
+    /// An open border.
+    Border,
+    /// An edge where the source was cut because it is not manifold: nothing on it changes.
+    Seam,
+}
+
+/// A turn above this makes a corner of a ridge. Below the 45° that are commonly asked for, so that no rounding decides.
+const RIDGE_TURN_DEG: f64 = 40.0;
+/// The same for borders, at the scale of the size map.
+const BORDER_TURN_DEG: f64 = 60.0;
+
+/// A curve of the source between two corners, or closed.
+#[derive(Debug, Clone)]
+pub struct Chain {
+    pub kind: Kind,
+    pub closed: bool,
+    /// A ridge all of whose edges are sharp.
+    pub sharp: bool,
+    pub points: Vec<DVec3>,
+    /// Source vertices; in a closed chain the first is repeated at the end.
+    pub vertices: Vec<u32>,
+    /// Arc length at every point.
+    pub arc: Vec<f64>,
+    /// Source half-edges of every segment, along it and back, where they exist.
+    pub sides: Vec<[u32; 2]>,
+}
+
+impl Chain {
+    /// Arc length of the whole chain.
+    pub fn length(&self) -> f64 {
+        self.arc.last().copied().unwrap_or(0.0)
+    }
+
+    /// The segment that holds a parameter.
+    fn segment(&self, s: f64) -> usize {
+        self.arc.partition_point(|&a| a <= s).clamp(1, self.arc.len() - 1) - 1
+    }
+
+    /// The point at a parameter, which is wrapped into a closed chain, and its segment.
+    pub fn at(&self, s: f64) -> (DVec3, usize) {
+        let s = self.wrapped(s);
+        let k = self.segment(s);
+        let width = self.arc[k + 1] - self.arc[k];
+        let t = if width > 0.0 { ((s - self.arc[k]) / width).clamp(0.0, 1.0) } else { 0.0 };
+        (self.points[k].lerp(self.points[k + 1], t), k)
+    }
+
+    /// The parameter in 0..=length.
+    pub fn wrapped(&self, s: f64) -> f64 {
+        if self.closed { s.rem_euclid(self.length()) } else { s.clamp(0.0, self.length()) }
+    }
+
+    /// Parameters of the ends of a piece, unwrapped so that it runs between them the shorter way.
+    pub fn span(&self, a: f64, b: f64) -> [f64; 2] {
+        let length = self.length();
+        if self.closed {
+            let turn = (b - a) - length * ((b - a) / length).round();
+            return [a, a + turn];
+        }
+        [a, b]
+    }
+
+    /// The largest distance between the chord of a piece and the source vertices on the piece.
+    pub fn sag(&self, [a, b]: [f64; 2]) -> f64 {
+        let (from, to) = (a.min(b), a.max(b));
+        let (p, q) = (self.at(from).0, self.at(to).0);
+        let mut worst: f64 = 0.0;
+        let mut look = |from: f64, to: f64| {
+            let first = self.arc.partition_point(|&s| s <= from);
+            for k in first..self.arc.len() {
+                if self.arc[k] >= to {
+                    break;
+                }
+                worst = worst.max(distance_to_segment(self.points[k], p, q));
+            }
+        };
+        let length = self.length();
+        if self.closed && to > length {
+            look(from, length + 1.0);
+            look(-1.0, to - length);
+        } else if self.closed && from < 0.0 {
+            look(from + length, length + 1.0);
+            look(-1.0, to);
+        } else {
+            look(from, to);
+        }
+        worst
+    }
+}
+
+fn distance_to_segment(x: DVec3, p: DVec3, q: DVec3) -> f64 {
+    let along = q - p;
+    let t = ((x - p).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    x.distance(p + t * along)
+}
+
+/// All curves of a source mesh.
+#[derive(Debug, Clone, Default)]
+pub struct Curves {
+    pub chains: Vec<Chain>,
+    pub rank: Vec<Rank>,
+    /// Parameter of every vertex of rank [`Rank::Curve`] on its chain.
+    pub parameter: Vec<f64>,
+}
+
+/// The curve edges of a mesh before they are traced: kind per half-edge.
+pub type Marks = Vec<Option<Kind>>;
+
+impl Curves {
+    /// Traces the marked edges; writes the chain of every curve edge into the mesh. `size` is the scale at which borders
+    /// are read, per vertex.
+    pub fn trace(mesh: &mut EditMesh, marks: &Marks, size: &[f64]) -> Curves {
+        let mut tracer = Tracer::new(mesh, marks);
+        tracer.find_corners(mesh, size);
+        let mut curves = Curves {
+            chains: Vec::new(),
+            rank: tracer.rank.clone(),
+            parameter: vec![0.0; mesh.vertex_slots() as usize],
+        };
+        // From corners first; what is left then is closed.
+        for pass in 0..2 {
+            for v in 0..mesh.vertex_slots() {
+                if pass == 0 && curves.rank[v as usize] != Rank::Corner {
+                    continue;
+                }
+                for k in tracer.first[v as usize]..tracer.first[v as usize + 1] {
+                    if let Some(chain) = tracer.follow(mesh, v, k as usize) {
+                        curves.add(mesh, chain);
+                    }
+                }
+            }
+        }
+        curves
+    }
+
+    /// Tells for every ridge whether all its edges have an angle above a limit with the given cosine.
+    pub fn find_sharp(&mut self, mesh: &EditMesh, cosine: f64) {
+        let normal = |h: u32| {
+            let [a, b, c] = mesh.positions(h / 3);
+            unit(triangle_area_vector(a, b, c))
+        };
+        for chain in self.chains.iter_mut().filter(|c| c.kind == Kind::Ridge) {
+            let is_sharp = |s: &[u32; 2]| s[0] != NONE && s[1] != NONE && normal(s[0]).dot(normal(s[1])) < cosine;
+            chain.sharp = chain.sides.iter().all(is_sharp);
+        }
+    }
+
+    fn add(&mut self, mesh: &mut EditMesh, chain: Chain) {
+        let id = self.chains.len() as u32;
+        for (k, &v) in chain.vertices.iter().enumerate() {
+            if self.rank[v as usize] == Rank::Curve && !(chain.closed && k + 1 == chain.vertices.len()) {
+                self.parameter[v as usize] = chain.arc[k];
+            }
+        }
+        for sides in &chain.sides {
+            sides.iter().filter(|&&h| h != NONE).for_each(|&h| mesh.set_curve(h, id));
+        }
+        self.chains.push(chain);
+    }
+}
+
+/// An end of a curve edge as seen from one of its vertices.
+#[derive(Clone, Copy)]
+struct End {
+    to: u32,
+    /// The half-edges there and back.
+    sides: [u32; 2],
+    kind: Kind,
+}
+
+/// Curve edges by vertex.
+struct Tracer {
+    first: Vec<u32>,
+    ends: Vec<End>,
+    used: Vec<bool>,
+    rank: Vec<Rank>,
+}
+
+impl Tracer {
+    fn new(mesh: &EditMesh, marks: &Marks) -> Self {
+        let n = mesh.vertex_slots() as usize;
+        let marked = || mesh.edges().filter_map(|h| marks[h as usize].map(|kind| (h, kind)));
+        let mut first = vec![0u32; n + 1];
+        for (h, _) in marked() {
+            first[mesh.vertex(h) as usize + 1] += 1;
+            first[mesh.head(h) as usize + 1] += 1;
+        }
+        for k in 1..first.len() {
+            first[k] += first[k - 1];
+        }
+        let mut fill = first.clone();
+        let nothing = End { to: NONE, sides: [NONE; 2], kind: Kind::Ridge };
+        let mut ends = vec![nothing; first[n] as usize];
+        for (h, kind) in marked() {
+            let o = mesh.opposite(h);
+            for (v, to, sides) in [(mesh.vertex(h), mesh.head(h), [h, o]), (mesh.head(h), mesh.vertex(h), [o, h])] {
+                ends[fill[v as usize] as usize] = End { to, sides, kind };
+                fill[v as usize] += 1;
+            }
+        }
+        let used = vec![false; ends.len()];
+        Tracer { first, ends, used, rank: vec![Rank::Free; n] }
+    }
+
+    fn of(&self, v: u32) -> &[End] {
+        &self.ends[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    }
+
+    fn find_corners(&mut self, mesh: &EditMesh, size: &[f64]) {
+        for v in 0..mesh.vertex_slots() {
+            self.rank[v as usize] = match self.of(v) {
+                _ if mesh.is_copy(v) => Rank::Corner,
+                [] => Rank::Free,
+                [a, b] if a.kind == b.kind && a.kind == Kind::Ridge => {
+                    let p = |v: u32| mesh.points[v as usize];
+                    let turn = angle_between(p(v) - p(a.to), p(b.to) - p(v));
+                    if turn > RIDGE_TURN_DEG.to_radians() { Rank::Corner } else { Rank::Curve }
+                }
+                [a, b] if a.kind == b.kind && a.kind == Kind::Border => Rank::Curve,
+                _ => Rank::Corner,
+            };
+        }
+        self.find_border_corners(mesh, size);
+    }
+
+    /// Corners of borders: where the turn at the scale of the size map is above the limit, and largest nearby.
+    fn find_border_corners(&mut self, mesh: &EditMesh, size: &[f64]) {
+        let is_smooth_border =
+            |v: u32| self.rank[v as usize] == Rank::Curve && self.of(v).first().is_some_and(|e| e.kind == Kind::Border);
+        let mut turn = vec![0.0; self.rank.len()];
+        for v in (0..mesh.vertex_slots()).filter(|&v| is_smooth_border(v)) {
+            let reach = size[v as usize];
+            let [a, b] = [0, 1].map(|side| self.point_at(mesh, v, side, reach));
+            let p = mesh.points[v as usize];
+            turn[v as usize] = angle_between(p - a, b - p);
+        }
+        let limit = BORDER_TURN_DEG.to_radians();
+        let mut corners = Vec::new();
+        for v in (0..mesh.vertex_slots()).filter(|&v| is_smooth_border(v) && turn[v as usize] > limit) {
+            let reach = size[v as usize];
+            let own = (turn[v as usize], v);
+            let mut largest = true;
+            for side in 0..2 {
+                self.walk(mesh, v, side, reach, |w, _| largest &= (turn[w as usize], w) <= own);
+            }
+            if largest {
+                corners.push(v);
+            }
+        }
+        corners.into_iter().for_each(|v| self.rank[v as usize] = Rank::Corner);
+    }
+
+    /// Visits the vertices of a curve from `v` on one side, as far as the reach, corners included, with the way.
+    fn walk(&self, mesh: &EditMesh, v: u32, side: usize, reach: f64, mut visit: impl FnMut(u32, f64)) {
+        let Some(mut end) = self.of(v).get(side).copied() else { return };
+        let (mut at, mut way) = (v, 0.0);
+        loop {
+            way += mesh.points[at as usize].distance(mesh.points[end.to as usize]);
+            let before = at;
+            at = end.to;
+            visit(at, way);
+            if way >= reach || at == v || self.rank[at as usize] == Rank::Corner {
+                return;
+            }
+            match self.of(at).iter().find(|e| e.to != before) {
+                Some(e) => end = *e,
+                None => return,
+            }
+        }
+    }
+
+    /// The point at some way along the curve, or its end.
+    fn point_at(&self, mesh: &EditMesh, v: u32, side: usize, reach: f64) -> DVec3 {
+        let (mut last, mut before) = ((v, 0.0), (v, 0.0));
+        self.walk(mesh, v, side, reach, |w, way| (before, last) = (last, (w, way)));
+        let [p, q] = [before.0, last.0].map(|w| mesh.points[w as usize]);
+        let width: f64 = last.1 - before.1;
+        let t = if width > 0.0 { ((reach - before.1) / width).clamp(0.0, 1.0) } else { 1.0 };
+        p.lerp(q, t)
+    }
+
+    /// Follows a curve from its end `k` at `v` to the next corner, or back to `v`.
+    fn follow(&mut self, mesh: &EditMesh, v: u32, k: usize) -> Option<Chain> {
+        if self.used[k] {
+            return None;
+        }
+        let mut chain = Chain {
+            kind: self.ends[k].kind,
+            closed: false,
+            sharp: false,
+            points: vec![mesh.points[v as usize]],
+            vertices: vec![v],
+            arc: vec![0.0],
+            sides: Vec::new(),
+        };
+        let (mut at, mut k) = (v, k);
+        loop {
+            let end = self.ends[k];
+            self.used[k] = true;
+            let back = (self.first[end.to as usize]..self.first[end.to as usize + 1])
+                .map(|b| b as usize)
+                .find(|&b| self.ends[b].sides == [end.sides[1], end.sides[0]])?;
+            self.used[back] = true;
+            let (p, q) = (mesh.points[at as usize], mesh.points[end.to as usize]);
+            chain.arc.push(chain.length() + p.distance(q));
+            chain.points.push(q);
+            chain.vertices.push(end.to);
+            chain.sides.push(end.sides);
+            at = end.to;
+            if self.rank[at as usize] == Rank::Corner {
+                return Some(chain);
+            }
+            if at == v {
+                chain.closed = true;
+                return Some(chain);
+            }
+            let mut onward = (self.first[at as usize]..self.first[at as usize + 1]).map(|b| b as usize);
+            k = onward.find(|&b| b != back)?;
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Edges that are too short are collapsed, shortest first, under the paper's three constraints:
+//!
+//! (1) ⟨ν(K), νᵢ(K)⟩ ≥ τ for every new triangle K and each of its corners,
+//! (2) Q_l(AC′) > Q_l(BC′) for every edge BC′ that is replaced by AC′,
+//! (4) Q′ ≥ 0.6 Q for the worst shapes of the cavity after and before.
+//!
+//! Where this departs from the paper: (1) is tested against the smaller of τ and the cavity's own worst, down to a hard
+//! cap. On a sphere a triangle of length 1 deviates by asin(2 sin θ / √3) > θ, so that the strict test would keep all
+//! edges below √3/2; and no choice of collapses removes the noise that a scan brings along.
+
+use super::curves::Rank;
+use super::size::length_quality;
+use super::work::{Face, Work};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{Keep, NONE, next, previous};
+
+/// Shapes may fall by this factor: six equilateral triangles can just be retriangulated from their rim.
+const SHAPE_LOSS: f32 = 0.6 - 1e-6;
+/// Buckets per octave of length.
+const PER_OCTAVE: f64 = 8.0;
+const BUCKETS: usize = 128;
+
+/// What a collapse must respect besides constraint (1).
+#[derive(Debug, Clone, Copy)]
+pub struct Demand {
+    /// A replaced edge may get any length whose quality is at least this, instead of a better one as constraint (2)
+    /// demands; above 1: constraint (2) alone.
+    pub good_length: f64,
+    /// No new edge may be longer than this.
+    pub longest: f64,
+    /// No shape may fall below this, unless it was as low before.
+    pub least_shape: f32,
+}
+
+impl Work<'_> {
+    /// Collapses edges shorter than `limit`, shortest first. Returns how many.
+    pub fn decimate(&mut self, limit: f64, demand: &Demand, context: &Context) -> Result<usize> {
+        self.decimate_to(limit, demand, 0, context)
+    }
+
+    /// The same, until no more than so many triangles are left.
+    pub fn decimate_to(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
+        let mut queue = Queue::new(limit);
+        for h in self.mesh.edges() {
+            queue.push(h, self.edge_length(h));
+        }
+        let mut done = 0;
+        let mut step = 0;
+        while self.mesh.triangle_count() > most
+            && let Some((h, bucket)) = queue.pop()
+        {
+            step += 1;
+            context.check_every(step)?;
+            if !self.mesh.is_half_edge(h) || queue.bucket(self.edge_length(h)) != Some(bucket) {
+                continue;
+            }
+            let Some(keep) = self.best_collapse(h, demand) else { continue };
+            let kept = self.collapse(h, keep);
+            done += 1;
+            let mesh = &self.mesh;
+            for h in mesh.around(kept) {
+                queue.push(h, self.edge_length(h));
+                // The sides opposite to the vertex have lost a neighbour: what was refused there may be allowed now.
+                let side = next(h);
+                queue.push(side, self.edge_length(side));
+            }
+        }
+        Ok(done)
+    }
+
+    /// The better of the two allowed ways to collapse an edge.
+    pub fn best_collapse(&self, h: u32, demand: &Demand) -> Option<Keep> {
+        let ways = [Keep::Head, Keep::Tail];
+        let shapes = ways.map(|keep| if self.may_go(h, keep) { self.try_collapse(h, keep, demand) } else { None });
+        let keep = match shapes {
+            [Some(a), Some(b)] if b > a => Keep::Tail,
+            [Some(_), _] => Keep::Head,
+            [None, Some(_)] => Keep::Tail,
+            [None, None] => return None,
+        };
+        self.mesh.check_collapse(h).is_ok().then_some(keep)
+    }
+
+    /// Whether the rank of the vertex that goes allows it.
+    pub fn may_go(&self, h: u32, keep: Keep) -> bool {
+        let (gone, kept) = self.mesh.gone_and_kept(h, keep);
+        match self.rank[gone as usize] {
+            _ if self.mesh.joins_copies(h, keep) => false,
+            Rank::Free => true,
+            Rank::Curve => self.mesh.curve(h) != NONE && self.rank[kept as usize] >= Rank::Curve,
+            Rank::Corner => false,
+        }
+    }
+
+    /// The worst shape after a collapse, if the constraints allow it.
+    pub fn try_collapse(&self, h: u32, keep: Keep, demand: &Demand) -> Option<f32> {
+        let mesh = &self.mesh;
+        let (gone, kept) = mesh.gone_and_kept(h, keep);
+        let o = mesh.opposite(h);
+        let (p, size) = (self.point(kept), self.size[kept as usize]);
+        // Wedges of the kept vertex left and right of the edge, seen from the vertex that goes.
+        let (side_h, side_o) = (h / 3, if o == NONE { NONE } else { o / 3 });
+        let wedge_in = |t: u32| (3 * t..3 * t + 3).find(|&c| mesh.vertex(c) == kept).map(|c| mesh.wedge(c));
+        let (left_triangle, right_triangle) = if keep == Keep::Head { (side_h, side_o) } else { (side_o, side_h) };
+        let left = if left_triangle == NONE { None } else { wedge_in(left_triangle) };
+        let right = if right_triangle == NONE { None } else { wedge_in(right_triangle) };
+        let (left, right) = (left.or(right)?, right.or(left)?);
+        let apexes = [mesh.apex(h), if o == NONE { NONE } else { mesh.apex(o) }];
+
+        let mut before = Face { shape: f32::INFINITY, cosine: f32::INFINITY };
+        let mut after = before;
+        let on_curve = self.rank[gone as usize] == Rank::Curve;
+        // Counter-clockwise from the left triangle; behind the next curve comes the right side.
+        let first = if left_triangle == NONE {
+            NONE
+        } else {
+            (3 * left_triangle..3 * left_triangle + 3).find(|&c| mesh.vertex(c) == gone)?
+        };
+        let mut at = if first == NONE || mesh.is_border(gone) { mesh.around(gone).next()? } else { first };
+        let begin = at;
+        let mut wedge = if first == NONE { right } else { left };
+        loop {
+            if at != begin && on_curve && mesh.curve(at) != NONE && o != NONE {
+                wedge = right;
+            }
+            let t = at / 3;
+            let old = self.face[t as usize];
+            before.shape = before.shape.min(old.shape);
+            before.cosine = before.cosine.min(old.cosine);
+            if t != side_h && t != side_o {
+                let (b, c) = (next(at), previous(at));
+                let (vb, vc) = (mesh.vertex(b), mesh.vertex(c));
+                let normals = [wedge, mesh.wedge(b), mesh.wedge(c)].map(|w| self.normal[w as usize]);
+                let new = self.judge([p, self.point(vb), self.point(vc)], normals);
+                after.shape = after.shape.min(new.shape);
+                after.cosine = after.cosine.min(new.cosine);
+                if new.shape < SHAPE_LOSS * before.shape && new.shape < demand.least_shape && new.shape < 0.3 {
+                    return None;
+                }
+                if !apexes.contains(&vb) && !self.edge_becomes_better(gone, kept, size, vb, demand) {
+                    return None;
+                }
+            }
+            let turned = mesh.opposite(c_before(at));
+            if turned == NONE {
+                let last = mesh.vertex(c_before(at));
+                let is_end = last != kept && !apexes.contains(&last);
+                if is_end && !self.edge_becomes_better(gone, kept, size, last, demand) {
+                    return None;
+                }
+                break;
+            }
+            if turned == begin {
+                break;
+            }
+            at = turned;
+        }
+        let shape_holds = after.shape >= SHAPE_LOSS * before.shape
+            && (after.shape >= demand.least_shape || after.shape >= before.shape);
+        if !shape_holds || !self.allows_cosine(after.cosine, before.cosine) {
+            return None;
+        }
+        if on_curve && !self.curve_collapse_holds(h, gone, kept) {
+            return None;
+        }
+        let (after_strain, before_strain) =
+            (self.strain_around(gone, p, kept), self.strain_around(gone, self.point(gone), NONE));
+        self.allows_strain(after_strain, before_strain).then_some(after.shape)
+    }
+
+    #[inline]
+    fn edge_becomes_better(&self, gone: u32, kept: u32, _size: f64, other: u32, demand: &Demand) -> bool {
+        let new = self.length(kept, other);
+        if new > demand.longest {
+            return false;
+        }
+        let quality = length_quality(new);
+        quality >= demand.good_length || quality > length_quality(self.length(gone, other))
+    }
+
+    /// The curve on the other side of the vertex that goes gets a longer edge: does that hold?
+    fn curve_collapse_holds(&self, h: u32, gone: u32, kept: u32) -> bool {
+        let mesh = &self.mesh;
+        let Some((chain, own)) = self.on_chain(h) else { return false };
+        let mut other = NONE;
+        let mut visit = |g: u32, w: u32| {
+            if mesh.curve(g) != NONE && w != kept {
+                other = w;
+            }
+        };
+        let mut last = NONE;
+        for g in mesh.around(gone) {
+            visit(g, mesh.head(g));
+            last = previous(g);
+        }
+        if last != NONE && mesh.opposite(last) == NONE {
+            visit(last, mesh.vertex(last));
+        }
+        if other == NONE || other == kept {
+            return false;
+        }
+        // An ear: the edge would fall upon one that is a curve already.
+        if mesh.half_edge(kept, other).or(mesh.half_edge(other, kept)).is_some_and(|g| mesh.curve(g) != NONE) {
+            return false;
+        }
+        // From the kept vertex over the one that goes to the other, so that no turn is lost.
+        let at_gone = if mesh.vertex(h) == gone { [own[0], own[1]] } else { [own[1], own[0]] };
+        let onward = self.span(chain, gone, other);
+        let span = [at_gone[1], at_gone[0] + (onward[1] - onward[0])];
+        self.curve_allows(chain, span, 0.0)
+    }
+}
+
+/// The half-edge that enters the vertex of `h` in its triangle.
+#[inline]
+fn c_before(h: u32) -> u32 {
+    previous(h)
+}
+
+/// Half-edges in buckets of equal length, shortest first; entries are checked when they are taken.
+struct Queue {
+    buckets: Vec<Vec<u32>>,
+    lowest: usize,
+    limit: f64,
+}
+
+impl Queue {
+    fn new(limit: f64) -> Self {
+        Queue { buckets: vec![Vec::new(); BUCKETS], lowest: 0, limit }
+    }
+
+    fn bucket(&self, length: f64) -> Option<usize> {
+        if length >= self.limit {
+            return None;
+        }
+        Some((BUCKETS as f64 + PER_OCTAVE * (length / self.limit).log2()).clamp(0.0, BUCKETS as f64 - 1.0) as usize)
+    }
+
+    fn push(&mut self, h: u32, length: f64) {
+        if let Some(k) = self.bucket(length) {
+            self.buckets[k].push(h);
+            self.lowest = self.lowest.min(k);
+        }
+    }
+
+    fn pop(&mut self) -> Option<(u32, usize)> {
+        while self.lowest < BUCKETS {
+            if let Some(h) = self.buckets[self.lowest].pop() {
+                return Some((h, self.lowest));
+            }
+            self.lowest += 1;
+        }
+        None
+    }
+}

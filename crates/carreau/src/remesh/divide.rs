@@ -1,0 +1,129 @@
+//! Edges that are too long get a vertex where both halves have the same length, on the surface or on their curve.
+
+use super::curves::{Kind, Rank};
+use super::work::Work;
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::normals::unit;
+use crate::mesh::{NONE, next, previous};
+use glam::DVec3;
+
+/// Splits make no shapes below this, unless the triangle was as bad before.
+const NEEDLE: f32 = 0.01;
+
+impl Work<'_> {
+    /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
+    pub fn divide(&mut self, limit: f64, sweeps: usize, context: &Context) -> Result<usize> {
+        self.divide_while(limit, sweeps, usize::MAX, context)
+    }
+
+    /// One sweep, until there are so many triangles.
+    pub fn divide_to(&mut self, limit: f64, wanted: usize, context: &Context) -> Result<usize> {
+        self.divide_while(limit, 1, wanted, context)
+    }
+
+    fn divide_while(&mut self, limit: f64, sweeps: usize, wanted: usize, context: &Context) -> Result<usize> {
+        let mut done = 0;
+        for _ in 0..sweeps {
+            let mut long: Vec<(u64, u32)> = self
+                .mesh
+                .edges()
+                .map(|h| (self.edge_length(h), h))
+                .filter(|&(l, _)| l > limit)
+                .map(|(l, h)| (l.to_bits(), h))
+                .collect();
+            long.sort_unstable_by(|a, b| b.cmp(a));
+            let before = done;
+            for (step, &(bits, h)) in long.iter().enumerate() {
+                context.check_every(step)?;
+                if self.mesh.triangle_count() >= wanted {
+                    return Ok(done);
+                }
+                if self.mesh.is_half_edge(h) && self.edge_length(h).to_bits() == bits && self.split(h).is_some() {
+                    done += 1;
+                }
+            }
+            if done == before {
+                break;
+            }
+        }
+        Ok(done)
+    }
+
+    /// Splits an edge in two of equal length; `None` where that is not allowed or would fold the surface.
+    pub fn split(&mut self, h: u32) -> Option<u32> {
+        let (a, b) = (self.mesh.vertex(h), self.mesh.head(h));
+        let (root_a, root_b) = (self.size[a as usize].sqrt(), self.size[b as usize].sqrt());
+        let t = root_a / (root_a + root_b);
+        if self.mesh.curve(h) != NONE {
+            return self.split_curve(h, t);
+        }
+        let p = self.point(a).lerp(self.point(b), t);
+        let mut spot = self.spot(self.seat[self.mesh.wedge(h) as usize], p);
+        let on_surface = spot.point;
+        // Where the surface folds, half way to it will do, or the edge itself with the normals of its ends.
+        if !self.split_holds(h, spot.point, [spot.normal; 2]) {
+            spot.point = 0.5 * (p + on_surface);
+            if !self.split_holds(h, spot.point, [spot.normal; 2]) {
+                let [m, n] = [h, next(h)].map(|c| self.normal[self.mesh.wedge(c) as usize]);
+                (spot.point, spot.normal) = (p, unit(m + n));
+                if !self.split_holds(h, spot.point, [spot.normal; 2]) {
+                    return None;
+                }
+            }
+        }
+        let wedge = self.add_wedge(&spot);
+        let m = self.mesh.split(h, spot.point, [wedge; 2]);
+        self.add_vertex(Rank::Free, spot.size, 0.0);
+        self.refresh_around(m);
+        Some(m)
+    }
+
+    fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
+        let (chain, [s0, s1]) = self.on_chain(h)?;
+        if chain.kind == Kind::Seam {
+            return None;
+        }
+        let s = s0 + t * (s1 - s0);
+        let [mut left, mut right] = self.chain_spots(chain, s);
+        if s1 < s0 {
+            (left, right) = (right, left);
+        }
+        // On a border one side is missing on the source and on the mesh alike.
+        let left = left?;
+        let normals = [left.normal, right.map_or(left.normal, |r| r.normal)];
+        let has_right = self.mesh.opposite(h) != NONE;
+        if has_right != right.is_some() || !self.split_holds(h, left.point, normals) {
+            return None;
+        }
+        let wedge_left = self.add_wedge(&left);
+        let wedge_right = right.map_or(NONE, |r| self.add_wedge(&r));
+        let size = right.map_or(left.size, |r| r.size.min(left.size));
+        let m = self.mesh.split(h, left.point, [wedge_left, wedge_right]);
+        self.add_vertex(Rank::Curve, size, chain.wrapped(s));
+        self.refresh_around(m);
+        Some(m)
+    }
+
+    /// Whether the new triangles keep constraint (1), or are no worse than the old ones, and none degenerates.
+    fn split_holds(&self, h: u32, p: DVec3, normals: [DVec3; 2]) -> bool {
+        let mesh = &self.mesh;
+        for (side, n) in [(h, normals[0]), (mesh.opposite(h), normals[1])] {
+            if side == NONE {
+                continue;
+            }
+            let before = self.face[side as usize / 3];
+            let corners = [side, next(side), previous(side)];
+            let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
+            let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
+            for new in [self.judge([a, p, c], [na, n, nc]), self.judge([p, b, c], [n, nb, nc])] {
+                if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
+                    || !self.allows_cosine(new.cosine, before.cosine)
+                {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,133 @@
+//! Which edges stay: borders, ridges by angle, tagged edges, edges between labels, seams of what is not manifold.
+
+use super::RemeshOptions;
+use super::curves::{Kind, Marks};
+use crate::error::{Error, Result};
+use crate::geometry::features::{FeatureOptions, feature_edges};
+use crate::mesh::{Column, CornerId, Side, SurfaceMesh};
+
+/// How a mesh is read.
+pub struct Reading {
+    /// The kind of curve that every half-edge of the triangular mesh lies on.
+    pub marks: Marks,
+    /// The surface is a scan: there is noise to take out.
+    pub noisy: bool,
+}
+
+/// Finds the edges that stay.
+pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
+    let wanted = FeatureOptions {
+        angle_deg: (options.feature_angle < 180.0).then_some(options.feature_angle),
+        borders: true,
+        tags: options.tags,
+        edges: Vec::new(),
+    };
+    let mut features = feature_edges(mesh, &wanted)?;
+    let noisy = is_scan(mesh)? && drop_noise(mesh, &mut features.corners, options);
+    let labels = match &options.labels {
+        None => None,
+        Some(name) => match mesh.attributes.face.get(name) {
+            Some(Column::Label(labels)) => Some(labels),
+            _ => return Err(Error::Options(format!("the mesh has no face property '{name}' of integers"))),
+        },
+    };
+    let kind = |c: usize| {
+        let c = CornerId::new(c);
+        match mesh.side(c) {
+            Side::Border => Some(Kind::Border),
+            Side::Inconsistent | Side::NonManifold => Some(Kind::Seam),
+            Side::Inner(o) => {
+                let label = |c: CornerId| labels.map(|l| l[mesh.face_of(c).index()]);
+                (features.contains(c) || label(c) != label(o)).then_some(Kind::Ridge)
+            }
+        }
+    };
+    Ok(Reading { marks: (0..mesh.corner_count()).map(kind).collect(), noisy })
+}
+
+/// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.
+const FLAT_SHARE: f64 = 0.1;
+const LOOSE_SHARE: f64 = 0.1;
+/// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
+const RIDGE_SHARE: f64 = 0.02;
+/// Edges with a smaller angle are flat, in degrees.
+const FLAT_DEG: f64 = 0.1;
+/// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
+const EDGES_PER_LOOSE_END: usize = 40;
+
+/// Drops ridges that are only noise; false where they are no noise. CAD models have flat faces and ridges that end at other
+/// ridges; scans have neither: there, ridges found by angle alone are few, in scattered pieces with loose ends, and each
+/// would pin its vertices.
+fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions) -> bool {
+    let n = mesh.vertex_count();
+    let ends = |c: usize| {
+        let c = CornerId::new(c);
+        [mesh.vertex(c).index(), mesh.vertex(mesh.next(c)).index()]
+    };
+    let inner = |c: usize| mesh.opposite(CornerId::new(c)).is_some_and(|o| c < o.index());
+    // The degree counts every curve edge, so that ridges may end at borders.
+    let mut degree = vec![0u32; n];
+    let mut ridges = Vec::new();
+    for c in 0..mesh.corner_count() {
+        if feature[c] && (inner(c) || mesh.opposite(CornerId::new(c)).is_none()) {
+            ends(c).iter().for_each(|&v| degree[v] += 1);
+            if inner(c) {
+                ridges.push(c);
+            }
+        }
+    }
+    let loose_ends = |c: usize| ends(c).iter().filter(|&&v| degree[v] == 1).count();
+    let loose: usize = ridges.iter().map(|&c| loose_ends(c)).sum();
+    if ridges.is_empty() {
+        return true;
+    }
+    let too_many = ridges.len() as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0;
+    if too_many || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
+        return false;
+    }
+    let mut leader: Vec<u32> = (0..n as u32).collect();
+    for &c in &ridges {
+        let [a, b] = ends(c).map(|v| find(&mut leader, v as u32));
+        leader[a.max(b) as usize] = a.min(b);
+    }
+    let mut count = vec![(0usize, 0usize); n];
+    for &c in &ridges {
+        let of = &mut count[find(&mut leader, ends(c)[0] as u32) as usize];
+        (of.0, of.1) = (of.0 + 1, of.1 + loose_ends(c));
+    }
+    let tagged: Vec<[usize; 2]> = mesh
+        .tagged_edges
+        .iter()
+        .filter(|_| options.tags)
+        .map(|e| e.ends.map(|v| v.index()))
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    for c in ridges {
+        let (edges, loose) = count[find(&mut leader, ends(c)[0] as u32) as usize];
+        let [a, b] = ends(c);
+        if edges < EDGES_PER_LOOSE_END * loose.max(1) && !tagged.contains(&[a.min(b), a.max(b)]) {
+            feature[c] = false;
+            if let Some(o) = mesh.opposite(CornerId::new(c)) {
+                feature[o.index()] = false;
+            }
+        }
+    }
+    true
+}
+
+/// Whether a surface has no flat places to speak of, as scans have none.
+fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
+    let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
+    let bent = feature_edges(mesh, &bent)?.corners;
+    let flat = bent.iter().filter(|&&b| !b).count();
+    Ok(flat as f64 <= FLAT_SHARE * bent.len() as f64)
+}
+
+/// The leader of a vertex; paths are halved on the way.
+fn find(leader: &mut [u32], mut v: u32) -> u32 {
+    while leader[v as usize] != v {
+        leader[v as usize] = leader[leader[v as usize] as usize];
+        v = leader[v as usize];
+    }
+    v
+}

@@ -1,0 +1,57 @@
+//! The result as a surface mesh: cut vertices are joined again, attributes come along, every vertex has its size.
+
+use super::support::Support;
+use super::transfer;
+use crate::error::Result;
+use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, gather_columns};
+
+/// What a method has made.
+pub struct Made<'a> {
+    pub mesh: &'a EditMesh,
+    /// A source triangle near a corner, on its side of all curves.
+    pub seat: &'a dyn Fn(u32) -> u32,
+    /// Size at a vertex.
+    pub size: &'a dyn Fn(u32) -> f64,
+}
+
+/// The surface mesh of what was made of a source.
+pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<SurfaceMesh> {
+    let compact = made.mesh.compact();
+    let mut first = vec![NONE; source.vertex_count()];
+    let mut id = vec![0u32; compact.vertices.len()];
+    let mut kept = Vec::new();
+    for (k, &v) in compact.vertices.iter().enumerate() {
+        let origin = made.mesh.origin[v as usize];
+        let known = if origin == NONE { NONE } else { first[origin as usize] };
+        id[k] = if known != NONE { known } else { kept.len() as u32 };
+        if known == NONE {
+            if origin != NONE {
+                first[origin as usize] = kept.len() as u32;
+            }
+            kept.push(v);
+        }
+    }
+    let faces: Vec<[u32; 3]> = compact.faces.iter().map(|f| f.map(|v| id[v as usize])).collect();
+    let points = kept.iter().map(|&v| made.mesh.points[v as usize]).collect();
+    let mut out = SurfaceMesh::from_triangles(points, &faces)?;
+    if !source.attributes.face.is_empty() {
+        let under = |&t: &u32| {
+            let [a, b, c] = made.mesh.positions(t);
+            support.locate((made.seat)(3 * t), (a + b + c) / 3.0).0.triangle
+        };
+        let parents: Vec<u32> = compact.triangles.iter().map(under).collect();
+        out.attributes.face = gather_columns(&source.attributes.face, &parents);
+    }
+    if !source.attributes.vertex.is_empty() {
+        let seat = |&v: &u32| {
+            let corner = made.mesh.around(v).next().unwrap_or(0);
+            support.locate((made.seat)(corner), made.mesh.points[v as usize]).0
+        };
+        let seats: Vec<_> = kept.iter().map(seat).collect();
+        out.attributes.vertex = transfer::at_seats(&source.attributes.vertex, support, &seats);
+    }
+    out.attributes.names = source.attributes.names.clone();
+    let size = kept.iter().map(|&v| (made.size)(v)).collect();
+    out.attributes.vertex.insert("size".into(), Column::Scalar(size));
+    Ok(out)
+}

@@ -1,0 +1,72 @@
+//! The size map: how long an edge should be at every vertex, and lengths measured by it.
+//!
+//! The size is h = α r, α = 2 sin θ, where r is the smallest principal radius (paper, the remark in section 3): a chord
+//! that stands at the angle θ to the tangent of a circle of radius r has the length 2 r sin θ. Along an edge the size is
+//! linear, so that the length of AB is the integral of 1/h:
+//!
+//! l(AB) = ‖AB‖ ln(h_B / h_A) / (h_B − h_A)
+//!
+//! Gradation: with a linear size the ratio of sizes over one unit of length, (h_B / h_A)^(1/l), is exp(|h_B − h_A| / ‖AB‖).
+//! To keep it below β (the H-shock) is to keep |h_B − h_A| ≤ ‖AB‖ ln β: the largest such map below a given one is the
+//! lower envelope of cones of that slope, found by Dijkstra's algorithm. It does not depend on the order of anything.
+
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::EditMesh;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Length of an edge of Euclidean length `d` between two sizes.
+#[inline]
+pub fn metric_length(d: f64, a: f64, b: f64) -> f64 {
+    // 2 artanh(x) = ln((1 + x) / (1 − x)), and its series where that is exact enough.
+    let x = (b - a) / (a + b);
+    let x2 = x * x;
+    let mean = if x2 < 0.04 {
+        1.0 + x2 * (1.0 / 3.0 + x2 * (0.2 + x2 * (1.0 / 7.0 + x2 * (1.0 / 9.0 + x2 / 11.0))))
+    } else {
+        x.atanh() / x
+    };
+    2.0 * d / (a + b) * mean
+}
+
+/// Size quality, equation (3): how close a length is to one.
+#[inline]
+pub fn length_quality(l: f64) -> f64 {
+    if l <= 1.0 { l } else { 1.0 / l }
+}
+
+/// Lowers sizes until no edge of the mesh has a shock above `beta`.
+pub fn grade(mesh: &EditMesh, size: &mut [f64], beta: f64, context: &Context) -> Result<()> {
+    let slope = beta.ln();
+    // Sizes are positive: their bits are ordered as they are.
+    let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
+    let live = |v: &u32| mesh.is_vertex(*v);
+    // Only where a cone cuts into a neighbour there is something to do.
+    for v in (0..mesh.vertex_slots()).filter(live) {
+        let (p, h) = (mesh.points[v as usize], size[v as usize]);
+        let mut cuts = false;
+        mesh.for_neighbours(v, |w| cuts |= size[w as usize] > h + slope * p.distance(mesh.points[w as usize]));
+        if cuts {
+            queue.push(Reverse((h.to_bits(), v)));
+        }
+    }
+    let mut step = 0;
+    while let Some(Reverse((bits, v))) = queue.pop() {
+        step += 1;
+        context.check_every(step)?;
+        let h = f64::from_bits(bits);
+        if h > size[v as usize] {
+            continue;
+        }
+        let p = mesh.points[v as usize];
+        mesh.for_neighbours(v, |w| {
+            let bound = h + slope * p.distance(mesh.points[w as usize]);
+            if bound < size[w as usize] {
+                size[w as usize] = bound;
+                queue.push(Reverse((bound.to_bits(), w)));
+            }
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! A wanted number of triangles: the scale of the size map that gives it.
+//!
+//! A mesh of equilateral triangles with edges of length one has 4 / (√3 h²) triangles per unit of area; real ones have
+//! nearly as many, by a factor that hardly depends on anything. The integral gives the scale to begin with, the count that
+//! was reached corrects it.
+
+use super::Source;
+use super::decimate::Demand;
+use super::relocate::Accept;
+use super::work::Work;
+use super::{RemeshOptions, support::Support};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::triangle_area_vector;
+
+/// How many triangles a mesh at work has for one that the integral predicts.
+const YIELD: f64 = 0.97;
+/// The count is met within this share.
+pub const WITHIN: f64 = 0.009;
+
+/// The number of triangles that a size map asks for.
+fn predicted(support: &Support) -> f64 {
+    let sum: f64 = (0..support.mesh.triangle_slots())
+        .map(|t| {
+            let [a, b, c] = support.mesh.positions(t);
+            let inverse = support.mesh.triangle(t).map(|v| support.size[v as usize].powi(-2));
+            triangle_area_vector(a, b, c).length() * (inverse[0] + inverse[1] + inverse[2]) / 3.0
+        })
+        .sum();
+    YIELD * sum * 4.0 / 3f64.sqrt()
+}
+
+/// The scale of the sizes for which the integral predicts a number of triangles.
+pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f64, context: &Context) -> Result<f64> {
+    let mut scale = options.scale;
+    for _ in 0..8 {
+        source.set_size_map(&RemeshOptions { scale, ..options.clone() }, context)?;
+        let ratio = predicted(&source.support) / wanted;
+        if (ratio - 1.0).abs() < 0.005 {
+            break;
+        }
+        scale *= ratio.sqrt().clamp(0.1, 10.0);
+    }
+    Ok(scale)
+}
+
+impl Work<'_> {
+    /// Collapses the shortest or splits the longest edges until the number of triangles is within 1 %.
+    pub fn trim(&mut self, wanted: usize, context: &Context) -> Result<()> {
+        let most = ((1.0 + WITHIN) * wanted as f64).floor() as usize;
+        let least = ((1.0 - WITHIN) * wanted as f64).ceil() as usize;
+        for limit in [0.8, 0.9, 1.0, 1.2, 1.5] {
+            if self.mesh.triangle_count() <= most {
+                break;
+            }
+            let demand = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55 };
+            self.decimate_to(limit, &demand, most, context)?;
+            self.swap(2, context)?;
+            self.polish(context)?;
+        }
+        for limit in [1.3, 1.2, 1.1, 1.0] {
+            if self.mesh.triangle_count() >= least {
+                break;
+            }
+            self.divide_to(limit, least, context)?;
+            self.swap(2, context)?;
+            self.relocate(Accept::Better, context)?;
+        }
+        Ok(())
+    }
+}
