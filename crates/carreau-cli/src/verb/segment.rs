@@ -65,7 +65,7 @@ pub struct Segment {
     /// Radius of estimator normal-cycle-ball [default: three mean edge lengths]
     #[arg(long, value_name = "LENGTH")]
     radius: Option<Length>,
-    /// The length that curvatures are multiplied by [default: largest-side]
+    /// The length that curvatures are multiplied by [default: root-area; preset paper: largest-side]
     #[arg(long, value_name = "LENGTH", value_parser = choice::<Scale>(&["largest-side", "root-area"]))]
     scale: Option<Scale>,
     /// Smaller regions are merged first, as a share of the area [default: 0.001]

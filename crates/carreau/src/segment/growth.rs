@@ -36,12 +36,11 @@ pub fn grow(
     let mut label = vec![NONE; t.len()];
     let mut curvature = Vec::new();
     let mut queue = VecDeque::new();
-    for (step, &seed) in order.iter().enumerate() {
+    for (step, (own, seed)) in seeds(surface, cluster, order).into_iter().enumerate() {
         context.check_every(step)?;
         if label[seed as usize] != NONE {
             continue;
         }
-        let Some(own) = seed_cluster(t.triangle(seed), cluster) else { continue };
         let region = curvature.len() as u32;
         curvature.push(centers[own as usize]);
         label[seed as usize] = region;
@@ -61,6 +60,16 @@ pub fn grow(
     fill(surface, &sharp.edge, &mut regions.label, context)?;
     islands(surface, sharp, cluster, centers, order, &mut regions);
     Ok(regions)
+}
+
+/// The clusters and triangles of all seeds: one cluster after the other, large triangles first. What lies between two
+/// clusters goes to the first that asks, which should not be a question of where the model lies in space.
+fn seeds(surface: &Surface<'_>, cluster: &[u32], order: &[u32]) -> Vec<(u32, u32)> {
+    let seed = |&t: &u32| seed_cluster(surface.triangles.triangle(t), cluster).map(|own| (own, t));
+    let mut seeds: Vec<(u32, u32)> = order.iter().filter_map(seed).collect();
+    let area = |t: u32| surface.areas[t as usize];
+    seeds.sort_by(|a, b| a.0.cmp(&b.0).then_with(|| area(b.1).total_cmp(&area(a.1))));
+    seeds
 }
 
 /// The cluster that makes a triangle a seed: all of its vertices that are not sharp have it.

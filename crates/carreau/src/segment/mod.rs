@@ -96,10 +96,10 @@ pub enum Rectify {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// The largest side of the bounding box: the usual one, and the one that the paper's thresholds fit.
-    #[default]
+    /// The largest side of the bounding box, which the paper's thresholds fit.
     LargestSide,
     /// 0.673 times the root of the area: the same in every position, and as long as the side on the paper's Fandisk.
+    #[default]
     RootArea,
 }
 
@@ -168,6 +168,7 @@ impl SegmentOptions {
             merge_threshold: Some(5.0),
             sharp_angle: Some(25.0),
             rectify: Rectify::Paper,
+            scale: Scale::LargestSide,
             ..SegmentOptions::default()
         }
     }
@@ -257,7 +258,7 @@ pub struct Segmentation {
 const PART: f64 = 0.02;
 /// Where less of it does, the vertices may have noise.
 const MOST: f64 = 0.5;
-/// Largest distance of a vertex from the surface of its region, as a share of the diagonal.
+/// Largest distance of a vertex from the surface of its region, as a share of the extent.
 const TOLERANCE: f64 = 3e-5;
 /// The same on noisy parts, in standard deviations of the noise.
 const NOISE_TOLERANCE: f64 = 5.0;
@@ -325,7 +326,8 @@ struct Segmenter<'a> {
 impl Segmenter<'_> {
     fn run(mut self) -> Result<Segmentation> {
         let scale = self.scale();
-        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * self.surface.mesh.diagonal());
+        let extent = self.surface.extent();
+        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * extent);
         let mut chosen = Chosen {
             basis: Basis::Labels,
             sharp_angle_deg: self.angle.to_degrees(),
@@ -338,7 +340,7 @@ impl Segmenter<'_> {
             rectified: 0,
         };
         let mut dendrogram = Dendrogram::default();
-        let start = self.start(&mut chosen)?;
+        let start = self.start(extent, &mut chosen)?;
         if start.is_none() && self.options.surfaces && self.options.sharp_angle.is_none() {
             self.angle = surface::noisy_sharp_angle(self.surface, SCAN_SHARP).clamp(self.angle, SCAN_SHARPEST);
             self.sharp = Sharp::new(self.surface, self.angle);
@@ -352,7 +354,10 @@ impl Segmenter<'_> {
                 (chosen.basis, chosen.clusters, chosen.merge_threshold) =
                     (Basis::Curvature, found.clusters, found.threshold);
                 dendrogram = found.dendrogram;
-                found.label
+                let mut label = found.label;
+                // Boundaries are corrected in the order of the regions: not one of place.
+                regions::by_size(self.surface, &mut label, self.order);
+                label
             }
         };
         chosen.rectified = self.rectify(&mut label, &curvature, &chosen)?;
@@ -360,7 +365,7 @@ impl Segmenter<'_> {
     }
 
     /// Given labels, or those of the surfaces of a part; `None` where there are neither.
-    fn start(&self, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
+    fn start(&self, extent: f64, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
         if let Some(labels) = &self.options.labels {
             return Ok(Some(regions::dense(labels)));
         }
@@ -368,11 +373,12 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         let _stage = self.context.stage("surfaces");
-        let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
+        let found = surfaces::find(self.surface, self.order, extent, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
-        if chosen.recognised < MOST && found.exact_share(self.surface) < PART {
+        if chosen.recognised < MOST {
             let _stage = self.context.stage("surfaces with noise");
-            let noisy = noisy::find(self.surface, self.order, self.context)?;
+            let held = (chosen.recognised >= PART).then_some(found.tolerance);
+            let noisy = noisy::find(self.surface, self.order, held, self.context)?;
             if let Some(noisy) = noisy.filter(|noisy| noisy.share > chosen.recognised) {
                 return Ok(Some(self.take_noisy(noisy, chosen)));
             }

@@ -432,15 +432,9 @@ impl<'a> Search<'a> {
 
     /// Whether no facet is out of proportion to the others: a plane between two rounded edges may lie on their circle.
     fn even(&self, primitive: &Primitive, facets: &[u32]) -> bool {
-        let t = self.surface.triangles;
         let turn = |f: &u32| {
-            let normals = self
-                .facets
-                .triangles(*f)
-                .iter()
-                .flat_map(|&k| t.triangle(k))
-                .map(|v| primitive.normal(t.points()[v as usize]));
-            let first = primitive.normal(t.point(3 * self.facets.triangles(*f)[0]));
+            let mut normals = self.facets.triangles(*f).iter().flat_map(|&k| self.surface.normals_on(k, primitive));
+            let first = normals.next().unwrap_or_default();
             normals.map(|n| angle_between(first, n)).fold(0.0, f64::max)
         };
         let mut turns: Vec<f64> = facets.iter().map(turn).collect();

@@ -69,11 +69,11 @@ pub fn keep_largest_parts(surface: &Surface<'_>, label: &mut [u32], order: &[u32
     }
 }
 
-/// Numbers labels by area, largest first; ties by the first triangle in the order.
+/// Numbers labels by area, largest first; ties by the first triangle in the order. [`NONE`] stays.
 pub fn by_size(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) -> usize {
     let count = count(label);
     let (mut area, mut first) = (vec![0.0; count], vec![NONE; count]);
-    for (k, &t) in order.iter().enumerate() {
+    for (k, &t) in order.iter().enumerate().filter(|(_, t)| label[**t as usize] != NONE) {
         let l = label[t as usize] as usize;
         area[l] += surface.areas[t as usize];
         first[l] = first[l].min(k as u32);
@@ -84,7 +84,7 @@ pub fn by_size(surface: &Surface<'_>, label: &mut [u32], order: &[u32]) -> usize
     });
     let mut number = vec![NONE; count];
     rank.iter().enumerate().for_each(|(n, &l)| number[l as usize] = n as u32);
-    label.par_iter_mut().for_each(|l| *l = number[*l as usize]);
+    label.par_iter_mut().filter(|l| **l != NONE).for_each(|l| *l = number[*l as usize]);
     rank.len()
 }
 

@@ -23,6 +23,9 @@ pub struct Surface<'a> {
     pub bend: Vec<f32>,
 }
 
+/// How far inside of a triangle is a little, as a share of the way to its centroid.
+const INSIDE: f64 = 1e-3;
+
 impl<'a> Surface<'a> {
     pub fn new(mesh: &'a SurfaceMesh, triangles: Triangles<'a>) -> Self {
         let normals = face_normals(mesh);
@@ -97,6 +100,22 @@ impl<'a> Surface<'a> {
         p.normal(self.center(t)).dot(self.normals[t as usize]).signum()
     }
 
+    /// Twice the largest distance of a corner from the centroid: the diagonal of a box, and other than that of the bounding
+    /// box the same in every position.
+    pub fn extent(&self) -> f64 {
+        let moment = (0..self.len() as u32).map(|t| self.center(t) * self.areas[t as usize]).sum::<DVec3>();
+        let centroid = moment / self.total_area.max(f64::MIN_POSITIVE);
+        let far = |c: u32| self.triangles.point(c).distance_squared(centroid);
+        2.0 * (0..3 * self.len() as u32).into_par_iter().map(far).reduce(|| 0.0, f64::max).sqrt()
+    }
+
+    /// Normals of a primitive at the corners of a triangle, a little inside of it: an apex has none, and beside it rounding
+    /// says which.
+    pub fn normals_on(&self, t: u32, p: &Primitive) -> [DVec3; 3] {
+        let center = self.center(t);
+        [0, 1, 2].map(|k| p.normal(self.triangles.point(3 * t + k).lerp(center, INSIDE)))
+    }
+
     /// Length of the sides of equilateral triangles of the mean area.
     pub fn mean_edge(&self) -> f64 {
         (self.total_area / self.len().max(1) as f64 * 4.0 / 3f64.sqrt()).sqrt()
@@ -114,7 +133,7 @@ impl<'a> Surface<'a> {
         if own == DVec3::ZERO {
             return true;
         }
-        let n = points.map(|x| p.normal(x) * sign);
+        let n = self.normals_on(t, p).map(|n| n * sign);
         let spread = (0..3).map(|k| angle_between(n[k], n[(k + 1) % 3])).fold(0.0, f64::max);
         spread <= demand.spread && angle_between(own, n[0] + n[1] + n[2]) <= 0.6 * spread + demand.turn
     }

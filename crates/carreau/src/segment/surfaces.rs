@@ -16,7 +16,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::collections::VecDeque;
 
-/// Tolerances after the first, as shares of the diagonal: CAD kernels agree with themselves to the first, careless ones to
+/// Tolerances after the first, as shares of the extent: CAD kernels agree with themselves to the first, careless ones to
 /// the second.
 const RUNGS: [f64; 2] = [2e-6, 2e-5];
 /// Noise of normals, in radians.
@@ -52,19 +52,23 @@ pub struct Surfaces {
     /// Surface of every triangle; [`NONE`] where none was found.
     pub label: Vec<u32>,
     pub primitives: Vec<Primitive>,
-    /// The first so many hold their vertices to rounding, the others to a looser tolerance.
-    pub exact: u32,
     /// The loosest tolerance.
     pub tolerance: f64,
 }
 
-/// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers.
-pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
-    let diagonal = surface.mesh.diagonal();
-    let floor = floor(surface, diagonal);
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), exact: 0, tolerance: floor };
+/// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers, `extent` is that of the
+/// surface.
+pub fn find(
+    surface: &Surface<'_>,
+    order: &[u32],
+    extent: f64,
+    sharp_angle: f64,
+    context: &Context,
+) -> Result<Surfaces> {
+    let floor = floor(surface, extent);
+    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
     let rungs: Vec<f64> =
-        [floor].into_iter().chain(RUNGS.map(|r| r * diagonal).into_iter().filter(|&r| r > floor)).collect();
+        [floor].into_iter().chain(RUNGS.map(|r| r * extent).into_iter().filter(|&r| r > floor)).collect();
     let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
     let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
     if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
@@ -74,9 +78,6 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
     for (k, &distance) in rungs.iter().enumerate() {
         found.climb(surface, &by_area, sharp_angle, &accuracy(distance), k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
-        if k == 0 {
-            found.exact = found.primitives.len() as u32;
-        }
     }
     found.absorb(surface, found.tolerance, |_| true);
     found.unite(surface);
@@ -85,15 +86,15 @@ pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Co
 }
 
 /// How exactly vertices can lie on a surface, single or double precision.
-fn floor(surface: &Surface<'_>, diagonal: f64) -> f64 {
+fn floor(surface: &Surface<'_>, extent: f64) -> f64 {
     let points = surface.triangles.points();
     let single = points.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
     let (low, high) = surface.mesh.bounds();
     let largest = low.abs().max(high.abs()).max_element();
     if single {
-        4.0 * f64::from(f32::EPSILON) * largest.max(diagonal / 4.0)
+        4.0 * f64::from(f32::EPSILON) * largest.max(extent / 4.0)
     } else {
-        1e-9 * diagonal + 64.0 * f64::EPSILON * largest
+        1e-9 * extent + 64.0 * f64::EPSILON * largest
     }
 }
 
@@ -267,17 +268,8 @@ impl Surfaces {
 
     /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
     pub fn share(&self, surface: &Surface<'_>) -> f64 {
-        self.share_of_first(self.primitives.len() as u32, surface)
-    }
-
-    /// Share of the area on surfaces that hold their vertices to rounding, as vertices with noise never lie.
-    pub fn exact_share(&self, surface: &Surface<'_>) -> f64 {
-        self.share_of_first(self.exact, surface)
-    }
-
-    fn share_of_first(&self, count: u32, surface: &Surface<'_>) -> f64 {
-        let mut area = vec![0.0; count as usize];
-        for (&l, &a) in self.label.iter().zip(&surface.areas).filter(|(l, _)| **l < count) {
+        let mut area = vec![0.0; self.primitives.len()];
+        for (&l, &a) in self.label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE) {
             area[l as usize] += a;
         }
         let total = surface.total_area.max(f64::MIN_POSITIVE);

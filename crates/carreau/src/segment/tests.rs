@@ -285,15 +285,30 @@ fn mesh_area(mesh: &SurfaceMesh) -> f64 {
     mesh.faces().iter().map(|f| 0.5 * (p(f[1]) - p(f[0])).cross(p(f[2]) - p(f[0])).length()).sum()
 }
 
-#[test]
-fn exact_and_organic_surfaces_have_no_noise() {
-    // An egg with bumps: smooth, on no surface.
-    let egg = moved(&sphere(4), |p| {
+/// An egg with bumps: smooth, on no surface.
+fn egg() -> SurfaceMesh {
+    moved(&sphere(4), |p| {
         let bumps = 1.0 + 0.1 * (3.0 * p.x).sin() * (2.0 * p.y + 1.0).cos() + 0.05 * (5.0 * p.z).sin();
         DVec3::new(p.x, 1.2 * p.y, 1.5 * p.z) * bumps
-    });
-    for mesh in [model("bracket"), egg] {
+    })
+}
+
+#[test]
+fn exact_and_organic_surfaces_have_no_noise() {
+    for mesh in [model("bracket"), egg()] {
         assert_eq!(default(&mesh).chosen.noise, 0.0);
+    }
+}
+
+#[test]
+fn an_organic_shape_keeps_its_regions_in_every_position() {
+    let options = SegmentOptions { regions: Some(10), ..SegmentOptions::default() };
+    let result = run(&egg(), &options);
+    assert_eq!(result.chosen.basis, Basis::Curvature);
+    for turn in [0.4, 1.3, 2.9] {
+        let turn = DQuat::from_axis_angle(DVec3::new(-2.0, 1.0, 3.0).normalize(), turn);
+        let turned = run(&moved(&egg(), |p| turn * p + DVec3::new(1.0, 7.0, -2.0)), &options);
+        assert_eq!(covered(&turned.labels, &result.labels, 0.98), result.regions.len());
     }
 }
 

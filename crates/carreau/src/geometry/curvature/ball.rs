@@ -114,21 +114,21 @@ impl<'a> Ball<'a> {
                 }
             };
             let distance = [p[0].length_squared(), p[1].length_squared(), p[2].length_squared()];
-            let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
-            if distance[0].max(distance[1]).max(distance[2]) <= self.squares[0] {
-                area += cell.area;
-                (0..3).for_each(|k| measure(k, 1.0, edges[k]));
-            } else {
-                let (mut shares, mut inside) = ([0.0; 3], 0.0);
-                for square in self.squares {
+            let farthest = distance[0].max(distance[1]).max(distance[2]);
+            let (mut shares, mut inside) = ([0.0; 3], 0.0);
+            for square in self.squares {
+                if farthest <= square {
+                    inside += cell.area;
+                    (0..3).for_each(|k| shares[k] += 1.0);
+                } else {
                     let part = |k: usize, n: usize| clipped_part(p[k], p[n], [distance[k], distance[n]], square);
                     let parts = [part(0, 1), part(1, 2), part(2, 0)];
                     inside += clipped_area(p, parts, &sectors.faces[triangle as usize], square);
                     (0..3).for_each(|k| shares[k] += parts[k][1] - parts[k][0]);
                 }
-                area += inside / RIMS.len() as f64;
-                (0..3).for_each(|k| measure(k, shares[k] / RIMS.len() as f64, edges[k]));
             }
+            area += inside / RIMS.len() as f64;
+            (0..3).for_each(|k| measure(k, shares[k] / RIMS.len() as f64, p[(k + 1) % 3] - p[k]));
         }
         if !(area > NO_AREA) {
             return (Form::default(), 0.0);

@@ -39,6 +39,8 @@ const LOUDEST: f64 = 0.15;
 const SAME_NOISE: f64 = 1.28;
 /// Some of the seeds are enough where they are apart by more.
 const OTHER_NOISE: f64 = 1.55;
+/// Noise that is larger than a distance by this factor cannot hide in it.
+const CLEARLY: f64 = 6.0;
 /// Share of the seeds, and of the area, that lies on surfaces where the mesh is a part.
 const PROBED: f64 = 0.25;
 const PART: f64 = 0.6;
@@ -61,12 +63,13 @@ pub struct Noisy {
     pub share: f64,
 }
 
-/// The faces of a part with noise; `None` for other meshes.
-pub fn find(surface: &Surface<'_>, order: &[u32], context: &Context) -> Result<Option<Noisy>> {
+/// The faces of a part with noise; `None` for other meshes. `held`: the distance from their vertices of surfaces that
+/// were found already, if any were.
+pub fn find(surface: &Surface<'_>, order: &[u32], held: Option<f64>, context: &Context) -> Result<Option<Noisy>> {
     if surface.len() > LARGEST {
         return Ok(None);
     }
-    let Some(noise) = noise_of_part(surface, order, context)? else { return Ok(None) };
+    let Some(noise) = noise_of_part(surface, order, held, context)? else { return Ok(None) };
     let proposals = propose::propose(surface, &noise, order, context)?;
     let (models, mut label) = propose::choose(surface, &noise, &proposals);
     let mut energy = Energy::new(surface, &noise, models);
@@ -92,8 +95,12 @@ pub fn find(surface: &Surface<'_>, order: &[u32], context: &Context) -> Result<O
 
 /// The noise of a mesh that looks like a part with noise. Few probes decide: a scan of a million triangles is told in a
 /// fraction of a second.
-fn noise_of_part(surface: &Surface<'_>, order: &[u32], context: &Context) -> Result<Option<Noise>> {
+fn noise_of_part(surface: &Surface<'_>, order: &[u32], held: Option<f64>, context: &Context) -> Result<Option<Noise>> {
     let Some(sigma) = level::level(surface, order) else { return Ok(None) };
+    // No surface could hold its vertices as closely.
+    if held.is_some_and(|held| sigma > CLEARLY * held) {
+        return Ok(None);
+    }
     let edge = surface.mean_edge();
     if !(QUIETEST * edge..LOUDEST * edge).contains(&sigma) {
         return Ok(None);
