@@ -41,7 +41,8 @@ mod triangles;
 mod triangulate;
 mod weld;
 
-pub use area::{area_vector, safe_length, triangle_area_vector};
+pub(crate) use area::unit_sized;
+pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};

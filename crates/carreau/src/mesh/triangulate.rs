@@ -11,10 +11,9 @@
 //! else. With four corners left both triangles count, so that a quad gets its shorter diagonal if that is allowed. Between
 //! equals, as in a rectangle, the cut is that of a fan from the first corner.
 
-use super::area::{area_vector, triangle_area_vector};
+use super::area::{area_vector, mean_ratio, triangle_area_vector};
 use super::half_edges::HalfEdges;
 use super::polygons::Polygons;
-use crate::geometry::quality::mean_ratio;
 use glam::DVec3;
 use std::collections::HashSet;
 

@@ -1,6 +1,7 @@
 //! Edges that are too long get a vertex where both halves have the same length, on the surface or on their curve.
 
 use super::curves::{Kind, Rank};
+use super::size::Metric;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
@@ -10,6 +11,9 @@ use glam::DVec3;
 
 /// Splits make no shapes below this, unless the triangle was as bad before.
 const NEEDLE: f32 = 0.01;
+
+/// Sweeps of [`Work::divide_sagging`]: each halves what sags.
+const SAG_SWEEPS: usize = 4;
 
 impl Work<'_> {
     /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
@@ -50,6 +54,32 @@ impl Work<'_> {
         Ok(done)
     }
 
+    /// Splits the edges of ridges that sag more than they may.
+    pub fn divide_sagging(&mut self, context: &Context) -> Result<()> {
+        let allowed = std::mem::replace(&mut self.limits.cos_allowed, self.limits.cos_cap);
+        let done = self.divide_sagging_within_cap(context);
+        self.limits.cos_allowed = allowed;
+        done
+    }
+
+    fn divide_sagging_within_cap(&mut self, context: &Context) -> Result<()> {
+        for _ in 0..SAG_SWEEPS {
+            let edges: Vec<u32> = self.mesh.edges().filter(|&h| self.mesh.curve(h) != NONE).collect();
+            let mut done = 0;
+            for (step, h) in edges.into_iter().enumerate() {
+                context.check_every(step)?;
+                let Some((chain, span)) = self.on_chain(h) else { continue };
+                let sags = matches!(chain.kind, Kind::Ridge | Kind::Crease)
+                    && chain.sag(span) > self.limits.ridge_sag * (1.0 + 1e-9);
+                done += usize::from(sags && self.split(h).is_some());
+            }
+            if done == 0 {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Splits an edge in two of equal length; `None` where that is not allowed or would fold the surface.
     pub fn split(&mut self, h: u32) -> Option<u32> {
         let (a, b) = (self.mesh.vertex(h), self.mesh.head(h));
@@ -74,7 +104,7 @@ impl Work<'_> {
         }
         let wedge = self.add_wedge(&spot);
         let m = self.mesh.split(h, spot.point, [wedge; 2]);
-        self.add_vertex(Rank::Free, spot.size, 0.0);
+        self.add_vertex(Rank::Free, spot.metric, 0.0);
         self.refresh_around(m);
         Some(m)
     }
@@ -98,9 +128,9 @@ impl Work<'_> {
         }
         let wedge_left = self.add_wedge(&left);
         let wedge_right = right.map_or(NONE, |r| self.add_wedge(&r));
-        let size = right.map_or(left.size, |r| r.size.min(left.size));
+        let size = right.map_or(left.metric.size, |r| r.metric.size.min(left.metric.size));
         let m = self.mesh.split(h, left.point, [wedge_left, wedge_right]);
-        self.add_vertex(Rank::Curve, size, chain.wrapped(s));
+        self.add_vertex(Rank::Curve, Metric { size, stretch: DVec3::ZERO }, chain.wrapped(s));
         self.refresh_around(m);
         Some(m)
     }
@@ -116,7 +146,10 @@ impl Work<'_> {
             let corners = [side, next(side), previous(side)];
             let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
             let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
-            for new in [self.judge([a, p, c], [na, n, nc]), self.judge([p, b, c], [n, nb, nc])] {
+            let [wa, wb, wc] = self.stretches(corners.map(|x| mesh.vertex(x)));
+            for new in
+                [self.judge([a, p, c], [na, n, nc], [wa, wa, wc]), self.judge([p, b, c], [n, nb, nc], [wb, wb, wc])]
+            {
                 if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
                     || !self.allows_cosine(new.cosine, before.cosine)
                 {

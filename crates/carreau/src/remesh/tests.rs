@@ -1,6 +1,8 @@
 //! The whole room on models whose surface is known.
 
+use super::search::CLOSE_LOOK;
 use super::*;
+use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::Topology;
 use crate::sample;
