@@ -255,6 +255,63 @@ fn property(file: &Path, name: &str) -> Vec<f64> {
 }
 
 #[test]
+fn simplify_meets_what_is_asked_for_and_says_so() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let out = at("s.ply");
+    let before = record(&["info", text(&model)])["faces"].as_u64().unwrap();
+    let run = |extra: &[&str]| {
+        let args = [&["simplify", text(&model), "-o", text(&out)], extra].concat();
+        record(&args)
+    };
+    let json = run(&["--triangles", "600"]);
+    let faces = json["output"]["faces"].as_u64().unwrap();
+    assert!(faces.abs_diff(600) <= 6 && faces < before, "{faces}");
+    let q = &json["quality"];
+    assert!(q["shape_min"].as_f64().unwrap() > 0.4 && q["length_in_half_two"].as_f64().unwrap() > 0.99);
+    assert!(q["distance_max"].as_f64().unwrap() >= q["distance_rms"].as_f64().unwrap());
+    assert!(property(&out, "size").iter().all(|h| *h > 0.0));
+
+    let json = run(&["--distance", "1%"]);
+    assert!(json["quality"]["distance_max"].as_f64().unwrap() <= 0.01);
+
+    // The curvature across the tube is larger than that along it.
+    let json = run(&["--triangles", "600", "--anisotropic"]);
+    assert_eq!(json["options"]["anisotropic"], true);
+    assert!(property(&out, "stretch_x").iter().any(|w| w.abs() > 0.3));
+    carreau().args(["simplify", text(&model), "--anisotropic", "--geometric"]).assert().code(2);
+
+    // Sizes of one run are the upper bound of the next.
+    carreau().args(["simplify", text(&model), "-o", text(&out), "--deviation", "10"]).assert().success();
+    let fine = record(&["simplify", text(&out), "--deviation", "40", "--sizes", "size"]);
+    let coarse = record(&["simplify", text(&out), "--deviation", "40"]);
+    let faces = |json: &Value| json["output"]["faces"].as_u64().unwrap();
+    assert!(faces(&fine) > 2 * faces(&coarse));
+    carreau().args(["simplify", text(&out), "--sizes", "none"]).assert().code(2).stderr(contains("none"));
+}
+
+#[test]
+fn enrich_refines_and_replays_for_any_number_of_threads() {
+    let (folder, model) = with_model("bracket", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    carreau()
+        .args(["enrich", text(&model), "--deviation", "4", "--json", text(&at("r.json"))])
+        .args(["-o", text(&at("a.ply")), "--threads", "1", "--picture", text(&at("a.png"))])
+        .assert()
+        .success();
+    carreau()
+        .args(["enrich", text(&model), "--options", text(&at("r.json")), "--threads", "2", "-o", text(&at("b.ply"))])
+        .assert()
+        .success();
+    assert_eq!(fs::read(at("a.ply")).unwrap(), fs::read(at("b.ply")).unwrap());
+    assert!(fs::read(at("a.png")).unwrap().starts_with(b"\x89PNG"));
+    let faces = |file: &Path| record(&["info", text(file)])["faces"].as_u64().unwrap();
+    assert!(faces(&at("a.ply")) > faces(&model));
+    carreau().args(["enrich", text(&model), "--deviation", "90"]).assert().code(2).stderr(contains("deviation"));
+    carreau().args(["enrich", text(&model), "--gradation", "1"]).assert().code(2).stderr(contains("gradation"));
+}
+
+#[test]
 fn curvature_writes_properties_picture_and_record() {
     let (folder, model) = with_model("torus", "m.ply");
     let at = |name: &str| folder.path().join(name);

@@ -7,7 +7,7 @@ use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
 use carreau::io::cad::{CadOptions, write_cad};
-use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::mesh::{Column, RawMesh, SurfaceMesh};
 use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
 use carreau::remesh::{RemeshOptions, simplify};
@@ -95,7 +95,10 @@ impl Demo {
 
     /// Triangles to a graded mesh.
     fn remesh(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
-        let options = RemeshOptions { deviation: 20.0, ..RemeshOptions::default() };
+        // Faces that meet without a ridge keep their borders, too.
+        let is_label = |c: &Column| matches!(c, Column::Label(_));
+        let labels = mesh.attributes.face.iter().find(|(_, c)| is_label(c)).map(|(name, _)| name.clone());
+        let options = RemeshOptions { deviation: 20.0, labels, ..RemeshOptions::default() };
         let result = simplify(mesh, &options, &session.context)?;
         let (q, triangles) = (result.quality, result.mesh.face_count());
         let out = RawMesh::from(result.mesh);
@@ -140,7 +143,10 @@ impl Demo {
     /// Writes a mesh; returns the name of the file in the folder.
     fn write(&self, session: &mut Session, name: &str, end: &str, mesh: &RawMesh) -> Result<String, Error> {
         let file = format!("{name}{end}.ply");
-        session.write_mesh(&self.output.join(&file), mesh, &WriteOptions::default())?;
+        // PLY has no place for the words of labels, and here nobody misses them.
+        let mut mesh = mesh.clone();
+        mesh.attributes.names.clear();
+        session.write_mesh(&self.output.join(&file), &mesh, &WriteOptions::default())?;
         Ok(file)
     }
 

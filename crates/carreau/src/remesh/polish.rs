@@ -18,7 +18,7 @@ const GOOD_LENGTH: f64 = 0.63;
 const POOR: f64 = 0.9;
 const SWEEPS: usize = 6;
 /// Judgements for every triangle of the mesh before the worst are left as they are.
-const EFFORT: usize = 1000;
+const EFFORT: usize = 500;
 /// Places that a vertex tries at most.
 const PLACES: usize = 40;
 /// Neighbours that are moved for the sake of one triangle.

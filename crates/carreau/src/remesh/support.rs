@@ -18,7 +18,7 @@ const FIT_POINTS: usize = 96;
 /// Radii are made steady where one ring of edges is within this share of the size.
 const STEADY_SHARE: f64 = 0.18;
 /// The quantile of the curvatures around a vertex that its own may have.
-const STEADY_QUANTILE: f64 = 0.68;
+const STEADY_QUANTILE: f64 = 0.6;
 
 /// The source surface.
 #[derive(Clone)]
