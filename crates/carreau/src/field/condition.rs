@@ -98,12 +98,9 @@ impl Division {
                     }));
                 }
             }
-            let (&first, others) = match parts(t, m).split_first() {
-                Some((first, others)) => (first, others.to_vec()),
-                None => continue,
-            };
-            self.triangles[k] = *first;
-            for part in others {
+            let mut parts = parts(t, m).into_iter();
+            self.triangles[k] = parts.next().unwrap_or(t);
+            for part in parts {
                 self.triangles.push(part);
                 self.source.push(self.source[k]);
             }

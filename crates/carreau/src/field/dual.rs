@@ -28,8 +28,9 @@ pub struct Spoke {
     pub edge: u32,
     /// 1 where the fan crosses it as it is listed, −1 else.
     pub sign: f64,
-    /// The vertex at its other end.
+    /// The vertex at its other end, and the fan there that crosses it, too.
     pub far: u32,
+    pub far_fan: u32,
 }
 
 /// The dual graph.
@@ -175,7 +176,7 @@ impl<'a> Dual<'a> {
         let crossed = self.corners(fan).iter().map(move |&c| t.previous(c));
         crossed.filter(|&h| self.edge_of[h as usize] != NONE).map(move |h| {
             let edge = self.edge_of[h as usize];
-            Spoke { edge, sign: if self.edges[edge as usize] == h { 1.0 } else { -1.0 }, far: t.vertex(h) }
+            Spoke { edge, sign: if self.edges[edge as usize] == h { 1.0 } else { -1.0 }, far: t.vertex(h), far_fan: self.fan_of[h as usize] }
         })
     }
 

@@ -3,7 +3,8 @@
 //! p follows from r − ω, not from r: forgetting ω here makes the poles again that it is there to avoid. The number of quads of a
 //! fan is k = (Θ − Σ r) 2/π, an integer: 4 at a regular inner vertex, 2 in a straight sector.
 
-use super::dual::{Dual, Fan};
+use super::dual::{Dual, Fan, Spoke};
+use std::cmp::Reverse;
 use std::f64::consts::FRAC_PI_2;
 
 /// p of every edge.
@@ -36,35 +37,28 @@ pub fn fewest(fan: &Fan) -> i32 {
     if fan.closed { 3 } else { 1 }
 }
 
-/// Gives fans with too few quads one at a time from the vertex across an edge that has the most; returns how many were given.
-/// A sector always gets its quads; an inner vertex only from one that can spare them.
+/// Gives fans with too few quads one at a time from the fan across an edge that can spare most; returns how many were given.
+/// First come the sectors, which always get theirs: the edges that they cross end at inner vertices. These get theirs from fans
+/// that keep enough.
 pub fn operate(dual: &Dual<'_>, p: &mut [i32], quads: &mut [i32]) -> usize {
-    let closed_fan = closed_fans(dual);
+    let fans = || 0..dual.fans.len();
+    let sectors = fans().filter(|&f| !dual.fans[f].closed);
+    let inner = fans().filter(|&f| dual.fans[f].closed);
     let mut given = 0;
-    for f in 0..dual.fans.len() {
+    for f in sectors.chain(inner) {
         let fan = &dual.fans[f];
         while quads[f] < fewest(fan) {
-            let giver = |far: u32| closed_fan[far as usize] as usize;
-            let is_inner = |far: u32| closed_fan[far as usize] != u32::MAX;
-            let spare = |far: u32| quads[giver(far)];
-            let spokes = dual.spokes(fan).filter(|s| is_inner(s.far));
-            let Some(best) = spokes.max_by_key(|s| (spare(s.far), std::cmp::Reverse(s.edge))) else { break };
-            if fan.closed && spare(best.far) <= fewest(fan) {
+            let spare = |s: &Spoke| quads[s.far_fan as usize] - fewest(&dual.fans[s.far_fan as usize]);
+            let Some(best) = dual.spokes(fan).max_by_key(|s| (spare(s), Reverse(s.edge))) else { break };
+            if fan.closed && spare(&best) <= 0 {
                 break;
             }
             // r falls by a quarter turn as this fan crosses the edge.
             p[best.edge as usize] -= best.sign as i32;
             quads[f] += 1;
-            quads[giver(best.far)] -= 1;
+            quads[best.far_fan as usize] -= 1;
             given += 1;
         }
     }
     given
-}
-
-/// The fan of every inner vertex.
-fn closed_fans(dual: &Dual<'_>) -> Vec<u32> {
-    let mut of = vec![u32::MAX; dual.triangles.points().len()];
-    (0u32..).zip(&dual.fans).filter(|(_, fan)| fan.closed).for_each(|(f, fan)| of[fan.vertex as usize] = f);
-    of
 }

@@ -4,7 +4,7 @@
 //! ½ Σ w ω² + ½ ℓ² Σ_v (dω)_v² / A_v over the vertices on no feature, where dω is the sum around a vertex; the sum around a
 //! pinned fan is what it needs, around every other sector zero. One ω of each such fan follows from the others.
 
-use super::dual::{Dual, Fan};
+use super::dual::{Dual, Fan, Spoke};
 use super::sparse::LeastSquares;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -45,18 +45,20 @@ pub fn target(dual: &Dual<'_>, pins: &[(u32, i32)], spread: Spread) -> Result<Ve
         None => (!fan.closed).then_some(0.0),
     };
     // A fan's dependent edge ends where nothing is held.
-    let is_held = |v: u32, held: &[bool]| held[v as usize];
     let mut held = vec![false; dual.triangles.points().len()];
     let fans = || (0u32..).zip(&dual.fans);
     fans().filter(|(f, fan)| !fan.closed || quads.contains_key(f)).for_each(|(_, fan)| held[fan.vertex as usize] = true);
     let mut dependent: FxHashMap<u32, (u32, f64)> = FxHashMap::default();
     for (f, fan) in fans() {
         let Some(sum) = wanted(f, fan) else { continue };
-        let spokes: Vec<_> = dual.spokes(fan).filter(|s| within(s.edge) && !dependent.contains_key(&s.edge)).collect();
-        let ending = |free: bool| spokes.iter().copied().filter(move |s| !free || !is_held(s.far, &held));
-        let middle = |all: Vec<super::dual::Spoke>| all.get(all.len() / 2).copied();
+        let spokes: Vec<Spoke> = dual.spokes(fan).filter(|s| within(s.edge) && !dependent.contains_key(&s.edge)).collect();
+        let middle = |ends_free: bool| {
+            let may = |s: &&Spoke| !ends_free || !held[s.far as usize];
+            let all: Vec<&Spoke> = spokes.iter().filter(may).collect();
+            all.get(all.len() / 2).map(|&&s| s)
+        };
         // A sector whose edges all end at pinned vertices takes one of those.
-        let spoke = middle(ending(true).collect()).or_else(|| middle(ending(fan.closed).collect()));
+        let spoke = middle(true).or_else(|| if fan.closed { None } else { middle(false) });
         if let Some(spoke) = spoke {
             dependent.insert(spoke.edge, (f, sum));
         }
