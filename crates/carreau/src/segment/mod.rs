@@ -326,7 +326,8 @@ struct Segmenter<'a> {
 impl Segmenter<'_> {
     fn run(mut self) -> Result<Segmentation> {
         let scale = self.scale();
-        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * self.surface.extent());
+        let extent = self.surface.extent();
+        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * extent);
         let mut chosen = Chosen {
             basis: Basis::Labels,
             sharp_angle_deg: self.angle.to_degrees(),
@@ -339,7 +340,7 @@ impl Segmenter<'_> {
             rectified: 0,
         };
         let mut dendrogram = Dendrogram::default();
-        let start = self.start(&mut chosen)?;
+        let start = self.start(extent, &mut chosen)?;
         if start.is_none() && self.options.surfaces && self.options.sharp_angle.is_none() {
             self.angle = surface::noisy_sharp_angle(self.surface, SCAN_SHARP).clamp(self.angle, SCAN_SHARPEST);
             self.sharp = Sharp::new(self.surface, self.angle);
@@ -364,7 +365,7 @@ impl Segmenter<'_> {
     }
 
     /// Given labels, or those of the surfaces of a part; `None` where there are neither.
-    fn start(&self, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
+    fn start(&self, extent: f64, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
         if let Some(labels) = &self.options.labels {
             return Ok(Some(regions::dense(labels)));
         }
@@ -372,7 +373,7 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         let _stage = self.context.stage("surfaces");
-        let found = surfaces::find(self.surface, self.order, self.angle, self.context)?;
+        let found = surfaces::find(self.surface, self.order, extent, self.angle, self.context)?;
         chosen.recognised = found.share(self.surface);
         if chosen.recognised < MOST {
             let _stage = self.context.stage("surfaces with noise");

@@ -103,9 +103,8 @@ impl<'a> Surface<'a> {
     /// Twice the largest distance of a corner from the centroid: the diagonal of a box, and other than that of the bounding
     /// box the same in every position.
     pub fn extent(&self) -> f64 {
-        let moments: Vec<DVec3> =
-            (0..self.len() as u32).into_par_iter().map(|t| self.center(t) * self.areas[t as usize]).collect();
-        let centroid = moments.into_iter().sum::<DVec3>() / self.total_area.max(f64::MIN_POSITIVE);
+        let moment = (0..self.len() as u32).map(|t| self.center(t) * self.areas[t as usize]).sum::<DVec3>();
+        let centroid = moment / self.total_area.max(f64::MIN_POSITIVE);
         let far = |c: u32| self.triangles.point(c).distance_squared(centroid);
         2.0 * (0..3 * self.len() as u32).into_par_iter().map(far).reduce(|| 0.0, f64::max).sqrt()
     }

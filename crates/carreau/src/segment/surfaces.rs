@@ -56,9 +56,15 @@ pub struct Surfaces {
     pub tolerance: f64,
 }
 
-/// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers.
-pub fn find(surface: &Surface<'_>, order: &[u32], sharp_angle: f64, context: &Context) -> Result<Surfaces> {
-    let extent = surface.extent();
+/// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers, `extent` is that of the
+/// surface.
+pub fn find(
+    surface: &Surface<'_>,
+    order: &[u32],
+    extent: f64,
+    sharp_angle: f64,
+    context: &Context,
+) -> Result<Surfaces> {
     let floor = floor(surface, extent);
     let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
     let rungs: Vec<f64> =
