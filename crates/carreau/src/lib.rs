@@ -2,6 +2,7 @@
 
 pub mod context;
 pub mod error;
+pub mod field;
 pub mod geometry;
 pub mod io;
 pub mod length;

@@ -13,9 +13,10 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("patch", &["mesh", "geometry", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
+    ("field", &["mesh", "geometry", "numeric"]),
     ("io", &["mesh", "geometry", "patch"]),
     ("sample", &["mesh", "geometry", "patch"]),
-    ("report", &["mesh", "geometry", "patch"]),
+    ("report", &["mesh", "geometry", "patch", "field"]),
 ];
 const GROUND: &[&str] = &["error", "context", "length"];
 /// What the crate's root re-exports from the ground floor.

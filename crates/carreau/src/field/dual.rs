@@ -176,7 +176,12 @@ impl<'a> Dual<'a> {
         let crossed = self.corners(fan).iter().map(move |&c| t.previous(c));
         crossed.filter(|&h| self.edge_of[h as usize] != NONE).map(move |h| {
             let edge = self.edge_of[h as usize];
-            Spoke { edge, sign: if self.edges[edge as usize] == h { 1.0 } else { -1.0 }, far: t.vertex(h), far_fan: self.fan_of[h as usize] }
+            Spoke {
+                edge,
+                sign: if self.edges[edge as usize] == h { 1.0 } else { -1.0 },
+                far: t.vertex(h),
+                far_fan: self.fan_of[h as usize],
+            }
         })
     }
 

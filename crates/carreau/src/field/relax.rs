@@ -6,14 +6,17 @@
 
 use super::dual::Dual;
 use super::matching::rotation;
-use super::sparse::LeastSquares;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
+use crate::numeric::sparse::{LeastSquares, Plan};
+use std::f64::consts::FRAC_PI_2;
 
 /// ε of the term that favours orthogonality.
 const EPSILON: f64 = 1e-2;
 const MOST_ROUNDS: usize = 12;
+/// Weight that holds a ρ at the limit. So the matrix has its entries in the same places in every round.
+const HOLD: f64 = 1e6;
 
 /// A field whose second branch is at α + π/2 + ρ.
 pub struct Relaxed {
@@ -38,9 +41,10 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
     let orthogonal = Relaxed { alpha: alpha.to_vec(), rho: vec![0.0; n] };
     let before = energy(dual, alpha, &orthogonal.rho, p);
     let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut plan = None;
     for _ in 0..MOST_ROUNDS {
         context.check()?;
-        let found = solve(dual, alpha, p, &held)?;
+        let mut found = solve(dual, alpha, p, &held, &mut plan)?;
         let mut beyond = false;
         for (held, &rho) in held.iter_mut().zip(&found.rho) {
             if held.is_none() && rho.abs() > most {
@@ -49,6 +53,7 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
             }
         }
         if !beyond {
+            found.rho.iter_mut().for_each(|rho| *rho = rho.clamp(-most, most));
             let cheaper = energy(dual, &found.alpha, &found.rho, p) <= before;
             return Ok(if cheaper { found } else { orthogonal });
         }
@@ -57,48 +62,56 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
 }
 
 /// The best field with some ρ held.
-fn solve(dual: &Dual<'_>, alpha: &[f64], p: &[i32], held: &[Option<f64>]) -> Result<Relaxed> {
+fn solve(dual: &Dual<'_>, alpha: &[f64], p: &[i32], held: &[Option<f64>], plan: &mut Option<Plan>) -> Result<Relaxed> {
     let n = dual.triangles.len();
-    let mut unknown = [vec![NONE; n], vec![NONE; n]];
-    let mut count = 0u32;
+    let mut alpha_of = vec![NONE; n];
     let anchored = dual.constrained.contains(&true);
+    // ρ_i is unknown i, the α follow.
+    let mut count = n as u32;
     for i in 0..n {
-        let free = [!dual.constrained[i] && (anchored || i > 0), held[i].is_none()];
-        for (list, _) in unknown.iter_mut().zip(free).filter(|(_, free)| *free) {
-            list[i] = count;
+        if !dual.constrained[i] && (anchored || i > 0) {
+            alpha_of[i] = count;
             count += 1;
         }
     }
-    let [alpha_of, rho_of] = &unknown;
     let mut system = LeastSquares::new(count as usize);
-    let mut terms = Vec::with_capacity(4);
-    let mut add = |weight: f64, form: &[(bool, u32, f64)], constant: f64| {
-        terms.clear();
-        let mut constant = constant;
-        for &(is_rho, i, factor) in form.iter().filter(|f| f.2 != 0.0) {
-            let (number, value) = match is_rho {
-                true => (rho_of[i as usize], held[i as usize].unwrap_or(0.0)),
-                false => (alpha_of[i as usize], alpha[i as usize]),
-            };
-            if number == NONE { constant += factor * value } else { terms.push((number, factor)) }
-        }
-        system.add(weight, &terms, constant);
-    };
     for e in 0..dual.edges.len() {
         let [i, j] = dual.ends(e);
-        let c = dual.turn[e] + f64::from(p[e]) * std::f64::consts::FRAC_PI_2;
-        let odd = f64::from(p[e].rem_euclid(2));
-        let both = [(false, i, -1.0), (false, j, 1.0)];
-        add(dual.weight[e], &[both[0], both[1], (true, j, odd)], c);
-        add(dual.weight[e], &[both[0], both[1], (true, i, -1.0), (true, j, 1.0 - odd)], c);
+        let (mut terms, mut constant) = ([(0, 0.0); 4], dual.turn[e] + f64::from(p[e]) * FRAC_PI_2);
+        let mut len = 0;
+        for (t, factor) in [(i, -1.0), (j, 1.0)] {
+            match alpha_of[t as usize] {
+                NONE => constant += factor * alpha[t as usize],
+                number => {
+                    terms[len] = (number, factor);
+                    len += 1;
+                }
+            }
+        }
+        // Equation 4: the branch that leans in j is the second of i, or, after an odd number of quarter turns, the first.
+        let mut add = |more: &[(u32, f64)]| {
+            terms[len..len + more.len()].copy_from_slice(more);
+            system.add(dual.weight[e], &terms[..len + more.len()], constant);
+        };
+        if p[e] % 2 == 0 {
+            add(&[]);
+            add(&[(i, -1.0), (j, 1.0)]);
+        } else {
+            add(&[(j, 1.0)]);
+            add(&[(i, -1.0)]);
+        }
     }
-    (0..n as u32).for_each(|i| add(EPSILON, &[(true, i, 1.0)], 0.0));
+    for (i, held) in (0u32..).zip(held) {
+        match held {
+            Some(rho) => system.add(HOLD, &[(i, 1.0)], -rho),
+            None => system.add(EPSILON, &[(i, 1.0)], 0.0),
+        }
+    }
     // A triangle among features alone has no edge to say what its direction is.
-    (0..n as u32).for_each(|i| add(1e-9, &[(false, i, 1.0)], -alpha[i as usize]));
-    let x = system.solve()?;
-    let value = |number: u32, other: f64| if number == NONE { other } else { x[number as usize] };
-    Ok(Relaxed {
-        alpha: (0..n).map(|i| value(alpha_of[i], alpha[i])).collect(),
-        rho: (0..n).map(|i| value(rho_of[i], held[i].unwrap_or(0.0))).collect(),
-    })
+    for (i, &number) in alpha_of.iter().enumerate().filter(|(_, number)| **number != NONE) {
+        system.add(1e-9, &[(number, 1.0)], -alpha[i]);
+    }
+    let x = system.solve(plan)?;
+    let alpha_found = |(&number, &before): (&u32, &f64)| if number == NONE { before } else { x[number as usize] };
+    Ok(Relaxed { alpha: alpha_of.iter().zip(alpha).map(alpha_found).collect(), rho: x[..n].to_vec() })
 }

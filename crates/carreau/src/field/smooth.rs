@@ -3,11 +3,10 @@
 //! points, are evened out by a few steps of diffusion.
 
 use super::dual::Dual;
-use super::sparse::{Factor, Matrix};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
-use faer::c64;
+use crate::numeric::sparse::{Complex, Factor, Matrix, Plan};
 
 /// Steps of diffusion, and their length over the inverse of the smallest eigenvalue.
 const STEPS: usize = 4;
@@ -18,8 +17,8 @@ const FREE_STEPS: usize = 30;
 /// Shift of the matrix where no feature gives a direction, as a share of its mean diagonal.
 const SHIFT: f64 = 1e-6;
 
-/// α of every triangle, in (−π/4, π/4].
-pub fn smoothest(dual: &Dual<'_>, omega: &[f64], context: &Context) -> Result<Vec<f64>> {
+/// α of every triangle, in (−π/4, π/4]. The plan of elimination is the same for every ω.
+pub fn smoothest(dual: &Dual<'_>, omega: &[f64], plan: &mut Option<Plan>, context: &Context) -> Result<Vec<f64>> {
     let n = dual.triangles.len();
     let mut unknown = vec![NONE; n];
     let free: Vec<u32> = (0..n as u32).filter(|&i| !dual.constrained[i as usize]).collect();
@@ -32,60 +31,60 @@ pub fn smoothest(dual: &Dual<'_>, omega: &[f64], context: &Context) -> Result<Ve
     let shift = if free.len() < n { 0.0 } else { SHIFT * system.mean_diagonal() };
     let mean_mass = mass.iter().sum::<f64>() / mass.len() as f64;
     let mass: Vec<f64> = mass.iter().map(|m| m / mean_mass).collect();
-    let factor = system.matrix(&mass, shift).factor()?;
+    let factor = system.matrix(&mass, shift).factor(plan)?;
     context.check()?;
-    let (lambda, eigenvector) = smallest(&factor, &mass, if shift > 0.0 { FREE_STEPS } else { EIGEN_STEPS });
+    let (lambda, eigenvector) = smallest(&factor, &mass, if shift > 0.0 { FREE_STEPS } else { EIGEN_STEPS })?;
     context.check()?;
-    let mut z = if shift > 0.0 { eigenvector } else { factor.solve(&system.rhs) };
+    let mut z = if shift > 0.0 { eigenvector } else { factor.solve(&system.rhs)? };
     // (L + t M) z ← t M z / |z|
     let t = STEP * lambda;
-    let diffusion = system.matrix(&mass, t).factor()?;
+    let diffusion = system.matrix(&mass, t).factor(plan)?;
     for _ in 0..STEPS {
         context.check()?;
-        let rhs: Vec<c64> = (0..z.len()).map(|k| unit(z[k]) * (t * mass[k]) + system.rhs[k]).collect();
-        z = diffusion.solve(&rhs);
+        let rhs: Vec<Complex> = (0..z.len()).map(|k| unit(z[k]) * (t * mass[k]) + system.rhs[k]).collect();
+        z = diffusion.solve(&rhs)?;
     }
     let mut alpha = vec![0.0; n];
     free.iter().zip(&z).for_each(|(&i, z)| alpha[i as usize] = z.im.atan2(z.re) / 4.0);
     Ok(alpha)
 }
 
-fn unit(z: c64) -> c64 {
+fn unit(z: Complex) -> Complex {
     let size = z.re.hypot(z.im);
-    if size > 0.0 { c64::new(z.re / size, z.im / size) } else { c64::new(1.0, 0.0) }
+    if size > 0.0 { Complex::new(z.re / size, z.im / size) } else { Complex::new(1.0, 0.0) }
 }
 
 /// The smallest eigenvalue of the matrix relative to the masses, and its vector, by inverse iteration.
-fn smallest(factor: &Factor<c64>, mass: &[f64], steps: usize) -> (f64, Vec<c64>) {
+fn smallest(factor: &Factor<Complex>, mass: &[f64], steps: usize) -> Result<(f64, Vec<Complex>)> {
     // Some vector without symmetry.
-    let mut x: Vec<c64> = (0..mass.len()).map(|k| c64::new(1.0, (k % 7) as f64 / 7.0)).collect();
+    let mut x: Vec<Complex> = (0..mass.len()).map(|k| Complex::new(1.0, (k % 7) as f64 / 7.0)).collect();
     let mut lambda = 1.0;
     for _ in 0..steps {
         let size = x.iter().zip(mass).map(|(x, m)| m * (x.re * x.re + x.im * x.im)).sum::<f64>().sqrt();
-        let rhs: Vec<c64> = x.iter().zip(mass).map(|(x, m)| *x * (m / size)).collect();
-        x = factor.solve(&rhs);
+        let rhs: Vec<Complex> = x.iter().zip(mass).map(|(x, m)| *x * (m / size)).collect();
+        x = factor.solve(&rhs)?;
         let product: f64 = x.iter().zip(&rhs).map(|(x, r)| x.re * r.re + x.im * r.im).sum();
         lambda = 1.0 / product.max(f64::MIN_POSITIVE);
     }
-    (lambda, x)
+    Ok((lambda, x))
 }
 
 /// The Hermitian matrix of the energy over the free triangles, and the right side of the others.
 struct System {
     n: usize,
     diagonal: Vec<f64>,
-    beside: Vec<(u32, u32, c64)>,
-    rhs: Vec<c64>,
+    beside: Vec<(u32, u32, Complex)>,
+    rhs: Vec<Complex>,
 }
 
 impl System {
     fn new(dual: &Dual<'_>, omega: &[f64], unknown: &[u32], n: usize) -> Self {
-        let (mut diagonal, mut beside, mut rhs) = (vec![0.0; n], Vec::new(), vec![c64::new(0.0, 0.0); n]);
+        let (mut diagonal, mut beside, mut rhs) = (vec![0.0; n], Vec::new(), vec![Complex::new(0.0, 0.0); n]);
         for e in 0..dual.edges.len() {
             let [i, j] = dual.ends(e).map(|t| unknown[t as usize]);
             let (w, (sin, cos)) = (dual.weight[e], (4.0 * (omega[e] - dual.turn[e])).sin_cos());
             // z_j = turn z_i
-            let turn = c64::new(cos, sin);
+            let turn = Complex::new(cos, sin);
             for k in [i, j].into_iter().filter(|&k| k != NONE) {
                 diagonal[k as usize] += w;
             }
@@ -105,12 +104,12 @@ impl System {
     }
 
     /// L + t M.
-    fn matrix(&self, mass: &[f64], t: f64) -> Matrix<c64> {
+    fn matrix(&self, mass: &[f64], t: f64) -> Matrix<Complex> {
         let mut matrix = Matrix::new(self.n);
         for k in 0..self.n {
             // A triangle among features alone has no edge; any direction does.
             let own = if self.diagonal[k] > 0.0 { self.diagonal[k] } else { 1.0 };
-            matrix.add(k as u32, k as u32, c64::new(own + t * mass[k], 0.0));
+            matrix.add(k as u32, k as u32, Complex::new(own + t * mass[k], 0.0));
         }
         self.beside.iter().for_each(|&(row, column, value)| matrix.add(row, column, value));
         matrix

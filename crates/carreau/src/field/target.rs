@@ -5,9 +5,9 @@
 //! pinned fan is what it needs, around every other sector zero. One ω of each such fan follows from the others.
 
 use super::dual::{Dual, Fan, Spoke};
-use super::sparse::LeastSquares;
 use crate::error::Result;
 use crate::mesh::NONE;
+use crate::numeric::sparse::LeastSquares;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -47,11 +47,14 @@ pub fn target(dual: &Dual<'_>, pins: &[(u32, i32)], spread: Spread) -> Result<Ve
     // A fan's dependent edge ends where nothing is held.
     let mut held = vec![false; dual.triangles.points().len()];
     let fans = || (0u32..).zip(&dual.fans);
-    fans().filter(|(f, fan)| !fan.closed || quads.contains_key(f)).for_each(|(_, fan)| held[fan.vertex as usize] = true);
+    fans()
+        .filter(|(f, fan)| !fan.closed || quads.contains_key(f))
+        .for_each(|(_, fan)| held[fan.vertex as usize] = true);
     let mut dependent: FxHashMap<u32, (u32, f64)> = FxHashMap::default();
     for (f, fan) in fans() {
         let Some(sum) = wanted(f, fan) else { continue };
-        let spokes: Vec<Spoke> = dual.spokes(fan).filter(|s| within(s.edge) && !dependent.contains_key(&s.edge)).collect();
+        let spokes: Vec<Spoke> =
+            dual.spokes(fan).filter(|s| within(s.edge) && !dependent.contains_key(&s.edge)).collect();
         let middle = |ends_free: bool| {
             let may = |s: &&Spoke| !ends_free || !held[s.far as usize];
             let all: Vec<&Spoke> = spokes.iter().filter(may).collect();
@@ -86,7 +89,7 @@ pub fn target(dual: &Dual<'_>, pins: &[(u32, i32)], spread: Spread) -> Result<Ve
             add(length * length / area.max(f64::MIN_POSITIVE), forms.around(fan, 0));
         }
     }
-    let y = system.solve()?;
+    let y = system.solve(&mut None)?;
     for e in (0..dual.edges.len() as u32).filter(|&e| within(e)) {
         let (terms, constant) = forms.edge(e, 0);
         omega[e as usize] = constant + terms.iter().map(|&(i, a)| a * y[i as usize]).sum::<f64>();
