@@ -9,6 +9,7 @@ pub mod length;
 pub mod mesh;
 pub mod numeric;
 pub mod patch;
+pub mod quad;
 pub mod remesh;
 pub mod report;
 pub mod sample;

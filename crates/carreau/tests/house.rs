@@ -14,6 +14,8 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
     ("field", &["mesh", "geometry", "numeric"]),
+    // Its rungs are made of other rooms: quads follow fields, and start from meshes of another size.
+    ("quad", &["mesh", "geometry", "numeric", "field", "remesh"]),
     ("io", &["mesh", "geometry", "patch"]),
     ("sample", &["mesh", "geometry", "patch"]),
     ("report", &["mesh", "geometry", "patch", "field"]),

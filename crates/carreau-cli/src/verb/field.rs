@@ -6,12 +6,12 @@ use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::DVec3;
-use carreau::Error;
 use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::geometry::features::FeatureOptions;
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, RawMesh};
+use carreau::mesh::{Column, RawMesh, VertexId};
 use carreau::report::field_figure;
+use carreau::{DVec3, Error};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -126,7 +126,7 @@ impl Field {
         wanted.features = feature_options(options.feature_angle, options.ignore_tags, options.features.as_ref())?;
         let found = context.install(|| field::field(&mesh, &wanted, &context))?;
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
-        refuse_missing(&found.missing, session)?;
+        warn_missing(&found.missing, session);
         describe(session, &found);
         if options.classic {
             let classic = context.install(|| {
@@ -174,13 +174,12 @@ pub fn feature_options(angle: f64, ignore_tags: bool, list: Option<&PathBuf>) ->
     Ok(FeatureOptions { angle_deg: Some(angle), borders: true, tags: !ignore_tags, edges })
 }
 
-/// Edges that were asked for and do not exist: tagged ones are warned about.
-pub fn refuse_missing(missing: &[[carreau::mesh::VertexId; 2]], session: &mut Session) -> Result<(), Error> {
+/// Tells of features that were asked for and do not exist.
+pub fn warn_missing(missing: &[[VertexId; 2]], session: &mut Session) {
     if let Some([a, b]) = missing.first() {
         let count = missing.len();
         session.warn(format!("{count} tagged or listed edges are no edges of the mesh, the first is {} {}", a.0, b.0));
     }
-    Ok(())
 }
 
 /// The record's figures and the summary.

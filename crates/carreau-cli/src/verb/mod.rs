@@ -8,6 +8,7 @@ mod edges;
 mod field;
 mod info;
 mod patch;
+mod quad;
 mod repair;
 mod sample;
 mod segment;
@@ -30,6 +31,7 @@ pub enum Verb {
     Patch(patch::Patch),
     Segment(segment::Segment),
     Field(field::Field),
+    Quad(quad::Quad),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
     Completions(shell::Completions),
@@ -50,6 +52,7 @@ impl Verb {
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
             Verb::Field(verb) => verb.run(),
+            Verb::Quad(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

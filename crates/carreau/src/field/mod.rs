@@ -29,8 +29,8 @@ mod tests;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, Features, feature_edges};
-use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
+use crate::geometry::features::{FeatureOptions, FeaturedSurface};
+use crate::mesh::{CornerId, Side, SurfaceMesh, VertexId};
 use condition::Conditioned;
 use dual::Dual;
 use glam::DVec3;
@@ -210,7 +210,7 @@ const ROUNDS: usize = 3;
 /// [`Error::Numeric`] where a system could not be solved, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> Result<Field> {
     options.check()?;
-    let Surface { mesh, features, repaired, missing } = Surface::new(mesh, &options.features, context)?;
+    let FeaturedSurface { mesh, features, repaired, missing } = FeaturedSurface::new(mesh, &options.features, context)?;
     check_input(&mesh)?;
     let conditioned = {
         let _stage = context.stage("condition");
@@ -239,29 +239,6 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
         repaired,
         missing,
     })
-}
-
-/// Triangles with their features.
-struct Surface {
-    mesh: SurfaceMesh,
-    features: Features,
-    repaired: Vec<String>,
-    missing: Vec<[VertexId; 2]>,
-}
-
-impl Surface {
-    /// Features are those of the mesh as it is: the diagonals that divide polygons are none.
-    fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
-        let _stage = context.stage("features");
-        let found = feature_edges(mesh, options)?;
-        let mut marked = mesh.clone();
-        let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))];
-        marked.tagged_edges = found.edges(mesh).map(|c| TaggedEdge { ends: ends(c), tag: 1 }).collect();
-        let (mesh, repaired) = sound(&marked, context)?;
-        let as_marked = FeatureOptions { angle_deg: None, borders: true, tags: true, edges: Vec::new() };
-        let features = feature_edges(&mesh, &as_marked)?;
-        Ok(Surface { mesh, features, repaired, missing: found.missing })
-    }
 }
 
 fn check_input(mesh: &SurfaceMesh) -> Result<()> {

@@ -7,7 +7,7 @@ use crate::mesh::{CornerId, NONE, Polygons, Side, SurfaceMesh, Triangles, area_v
 use rustc_hash::FxHashSet;
 
 /// Faces with less area, relative to the squared diagonal, count as flat.
-const FLAT: f64 = 1e-12;
+const FLAT: f64 = 1e-14;
 
 /// A triangulated mesh (without attributes, if it had polygons) without flat or repeated faces, consistently oriented, cut into sheets where it is not manifold; and
 /// a sentence for everything that was done. A sound mesh is only triangulated.
