@@ -5,7 +5,6 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::DVec3;
 use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::geometry::features::FeatureOptions;
 use carreau::io::WriteOptions;

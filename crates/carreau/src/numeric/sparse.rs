@@ -7,15 +7,13 @@ use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
-use std::ops::{Add, AddAssign, Mul, Sub};
+use std::ops::{AddAssign, Mul, SubAssign};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub use faer::c64 as Complex;
 
 /// What a matrix may hold.
-pub trait Number:
-    faer::traits::ComplexField + Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + AddAssign
-{
+pub trait Number: faer::traits::ComplexField + Copy + AddAssign + SubAssign + Mul<Output = Self> {
     /// Zero.
     const ZERO: Self;
     /// The conjugate.
@@ -144,9 +142,9 @@ impl<T: Number> Factor<T> {
         let a = self.matrix.as_ref();
         for column in 0..a.ncols() {
             for (row, &value) in a.row_idx_of_col(column).zip(a.val_of_col(column)) {
-                residual[row] = residual[row] - value * x[column];
+                residual[row] -= value * x[column];
                 if row != column {
-                    residual[column] = residual[column] - value.conjugate() * x[row];
+                    residual[column] -= value.conjugate() * x[row];
                 }
             }
         }

@@ -1,17 +1,22 @@
 //! Grids in regular patches: a patch is mapped to a rectangle, each side in proportion to length on every arc, the inside
 //! by the mean of neighbours (Tutte; positive weights, so that nothing folds); the points of the grid are read off.
 
-use super::layout::{Layout, Patch, Side};
+use super::layout::{Arc, Layout, Patch, Side};
+use super::pair::paired_triangles;
 use super::sheet::Sheet;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::planar;
 use crate::mesh::{NONE, Polygons};
 use crate::numeric::sparse::Matrix;
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
-/// All quads of a layout. `place` tells where the vertices of the sheet belong.
+/// Patches that are laid flat have no normal farther from the mean than this cosine.
+const STEEPEST: f64 = 0.3;
+
+/// All faces of a layout: quads, and triangles where a patch has no grid. `place` tells where the vertices of the sheet belong.
 pub fn fill(
     sheet: &Sheet,
     layout: &Layout,
@@ -40,7 +45,7 @@ pub fn fill(
         }
         let mut ids = vec![node[arc.vertices[0] as usize]];
         for k in 1..arc.count {
-            ids.push(add(point_on(sheet, &arc.vertices, arc.length * k as f64 / arc.count as f64), inner));
+            ids.push(add(point_on(sheet, arc, k as f64 / arc.count as f64), inner));
         }
         ids.push(node[arc.vertices[last] as usize]);
         if let Some(curve) = arc.curve {
@@ -50,7 +55,11 @@ pub fn fill(
     }
     for patch in &layout.patches {
         context.check()?;
-        if grid(sheet, layout, patch, &along, &mut work)?.is_none() {
+        let done = match &patch.sides {
+            Some(sides) => grid(sheet, layout, patch, sides, &along, &mut work)?,
+            None => triangles(sheet, layout, patch, &along, &mut work, context)?,
+        };
+        if done.is_none() {
             return Ok(None);
         }
     }
@@ -61,37 +70,34 @@ fn region_at(sheet: &Sheet, a: u32, b: u32) -> u32 {
     sheet.between(a, b).or_else(|| sheet.between(b, a)).map_or(0, |h| sheet.region[h as usize / 3])
 }
 
-/// The point at a distance along a line.
-fn point_on(sheet: &Sheet, vertices: &[u32], mut distance: f64) -> DVec3 {
-    for w in vertices.windows(2) {
-        let [a, b] = [w[0], w[1]].map(|v| sheet.points[v as usize]);
-        let length = a.distance(b);
-        if distance <= length && length > 0.0 {
-            return a.lerp(b, distance / length);
-        }
-        distance -= length;
+/// The point at a station of an arc.
+fn point_on(sheet: &Sheet, arc: &Arc, station: f64) -> DVec3 {
+    let k = arc.stations.partition_point(|&s| s < station).clamp(1, arc.vertices.len() - 1);
+    let [a, b] = [arc.vertices[k - 1], arc.vertices[k]].map(|v| sheet.points[v as usize]);
+    let (from, to) = (arc.stations[k - 1], arc.stations[k]);
+    a.lerp(b, if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 })
+}
+
+/// The vertices of an arc with their stations, from either end.
+fn stations(arc: &Arc, reversed: bool) -> Vec<(u32, f64)> {
+    let mut all: Vec<(u32, f64)> = arc.vertices.iter().copied().zip(arc.stations.iter().copied()).collect();
+    if reversed {
+        all.reverse();
+        all.iter_mut().for_each(|s| s.1 = 1.0 - s.1);
     }
-    sheet.points[vertices[vertices.len() - 1] as usize]
+    all
 }
 
 /// What runs along a side: its new vertices, and the vertices of the sheet with their places in units of quads.
-fn run(layout: &Layout, sheet: &Sheet, along: &[Vec<u32>], side: &[Side]) -> (Vec<u32>, Vec<(u32, f64)>) {
+fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> (Vec<u32>, Vec<(u32, f64)>) {
     let (mut ids, mut places, mut offset): (Vec<u32>, Vec<(u32, f64)>, f64) = (Vec::new(), Vec::new(), 0.0);
     for s in side {
         let arc = &layout.arcs[s.arc as usize];
-        let (mut new, mut old) = (along[s.arc as usize].clone(), arc.vertices.clone());
+        let mut new = along[s.arc as usize].clone();
         if s.reversed {
             new.reverse();
-            old.reverse();
         }
-        let scale = arc.count as f64 / arc.length.max(f64::MIN_POSITIVE);
-        let mut at = 0.0;
-        for (k, &v) in old.iter().enumerate() {
-            if k > 0 {
-                at += sheet.points[old[k - 1] as usize].distance(sheet.points[v as usize]);
-            }
-            places.push((v, offset + at * scale));
-        }
+        places.extend(stations(arc, s.reversed).into_iter().map(|(v, at)| (v, offset + at * arc.count as f64)));
         offset += arc.count as f64;
         ids.extend(&new[usize::from(!ids.is_empty())..]);
     }
@@ -99,8 +105,15 @@ fn run(layout: &Layout, sheet: &Sheet, along: &[Vec<u32>], side: &[Side]) -> (Ve
 }
 
 /// The grid of a patch.
-fn grid(sheet: &Sheet, layout: &Layout, patch: &Patch, along: &[Vec<u32>], work: &mut Work) -> Result<Option<()>> {
-    let sides = [0, 1, 2, 3].map(|k| run(layout, sheet, along, &patch.sides[k]));
+fn grid(
+    sheet: &Sheet,
+    layout: &Layout,
+    patch: &Patch,
+    sides: &[Vec<Side>; 4],
+    along: &[Vec<u32>],
+    work: &mut Work,
+) -> Result<Option<()>> {
+    let sides = [0, 1, 2, 3].map(|k| run(layout, along, &sides[k]));
     let (m, n) = (sides[0].0.len() - 1, sides[1].0.len() - 1);
     if sides[2].0.len() != m + 1 || sides[3].0.len() != n + 1 {
         return Ok(None);
@@ -141,6 +154,116 @@ fn grid(sheet: &Sheet, layout: &Layout, patch: &Patch, along: &[Vec<u32>], work:
         }
     }
     Ok(Some(()))
+}
+
+/// A patch in the plane: its outlines of new vertices, and the vertices of the sheet.
+struct Flat {
+    outlines: Vec<Vec<DVec2>>,
+    at: FxHashMap<u32, DVec2>,
+}
+
+/// Triangles of about the length of the sides around, paired, in a patch that has no grid.
+fn triangles(
+    sheet: &Sheet,
+    layout: &Layout,
+    patch: &Patch,
+    along: &[Vec<u32>],
+    work: &mut Work,
+    context: &Context,
+) -> Result<Option<()>> {
+    let ring = |list: &Vec<Side>| {
+        let (mut ids, _) = run(layout, along, list);
+        ids.pop();
+        ids
+    };
+    let rings: Vec<Vec<u32>> = patch.loops.iter().map(ring).collect();
+    let mut filled = None;
+    if let Some(flat) = projected(sheet, patch, &rings, work) {
+        filled = laid_out(sheet, patch, flat, context);
+    }
+    if filled.is_none()
+        && let Some(flat) = on_circle(sheet, layout, patch, &rings)?
+    {
+        filled = laid_out(sheet, patch, flat, context);
+    }
+    let Some((inner, triangles)) = filled else { return Ok(None) };
+    let region = sheet.region[patch.triangles[0] as usize];
+    let mut ids = rings.concat();
+    for p in inner {
+        ids.push(work.points.len() as u32);
+        work.points.push(p);
+        work.place.push(Place::Region(region));
+    }
+    let faces: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| ids[v as usize])).collect();
+    for face in paired_triangles(&work.points, &faces, context)?.iter() {
+        work.faces.push(face);
+        work.region.push(region);
+    }
+    Ok(Some(()))
+}
+
+/// Looked at from the side that most of it faces; `None` where some of it looks away.
+fn projected(sheet: &Sheet, patch: &Patch, rings: &[Vec<u32>], work: &Work) -> Option<Flat> {
+    let mean = patch.triangles.iter().map(|&t| sheet.normal(t) * sheet.area(t)).sum::<DVec3>().normalize_or_zero();
+    if patch.triangles.iter().any(|&t| sheet.normal(t).dot(mean) < STEEPEST) {
+        return None;
+    }
+    let x = mean.any_orthonormal_vector();
+    let y = mean.cross(x);
+    let flat = |p: DVec3| DVec2::new(p.dot(x), p.dot(y));
+    let outlines = rings.iter().map(|ring| ring.iter().map(|&v| flat(work.points[v as usize])).collect()).collect();
+    let corners = patch.triangles.iter().flat_map(|&t| sheet.triangles[t as usize]);
+    Some(Flat { outlines, at: corners.map(|v| (v, flat(sheet.points[v as usize]))).collect() })
+}
+
+/// A disc with its outline on a circle, in proportion to length.
+fn on_circle(sheet: &Sheet, layout: &Layout, patch: &Patch, rings: &[Vec<u32>]) -> Result<Option<Flat>> {
+    let ([list], [ring]) = (&patch.loops[..], rings) else { return Ok(None) };
+    let total: f64 = list.iter().map(|s| layout.arcs[s.arc as usize].length).sum();
+    let radius = total / std::f64::consts::TAU;
+    let on = |distance: f64| DVec2::from_angle(distance / radius) * radius;
+    let (mut outline, mut at, mut offset) = (Vec::with_capacity(ring.len()), FxHashMap::default(), 0.0);
+    for s in list {
+        let arc = &layout.arcs[s.arc as usize];
+        outline.extend((0..arc.count).map(|k| on(offset + arc.length * k as f64 / arc.count as f64)));
+        for (v, station) in stations(arc, s.reversed) {
+            at.entry(v).or_insert_with(|| on(offset + station * arc.length));
+        }
+        offset += arc.length;
+    }
+    let at = spread(sheet, &patch.triangles, at)?;
+    Ok(at.map(|at| Flat { outlines: vec![outline], at }))
+}
+
+/// New points inside, and triangles over the outlines and them.
+type Filled = (Vec<DVec3>, Vec<[u32; 3]>);
+
+fn laid_out(sheet: &Sheet, patch: &Patch, flat: Flat, context: &Context) -> Option<Filled> {
+    let length = |l: &Vec<DVec2>| (0..l.len()).map(|k| l[k].distance(l[(k + 1) % l.len()])).sum::<f64>();
+    let count = flat.outlines.iter().map(Vec::len).sum::<usize>().max(1);
+    let mean = flat.outlines.iter().map(length).sum::<f64>() / count as f64;
+    let filled = planar::fill(&flat.outlines, mean, context).ok()?;
+    let inner = filled.inner.iter().map(|&q| above(sheet, &patch.triangles, &flat.at, q)).collect::<Option<_>>()?;
+    Some((inner, filled.triangles))
+}
+
+/// The point of the triangles over a point of the plane.
+fn above(sheet: &Sheet, triangles: &[u32], at: &FxHashMap<u32, DVec2>, q: DVec2) -> Option<DVec3> {
+    let mut best: (f64, Option<DVec3>) = (f64::NEG_INFINITY, None);
+    for &t in triangles {
+        let corners = sheet.triangles[t as usize];
+        let p = [at.get(&corners[0])?, at.get(&corners[1])?, at.get(&corners[2])?];
+        let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
+        let w = [0, 1, 2].map(|k| (p[(k + 1) % 3] - q).perp_dot(p[(k + 2) % 3] - q) / area);
+        let inside = w[0].min(w[1]).min(w[2]);
+        if inside > best.0 && inside.is_finite() {
+            // Over no triangle: the nearest place of the nearest one.
+            let w = w.map(|w| w.max(0.0));
+            let sum = w[0] + w[1] + w[2];
+            best = (inside, Some((0..3).map(|k| sheet.points[corners[k] as usize] * (w[k] / sum)).sum()));
+        }
+    }
+    best.1
 }
 
 /// Every vertex inside at the weighted mean of its neighbours.

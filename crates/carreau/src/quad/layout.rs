@@ -10,16 +10,33 @@ use crate::mesh::{DisjointSets, NONE};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+/// Features turn no more than this along a quad of the wanted length, in radians.
+const TURN: f64 = 0.4;
+
+/// Numbers of quads stay between these shares of what their length asks for.
+const FEWEST: f64 = 0.75;
+const MOST: f64 = 1.4;
+
 /// Walls between two nodes, one after the other.
 #[derive(Debug, Clone)]
 pub struct Arc {
     /// From node to node.
     pub vertices: Vec<u32>,
+    /// On features that turn a lot, the length for which they turn as little as they should from quad to quad.
     pub length: f64,
     /// The curve, on a feature.
     pub curve: Option<u32>,
+    /// Where its vertices are, in shares of that length.
+    pub stations: Vec<f64>,
     /// The quads along it.
     pub count: i64,
+}
+
+impl Arc {
+    /// The fewest quads along it: one that closes is a loop of its own.
+    fn least(&self) -> i64 {
+        if self.vertices.first() == self.vertices.last() { 4 } else { 1 }
+    }
 }
 
 /// An arc as a patch sees it.
@@ -29,11 +46,15 @@ pub struct Side {
     pub reversed: bool,
 }
 
-/// A disc with four sides, counter-clockwise.
+/// What walls enclose.
 #[derive(Debug, Clone)]
 pub struct Patch {
     pub triangles: Vec<u32>,
-    pub sides: [Vec<Side>; 4],
+    /// What runs around it, with the patch on the left.
+    pub loops: Vec<Vec<Side>>,
+    /// The four sides of a disc with four corners, counter-clockwise, as long as they add up.
+    pub sides: Option<[Vec<Side>; 4]>,
+    pub area: f64,
 }
 
 /// What the walls divide a sheet into.
@@ -43,10 +64,10 @@ pub struct Layout {
 }
 
 /// What is wrong with a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Fault {
-    /// It is no disc: a cut from where this half-edge begins may help.
-    NeedsCut(u32),
+    /// It is no disc: a cut from where one of these half-edges begins may help.
+    NeedsCut(Vec<u32>),
     /// Its corners are not four.
     Irregular,
 }
@@ -108,12 +129,11 @@ pub fn audit(sheet: &Sheet) -> Vec<Fault> {
         let is_bad = loops[p].iter().flatten().any(|c| !(1..=2).contains(&c.1));
         let ones = loops[p].iter().map(corners).sum::<usize>();
         match loops[p].iter().find(|list| corners(list) == 0).or(loops[p].first()) {
-            _ if is_bad => Some(Fault::Irregular),
             Some(list) if loops[p].len() > 1 || characteristic[p] != 1 => {
-                let straight = list.iter().position(|c| c.1 == 2).map_or(0, |j| j + 1);
-                Some(Fault::NeedsCut(list[straight % list.len()].0))
+                let after = |j: usize| list[(j + 1) % list.len()].0;
+                Some(Fault::NeedsCut((0..list.len()).filter(|&j| list[j].1 == 2).map(after).collect()))
             }
-            Some(_) if ones == 4 => None,
+            Some(_) if ones == 4 && !is_bad => None,
             _ => Some(Fault::Irregular),
         }
     };
@@ -158,7 +178,7 @@ fn characteristic(sheet: &Sheet, patch: &[u32], count: usize) -> Vec<i64> {
 }
 
 impl Layout {
-    /// The patches, all of which have to be regular. `is_fixed`: vertices that are nodes in any case.
+    /// The patches. `is_fixed`: vertices that are nodes in any case.
     pub fn new(sheet: &Sheet, is_fixed: impl Fn(u32) -> bool) -> Option<Self> {
         let (patch, count) = patch_of(sheet);
         let loops = loops(sheet, &patch, count)?;
@@ -172,28 +192,50 @@ impl Layout {
         }
         is_node.iter_mut().zip(&degree).for_each(|(node, &d)| *node |= d > 2);
         loops.iter().flatten().flatten().filter(|c| c.1 != 2).for_each(|c| is_node[sheet.head(c.0) as usize] = true);
+        // A loop without a node gets one.
+        for list in loops.iter().flatten() {
+            if !list.iter().any(|c| is_node[sheet.head(c.0) as usize]) {
+                is_node[sheet.head(list[0].0) as usize] = true;
+            }
+        }
+        let characteristic = characteristic(sheet, &patch, count);
         let mut layout = Layout { arcs: Vec::new(), patches: Vec::new() };
         let mut arc_of = vec![NONE; 3 * sheet.triangles.len()];
         let mut triangles = vec![Vec::new(); count];
         patch.iter().zip(0u32..).for_each(|(&p, t)| triangles[p as usize].push(t));
-        for (loops, triangles) in loops.iter().zip(triangles) {
-            let [list] = &loops[..] else { return None };
-            // From behind a corner.
-            let corner = list.iter().position(|c| c.1 == 1)?;
-            let turned: Loop = list[corner + 1..].iter().chain(&list[..=corner]).copied().collect();
+        for ((loops, triangles), characteristic) in loops.iter().zip(triangles).zip(characteristic) {
+            let corners = loops.iter().flatten().filter(|c| c.1 == 1).count();
+            let is_regular = loops.len() == 1
+                && characteristic == 1
+                && corners == 4
+                && loops[0].iter().all(|c| matches!(c.1, 1 | 2));
+            let mut around = Vec::new();
             let mut sides: [Vec<Side>; 4] = Default::default();
-            let (mut side, mut run) = (0, Vec::new());
-            for &(h, k) in &turned {
-                run.push(h);
-                if is_node[sheet.head(h) as usize] {
-                    sides.get_mut(side)?.push(layout.arc(sheet, &mut arc_of, &run));
-                    run.clear();
+            for list in loops {
+                // From behind a node, or a corner where all sides begin in one.
+                let is_start = |c: &(u32, i32)| if is_regular { c.1 == 1 } else { is_node[sheet.head(c.0) as usize] };
+                let start = list.iter().position(is_start)?;
+                let turned: Loop = list[start + 1..].iter().chain(&list[..=start]).copied().collect();
+                let (mut side, mut run, mut all) = (0, Vec::new(), Vec::new());
+                for &(h, k) in &turned {
+                    run.push(h);
+                    if is_node[sheet.head(h) as usize] {
+                        let arc = layout.arc(sheet, &mut arc_of, &run);
+                        all.push(arc);
+                        if is_regular {
+                            sides.get_mut(side)?.push(arc);
+                        }
+                        run.clear();
+                    }
+                    side += usize::from(k == 1);
                 }
-                side += usize::from(k == 1);
+                around.push(all);
             }
-            layout.patches.push(Patch { triangles, sides });
+            let area = triangles.iter().map(|&t| sheet.area(t)).sum();
+            let sides = is_regular.then_some(sides).filter(|sides| sides.iter().all(|s| !s.is_empty()));
+            layout.patches.push(Patch { triangles, loops: around, sides, area });
         }
-        layout.patches.iter().all(|p| p.sides.iter().all(|s| !s.is_empty())).then_some(layout)
+        Some(layout)
     }
 
     /// The arc of a run of half-edges from node to node, from whichever side it was met first.
@@ -215,14 +257,34 @@ impl Layout {
             Wall::Feature(curve) => Some(curve),
             _ => None,
         };
-        let length = run.iter().map(|&h| sheet.along(h).length()).sum();
-        self.arcs.push(Arc { vertices, length, curve, count: 1 });
+        let turn = |k: usize| match curve {
+            Some(_) if k > 0 && k < run.len() => sheet.along(run[k - 1]).angle_between(sheet.along(run[k])),
+            _ => 0.0,
+        };
+        let mut stations = vec![0.0];
+        for (k, &h) in run.iter().enumerate() {
+            // Half of a turn belongs to the edge before it.
+            let turns = 0.5 * (turn(k) + turn(k + 1)) / TURN;
+            stations.push(stations[k] + (turns * sheet.length).max(sheet.along(h).length()));
+        }
+        let length = stations[run.len()].max(f64::MIN_POSITIVE);
+        stations.iter_mut().for_each(|s| *s /= length);
+        self.arcs.push(Arc { vertices, length, curve, stations, count: 1 });
         Side { arc, reversed: false }
     }
 
-    /// The number of quads.
-    pub fn quads(&self) -> i64 {
-        self.patches.iter().map(|p| self.sum(&p.sides[0]) * self.sum(&p.sides[1])).sum()
+    /// The number of quads: of grids, and where there are none about as many as fit.
+    pub fn quads(&self, length: f64) -> f64 {
+        let of = |p: &Patch| match &p.sides {
+            Some(s) => (self.sum(&s[0]) * self.sum(&s[1])) as f64,
+            None => p.area / (length * length),
+        };
+        self.patches.iter().map(of).sum()
+    }
+
+    /// Whether all patches have grids.
+    pub fn is_regular(&self) -> bool {
+        self.patches.iter().all(|p| p.sides.is_some())
     }
 
     fn sum(&self, side: &[Side]) -> i64 {
@@ -231,19 +293,31 @@ impl Layout {
 
     /// Sides 0 and 1 less their opposites.
     fn surplus(&self, patch: usize) -> [i64; 2] {
-        let s = &self.patches[patch].sides;
-        [self.sum(&s[0]) - self.sum(&s[2]), self.sum(&s[1]) - self.sum(&s[3])]
+        match &self.patches[patch].sides {
+            Some(s) => [self.sum(&s[0]) - self.sum(&s[2]), self.sum(&s[1]) - self.sum(&s[3])],
+            None => [0, 0],
+        }
     }
 
-    /// Chooses the numbers of quads; returns whether all patches add up.
-    pub fn quantise(&mut self, length: f64) -> bool {
+    /// Chooses the numbers of quads. Patches that cannot add up lose their sides.
+    pub fn quantise_leniently(&mut self, length: f64) {
+        while let Err(patch) = self.quantise(length) {
+            self.patches[patch].sides = None;
+        }
+    }
+
+    /// Chooses the numbers of quads, of about a length.
+    ///
+    /// # Errors
+    /// A patch that does not add up.
+    pub fn quantise(&mut self, length: f64) -> Result<(), usize> {
         for arc in &mut self.arcs {
-            arc.count = ((arc.length / length).round() as i64).max(1);
+            arc.count = ((arc.length / length).round() as i64).max(arc.least());
         }
         // Where an arc is part of a patch: the patch and axis, and whether it counts against the surplus.
         let mut uses: Vec<Vec<(u32, i64)>> = vec![Vec::new(); self.arcs.len()];
         for (p, patch) in self.patches.iter().enumerate() {
-            for (k, side) in patch.sides.iter().enumerate() {
+            for (k, side) in patch.sides.iter().flatten().enumerate() {
                 let sign = if k < 2 { 1 } else { -1 };
                 side.iter().for_each(|s| uses[s.arc as usize].push(((2 * p + k % 2) as u32, sign)));
             }
@@ -256,14 +330,16 @@ impl Layout {
         }
         let budget = 40 * nodes + 1000;
         for _ in 0..budget {
-            let Some(start) = (0..nodes).find(|&n| surplus[n] != 0) else { return true };
-            let Some(chain) = self.chain(start as u32, &surplus, &uses, &members, length) else { return false };
+            let Some(start) = (0..nodes).find(|&n| surplus[n] != 0) else { return Ok(()) };
+            let Some(chain) = self.chain(start as u32, &surplus, &uses, &members, length) else {
+                return Err(start / 2);
+            };
             for (arc, change) in chain {
                 self.arcs[arc as usize].count += change;
                 uses[arc as usize].iter().for_each(|&(node, sign)| surplus[node as usize] += sign * change);
             }
         }
-        false
+        Err(surplus.iter().position(|&s| s != 0).unwrap_or(0) / 2)
     }
 
     /// The cheapest chain of changes by one that takes one off the surplus of a node and leaves no other one worse.
@@ -292,18 +368,26 @@ impl Layout {
             for &(arc, sign) in &members[node as usize] {
                 let change = owed * sign;
                 let own = &self.arcs[arc as usize];
-                if own.count + change < 1 || uses[arc as usize].iter().filter(|u| u.0 == node).count() != 1 {
+                let ideal = (own.length / length).max(0.5);
+                let count = (own.count + change) as f64;
+                let is_far = count < (FEWEST * ideal).floor() || count > (MOST * ideal).ceil() + 1.0;
+                if is_far
+                    || own.count + change < own.least()
+                    || uses[arc as usize].iter().filter(|u| u.0 == node).count() != 1
+                {
                     continue;
                 }
                 // What the square of the difference from the ideal number grows by, over that number; never negative.
-                let ideal = (own.length / length).max(0.5);
                 let off = own.count as f64 - ideal;
                 let price = (1.0 + (2.0 * off * change as f64 + 1.0).max(0.0)) / ideal;
                 let next = uses[arc as usize].iter().find(|u| u.0 != node);
                 let done = match next {
                     None => true,
                     // The change goes the right way there, too.
-                    Some(&(other, sign)) => surplus[other as usize] * sign * change < 0,
+                    Some(&(other, sign)) => {
+                        let least = if other == start { 2 } else { 1 };
+                        -surplus[other as usize] * sign * change >= least
+                    }
                 };
                 if done {
                     let mut chain = vec![(arc, change)];

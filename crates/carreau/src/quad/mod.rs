@@ -5,6 +5,7 @@
 //! | rung | file | method |
 //! |---|---|---|
 //! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids in its patches |
+//! | 2 | `regular` | the same at twice the size; triangles, paired, in patches that take no grid; all halved |
 //! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
@@ -128,7 +129,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     let source = Source::new(mesh, &options.features, context)?;
     let mut warnings = source.surface.repaired.clone();
     let (work, rung) = match first(&source, options, &mut warnings, context)? {
-        Some(work) => (work, 1),
+        Some(made) => made,
         None => match third(&source, options, &mut warnings, context)? {
             Some(work) => (work, 3),
             None => (fourth(&source), 4),
@@ -160,14 +161,14 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rung 1; `None` where it does not come to an end or the validator refuses.
+/// Rungs 1 and 2; `None` where they do not come to an end or the validator refuses.
 fn first(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
     context: &Context,
-) -> Result<Option<Work>> {
-    if options.rung > 1 {
+) -> Result<Option<(Work, u32)>> {
+    if options.rung > 2 {
         return Ok(None);
     }
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
@@ -175,21 +176,21 @@ fn first(
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
-    let outcome = match regular::regular(source, length, wanted, feature_deg, context) {
+    let outcome = match regular::regular(source, length, wanted, feature_deg, options.rung == 1, context) {
         Err(Error::Numeric(why)) => Err(why),
         other => other?,
     };
     let refused = match outcome {
-        Ok(mut work) => {
+        Ok((mut work, rung)) => {
             smooth::smooth(&mut work, source, context)?;
             match validate::refusal(&work, &work.to_mesh()?, source)? {
-                None => return Ok(Some(work)),
+                None => return Ok(Some((work, rung))),
                 Some(why) => why,
             }
         }
         Err(why) => why,
     };
-    warnings.push(format!("rung 1 was refused: {refused}"));
+    warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
     Ok(None)
 }
 
@@ -289,10 +290,8 @@ fn drop_unused(work: &mut Work) {
     if !number.contains(&u32::MAX) {
         return;
     }
-    let mut count = 0;
-    for n in number.iter_mut().filter(|n| **n == 0) {
+    for (count, n) in (0..).zip(number.iter_mut().filter(|n| **n == 0)) {
         *n = count;
-        count += 1;
     }
     let used = |v: usize| number[v] != u32::MAX;
     work.points = (0..work.points.len()).filter(|&v| used(v)).map(|v| work.points[v]).collect();

@@ -11,10 +11,11 @@ use crate::mesh::{Column, CornerId, NONE, Polygons, SurfaceMesh, Triangles, Vert
 use crate::numeric::matching::{Edge, minimum_cost_matching};
 use crate::remesh::{RemeshOptions, simplify};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Sizes where the surface bends, as a share of the largest.
-const SMALLEST: f64 = 0.3;
+const SMALLEST: f64 = 0.12;
 /// Angle between the surface and edges, in degrees.
 const DEVIATION: f64 = 16.0;
 /// How far features may move before their new vertices go back to them, as a share of the diagonal.
@@ -22,6 +23,8 @@ const RIDGE_TOLERANCE: f64 = 8e-4;
 /// Features are recognised within this share of the diagonal and this angle.
 const NEAR: f64 = 1.5e-3;
 const ALONG_DEG: f64 = 20.0;
+/// Vertices on features are as near as this share of the diagonal.
+const ON: f64 = 1e-5;
 /// Prices: of a pair, of a single triangle, of a corner off a right angle, of edges off the frames, of a fold.
 const PAIR: f64 = 6.0;
 const SINGLE: f64 = 5.0;
@@ -38,26 +41,60 @@ pub fn paired(source: &Source, length: f64, feature_deg: f64, context: &Context)
     let frames = frames(&coarse, context)?;
     let _stage = context.stage("pairs");
     let Some(t) = Triangles::of(&coarse.mesh) else { return Ok(None) };
-    let mut edges = Vec::new();
-    let mut halves = Vec::new();
-    for c in 0..3 * t.len() as u32 {
-        let o = t.opposite(c);
-        if o == NONE || o < c || coarse.is_feature[c as usize] {
-            continue;
-        }
-        if let Some(cost) = cost(t, c, &frames) {
-            edges.push(Edge { ends: [c / 3, o / 3], cost: (STEPS * (PAIR + cost)).round() as i64 });
-            halves.push(c);
-        }
-    }
-    let single = vec![(STEPS * SINGLE).round() as i64; t.len()];
-    let matching = minimum_cost_matching(&edges, &single, context)?;
+    let faces = pairs(t, |c| coarse.is_feature[c as usize], &frames, context)?;
+    let mut region = FxHashMap::default();
+    (0..t.len() as u32).for_each(|i| {
+        region.insert(sorted(t.triangle(i)), coarse.region[i as usize]);
+    });
+    let of = |f: &[u32]| {
+        let parts = (0..f.len()).map(|k| sorted([f[k], f[(k + 1) % f.len()], f[(k + 2) % f.len()]]));
+        parts.into_iter().find_map(|part| region.get(&part).copied()).unwrap_or(0)
+    };
     let mut work = Work {
         points: coarse.mesh.points().to_vec(),
         place: coarse.place,
         features: coarse.features,
         ..Work::default()
     };
+    work.region = faces.iter().map(of).collect();
+    work.faces = faces;
+    Ok(Some(work))
+}
+
+fn sorted(mut t: [u32; 3]) -> [u32; 3] {
+    t.sort_unstable();
+    t
+}
+
+/// Triangles and the quads that the best of them make in pairs, by shape alone.
+pub fn paired_triangles(points: &[DVec3], triangles: &[[u32; 3]], context: &Context) -> Result<Polygons> {
+    let mesh = SurfaceMesh::from_triangles(points.to_vec(), triangles)?;
+    let Some(t) = Triangles::of(&mesh) else { return Ok(Polygons::from_triangles(triangles)) };
+    let frames = vec![[DVec3::ZERO; 2]; t.len()];
+    pairs(t, |_| false, &frames, context)
+}
+
+/// The best pairs.
+fn pairs(
+    t: Triangles<'_>,
+    is_feature: impl Fn(u32) -> bool,
+    frames: &[[DVec3; 2]],
+    context: &Context,
+) -> Result<Polygons> {
+    let mut edges = Vec::new();
+    let mut halves = Vec::new();
+    for c in 0..3 * t.len() as u32 {
+        let o = t.opposite(c);
+        if o == NONE || o < c || is_feature(c) {
+            continue;
+        }
+        if let Some(cost) = cost(t, c, frames) {
+            edges.push(Edge { ends: [c / 3, o / 3], cost: (STEPS * (PAIR + cost)).round() as i64 });
+            halves.push(c);
+        }
+    }
+    let single = vec![(STEPS * SINGLE).round() as i64; t.len()];
+    let matching = minimum_cost_matching(&edges, &single, context)?;
     let mut faces = Polygons::new();
     for i in 0..t.len() as u32 {
         let mate = matching.mate[i as usize];
@@ -65,13 +102,9 @@ pub fn paired(source: &Source, length: f64, feature_deg: f64, context: &Context)
             faces.push(&t.triangle(i));
         } else if i < mate {
             faces.push(&quad(t, halves[matching.matched_edge[i as usize] as usize]));
-        } else {
-            continue;
         }
-        work.region.push(coarse.region[i as usize]);
     }
-    work.faces = faces;
-    Ok(Some(work))
+    Ok(faces)
 }
 
 /// The quad of the two triangles at a half-edge.
@@ -156,9 +189,14 @@ fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f
             _ => true,
         };
         let folded = || f.zip(g).is_some_and(|(f, g)| normal(f).dot(normal(g)) < cos_fold);
+        let on = |p: DVec3| source.feature_along(p, along, ON * source.diagonal, -1.0).is_some();
+        let is_seam = |a: DVec3, b: DVec3| {
+            near().is_some_and(|e| source.is_seam[source.curve[e as usize] as usize]) && on(a) && on(b)
+        };
         let edge = match must {
             true => Some(near().or_else(|| source.feature_along((a + b) / 2.0, along, source.diagonal, -1.0))?),
             false if folded() => near(),
+            false if is_seam(a, b) => near(),
             false => None,
         };
         if let Some(edge) = edge {

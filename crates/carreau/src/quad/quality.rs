@@ -24,7 +24,7 @@ pub struct QuadQuality {
     pub inverted: usize,
     /// Share of the features that have an edge near and parallel.
     pub feature_recall: f64,
-    /// Two-sided distance as a share of the diagonal: no sample, a bound.
+    /// Two-sided distance as a share of the diagonal: the largest that was found.
     pub distance_max: Option<f64>,
 }
 
@@ -36,7 +36,7 @@ pub fn measure(work: &Work, source: &Source) -> QuadQuality {
         scaled_jacobian_min: jacobians.iter().copied().fold(f64::INFINITY, f64::min),
         scaled_jacobian_mean: jacobians.iter().sum::<f64>() / jacobians.len().max(1) as f64,
         inverted: jacobians.iter().filter(|&&j| !(j > 0.0)).count(),
-        feature_recall: recall(work, source),
+        feature_recall: recall(work, source).0,
         distance_max: None,
     }
 }
@@ -51,8 +51,8 @@ pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> 
         triangles.extend([[a, b, c], [a, c, d]]);
     }
     let mesh = SurfaceMesh::from_triangles(work.points.clone(), &triangles)?;
-    let options = DistanceOptions { samples: 20_000, refinements: 20_000 };
-    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
+    let options = DistanceOptions { samples: 40_000, refinements: 4_000 };
+    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max)
 }
 
 fn irregular(work: &Work) -> usize {

@@ -40,11 +40,18 @@ pub struct Sheet {
     pub region: Vec<u32>,
     /// A half-edge that leaves every vertex.
     pub out: Vec<u32>,
+    /// Wanted length of quads.
+    pub length: f64,
 }
 
 impl Sheet {
     /// `curve`: of every feature edge, by its ends in ascending order. `region`: of every triangle.
-    pub fn new(field: &Field, curve: &FxHashMap<[u32; 2], u32>, region: impl Fn(u32) -> u32) -> Option<Self> {
+    pub fn new(
+        field: &Field,
+        curve: &FxHashMap<[u32; 2], u32>,
+        region: impl Fn(u32) -> u32,
+        length: f64,
+    ) -> Option<Self> {
         let t = Triangles::of(&field.mesh)?;
         let n = t.len() as u32;
         let mut p: FxHashMap<(u32, u32), i32> = FxHashMap::default();
@@ -63,6 +70,7 @@ impl Sheet {
             frame: field.u.iter().zip(&field.v).map(|(&u, &v)| [u, v]).collect(),
             region: (0..n).map(|i| region(field.source[i as usize])).collect(),
             out: vec![NONE; t.points().len()],
+            length,
         };
         for h in 0..3 * n {
             let (a, b) = (t.vertex(h), t.vertex(t.next(h)));
@@ -130,6 +138,11 @@ impl Sheet {
     pub fn normal(&self, t: u32) -> DVec3 {
         let [a, b, c] = self.triangles[t as usize].map(|v| self.points[v as usize]);
         (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    pub fn area(&self, t: u32) -> f64 {
+        let [a, b, c] = self.triangles[t as usize].map(|v| self.points[v as usize]);
+        (b - a).cross(c - a).length() / 2.0
     }
 
     /// Signed angle from one direction to another in the plane of a triangle.

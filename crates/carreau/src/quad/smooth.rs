@@ -99,7 +99,8 @@ pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()>
 /// Moves a vertex towards the mean of its neighbours.
 fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let neighbours = &around.neighbours[v as usize];
-    if work.place[v as usize] == Place::Fixed || neighbours.is_empty() {
+    // Vertices on features are where these turn, and stay there.
+    if !matches!(work.place[v as usize], Place::Region(_)) || neighbours.is_empty() {
         return false;
     }
     let from = work.points[v as usize];

@@ -28,8 +28,8 @@ pub struct Source {
     /// All feature edges, and those of every curve, as flat triangles.
     all_curves: TriangleTree,
     curves: Vec<(Vec<u32>, TriangleTree)>,
-    /// Whether a vertex ends its curves.
-    pub is_corner: Vec<bool>,
+    /// Curves with the same region on both sides.
+    pub is_seam: Vec<bool>,
 }
 
 impl Source {
@@ -56,6 +56,11 @@ impl Source {
             let [a, b] = edges[*e as usize];
             [a, b, b]
         };
+        let mut is_seam = vec![false; curve.len()];
+        for (c, &curve) in surface.features.edges(mesh).zip(&curve) {
+            let other = mesh.opposite(c).map(|o| region[mesh.face_of(o).index()]);
+            is_seam[curve as usize] |= other == Some(region[mesh.face_of(c).index()]);
+        }
         let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
         let line = |list: Vec<u32>| {
             let faces: Vec<[u32; 3]> = list.iter().map(flat).collect();
@@ -75,7 +80,7 @@ impl Source {
             regions,
             edges,
             curve,
-            is_corner,
+            is_seam,
             surface,
         })
     }

@@ -32,7 +32,7 @@ fn check(mesh: &SurfaceMesh, result: &Quads) {
 fn every_rung_gives_quads_that_keep_the_features() {
     for name in ["bracket", "wedge", "open-cylinder", "torus"] {
         let mesh = part(name);
-        for rung in [3, 4] {
+        for rung in 1..=4 {
             let options = QuadOptions { quads: 1500, rung, ..QuadOptions::default() };
             let result = quads(&mesh, &options, &Context::new()).unwrap();
             check(&mesh, &result);
@@ -104,4 +104,13 @@ fn wrong_options_are_refused() {
     assert!(wrong(QuadOptions { edge_length: Some(f64::NAN), ..QuadOptions::default() }));
     let empty = triangles(&[DVec3::ZERO], &[]);
     assert!(matches!(quads(&empty, &QuadOptions::default(), &Context::new()), Err(Error::Input { .. })));
+}
+
+#[test]
+fn a_box_has_eight_irregular_vertices_and_grids() {
+    let mesh = cube(DVec3::ZERO, 2.0);
+    let result = quads(&mesh, &QuadOptions { quads: 600, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&mesh, &result);
+    assert_eq!((result.rung(), result.quality.irregular), (1, 8));
+    assert!(result.quality.scaled_jacobian_mean > 0.999 && result.mesh.face_count().is_multiple_of(2));
 }

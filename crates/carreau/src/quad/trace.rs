@@ -15,6 +15,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Crossings nearer to an end of an edge, as a share of it, go through the vertex.
 const SNAP: f64 = 0.12;
+/// Ends of tracks on a wall that are nearer to each other, in lengths of quads, are one.
+const NODE: f64 = 0.5;
 /// Tracks are taken back where they are longer than so many diagonals.
 const LONGEST: f64 = 4.0;
 
@@ -60,7 +62,7 @@ impl Sheet {
             was_ahead = at >= theta + corner;
             theta += corner;
             let across = self.opposite[back as usize];
-            if across == NONE || across == first || (self.is_feature(back) && across != first) {
+            if across == NONE || across == first || self.is_feature(back) {
                 return found;
             }
             let turned = s + self.turn[back as usize];
@@ -132,15 +134,20 @@ impl Sheet {
         let side = |x: glam::DVec3| n.dot(d.cross(x));
         let (right, left) = (side(self.along(h)), side(-self.along(back)));
         let share = if left > right { (-right / (left - right)).clamp(0.0, 1.0) } else { 0.5 };
-        if share < SNAP && !self.is_wall(h) {
-            return along(self, h, s);
-        }
-        if share > 1.0 - SNAP && !self.is_wall(back) {
-            let to = self.tail(back);
-            self.set_wall(back, Wall::Track, s + 2);
-            return Some(to);
+        // Through the vertex, unless there is no room for a quad on both sides of the track.
+        let near = if share < SNAP { Some((h, s)) } else { (share > 1.0 - SNAP).then_some((back, s + 2)) };
+        if let Some((edge, branch)) = near.filter(|n| !self.is_wall(n.0)) {
+            self.set_wall(edge, Wall::Track, branch);
+            let (from, to) = (self.tail(h), if edge == h { self.head(h) } else { self.tail(back) });
+            if self.can_arrive(from, to) {
+                return Some(to);
+            }
+            self.clear_wall(edge);
         }
         let far = Self::next(h);
+        if let Some(to) = self.node_beside(h, s, share) {
+            return Some(to);
+        }
         let at =
             self.points[self.tail(far) as usize].lerp(self.points[self.head(far) as usize], share.clamp(0.05, 0.95));
         let from = self.tail(h);
@@ -150,15 +157,63 @@ impl Sheet {
         Some(m)
     }
 
+    /// Where the way leads into a wall close to one of its nodes: to the node. Ends that nearly meet would leave arcs that are
+    /// too short for a quad, and sides that cannot add up.
+    fn node_beside(&mut self, h: u32, s: i32, share: f64) -> Option<u32> {
+        let (far, back) = (Self::next(h), Self::previous(h));
+        if !self.is_wall(far) {
+            return None;
+        }
+        let length = self.along(far).length();
+        let ends = [(share * length, h, s), ((1.0 - share) * length, back, s + 2)];
+        let near = if ends[0].0 <= ends[1].0 { [ends[0], ends[1]] } else { [ends[1], ends[0]] };
+        for (distance, edge, branch) in near {
+            let to = if edge == h { self.head(h) } else { self.tail(back) };
+            if distance > NODE * self.length || self.is_wall(edge) || self.walls_at(to, NONE).0 < 3 {
+                continue;
+            }
+            self.set_wall(edge, Wall::Track, branch);
+            if self.can_arrive(self.tail(h), to) {
+                return Some(to);
+            }
+            self.clear_wall(edge);
+        }
+        None
+    }
+
+    /// Whether a track may go on from or end in a vertex that it has come to.
+    fn can_arrive(&self, from: u32, at: u32) -> bool {
+        let (walls, feature) = self.walls_at(at, from);
+        !(walls > 1 || feature) || self.between(at, from).is_some_and(|back| self.has_room(back))
+    }
+
+    fn clear_wall(&mut self, h: u32) {
+        self.wall[h as usize] = Wall::None;
+        let o = self.opposite[h as usize];
+        if o != NONE {
+            self.wall[o as usize] = Wall::None;
+        }
+    }
+
+    /// Takes back what is left of tracks that end in no other wall.
+    fn prune(&mut self) {
+        let mut queue: Vec<u32> = (0..self.points.len() as u32).collect();
+        while let Some(v) = queue.pop() {
+            let walls: Vec<u32> = self.around(v).into_iter().filter(|&h| self.is_wall(h)).collect();
+            if let [h] = walls[..]
+                && self.wall[h as usize] == Wall::Track
+            {
+                self.clear_wall(h);
+                queue.push(self.head(h));
+            }
+        }
+    }
+
     /// Takes a track back.
     fn erase(&mut self, track: &Track) {
         for w in track.vertices.windows(2) {
             if let Some(h) = self.between(w[0], w[1]) {
-                self.wall[h as usize] = Wall::None;
-                let o = self.opposite[h as usize];
-                if o != NONE {
-                    self.wall[o as usize] = Wall::None;
-                }
+                self.clear_wall(h);
             }
         }
     }
@@ -172,7 +227,9 @@ pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &C
     race.start_at_features();
     quads.iter().for_each(|&(v, k)| race.start_at_singularity(v, k));
     race.run(context)?;
-    Ok(race.dropped)
+    let dropped = race.dropped;
+    sheet.prune();
+    Ok(dropped)
 }
 
 /// Cuts from a wall into a patch, a quarter turn from the half-edge that leaves a vertex; returns whether it arrived.

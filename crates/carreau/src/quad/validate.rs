@@ -46,8 +46,10 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     if let Some(why) = border_refusal(work, source) {
         return Ok(Some(why.into()));
     }
-    let kept = recall(work, source);
-    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept", 100.0 * kept)))
+    let (kept, lost) = recall(work, source);
+    let place =
+        lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
+    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
 }
 
 /// Borders stay on features; where two lie on each other, as in a surface that was cut, their vertices do, too.
@@ -78,12 +80,12 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
     edges.iter().flat_map(|e| [e[0], e[1]]).any(is_inside).then_some("a border vertex is inside another border edge")
 }
 
-/// The share of the source's features, by length, that have an edge near and parallel.
-pub fn recall(work: &Work, source: &Source) -> f64 {
+/// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
+pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
     let edges: Vec<[u32; 3]> = work.features.iter().map(|([a, b], _)| [*a, *b, *b]).collect();
     let tree = TriangleTree::new(&work.points, &edges);
     let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
-    let (mut total, mut kept) = (0.0, 0.0);
+    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
     for ends in &source.edges {
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
@@ -96,8 +98,12 @@ pub fn recall(work: &Work, source: &Source) -> f64 {
                 found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
             });
             total += length / n;
-            kept += if found { length / n } else { 0.0 };
+            if found {
+                kept += length / n;
+            } else {
+                lost = lost.or(Some(p));
+            }
         }
     }
-    if total > 0.0 { kept / total } else { 1.0 }
+    (if total > 0.0 { kept / total } else { 1.0 }, lost)
 }
