@@ -24,7 +24,7 @@ pub struct QuadQuality {
     pub inverted: usize,
     /// Share of the features that have an edge near and parallel.
     pub feature_recall: f64,
-    /// Two-sided distance as a share of the diagonal: the largest that was found.
+    /// Two-sided distance as a share of the diagonal: a bound, no sample.
     pub distance_max: Option<f64>,
 }
 
@@ -51,8 +51,8 @@ pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> 
         triangles.extend([[a, b, c], [a, c, d]]);
     }
     let mesh = SurfaceMesh::from_triangles(work.points.clone(), &triangles)?;
-    let options = DistanceOptions { samples: 40_000, refinements: 4_000 };
-    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max)
+    let options = DistanceOptions { samples: 40_000, refinements: 20_000 };
+    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
 }
 
 fn irregular(work: &Work) -> usize {
