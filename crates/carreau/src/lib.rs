@@ -2,12 +2,14 @@
 
 pub mod context;
 pub mod error;
+pub mod field;
 pub mod geometry;
 pub mod io;
 pub mod length;
 pub mod mesh;
 pub mod numeric;
 pub mod patch;
+pub mod quad;
 pub mod remesh;
 pub mod report;
 pub mod sample;

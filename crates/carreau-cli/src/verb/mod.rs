@@ -1,11 +1,14 @@
-//! The verbs, one file each; `simplify` holds `enrich` as well.
+//! The verbs, one file each; `simplify` holds `enrich` as well, `edges` the files that list feature edges.
 
 mod compare;
 mod convert;
 mod curvature;
 mod demo;
+mod edges;
+mod field;
 mod info;
 mod patch;
+mod quad;
 mod repair;
 mod sample;
 mod segment;
@@ -27,6 +30,8 @@ pub enum Verb {
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Segment(segment::Segment),
+    Field(field::Field),
+    Quad(quad::Quad),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
     Completions(shell::Completions),
@@ -46,6 +51,8 @@ impl Verb {
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
+            Verb::Field(verb) => verb.run(),
+            Verb::Quad(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

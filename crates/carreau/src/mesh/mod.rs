@@ -50,7 +50,7 @@ pub use half_edges::{EdgeGroup, HalfEdges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
-pub use repair::{RepairOptions, RepairReport, Repaired, repair};
+pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};

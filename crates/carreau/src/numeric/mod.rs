@@ -8,6 +8,7 @@
 //! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
 //! | `levenberg` | Levenberg–Marquardt least squares for few parameters |
 //! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
+//! | `sparse` | sparse positive definite systems, real and complex |
 
 pub mod banded;
 pub mod eigen3;
@@ -15,3 +16,4 @@ pub mod flow;
 pub(crate) mod hopcroft_karp;
 pub mod levenberg;
 pub mod matching;
+pub mod sparse;
