@@ -19,15 +19,11 @@ const ROUNDS: usize = 4;
 
 /// Relocations for better shapes at the end.
 const RESHAPINGS: usize = 2;
-/// In all rounds but the last ridges may sag by this factor more: vertices come off that equal steps along the curve make
-/// superfluous.
-const LOOSE: f64 = 1.5;
 
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow; with a wanted number of triangles the sizes are
     /// scaled on the way until that is what they give.
     pub fn adapt(&mut self, wanted: Option<usize>, context: &Context) -> Result<()> {
-        self.loose = LOOSE;
         let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1 };
         {
             let _stage = context.stage("decimate");
@@ -37,14 +33,10 @@ impl Work<'_> {
             self.decimate(1.0, &strict, most, context)?;
         }
         for round in 1..=ROUNDS {
-            self.loose = if round < ROUNDS { LOOSE } else { 1.0 };
-            if round == ROUNDS {
-                self.divide_sagging(context)?;
-            }
             if let Some(wanted) = wanted {
                 self.steer(1.06 * wanted as f64);
             }
-            self.balance(0, context)?;
+            self.balance(context)?;
             if let Some(wanted) = wanted
                 && round == ROUNDS
             {
@@ -69,7 +61,6 @@ impl Work<'_> {
             }
         }
         let _stage = context.stage("polish");
-        self.divide_sagging(context)?;
         self.polish(context)?;
         if let Some(wanted) = wanted {
             self.trim(wanted, target::WITHIN, context)?;
@@ -82,7 +73,7 @@ impl Work<'_> {
     }
 
     /// Splits what is too long, collapses what is too short, flips to good shapes and regular valences.
-    fn balance(&mut self, most: usize, context: &Context) -> Result<()> {
+    fn balance(&mut self, context: &Context) -> Result<()> {
         {
             let _stage = context.stage("divide");
             self.divide(LONG, 3, context)?;
@@ -90,7 +81,7 @@ impl Work<'_> {
         {
             let _stage = context.stage("collapse");
             let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5 };
-            self.decimate(SHORT, &demand, most, context)?;
+            self.decimate(SHORT, &demand, 0, context)?;
         }
         let _stage = context.stage("swap");
         self.swap(4, context)?;

@@ -12,9 +12,6 @@ use glam::DVec3;
 /// Splits make no shapes below this, unless the triangle was as bad before.
 const NEEDLE: f32 = 0.01;
 
-/// Sweeps of [`Work::divide_sagging`]: each halves what sags.
-const SAG_SWEEPS: usize = 4;
-
 impl Work<'_> {
     /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
     pub fn divide(&mut self, limit: f64, sweeps: usize, context: &Context) -> Result<usize> {
@@ -52,32 +49,6 @@ impl Work<'_> {
             }
         }
         Ok(done)
-    }
-
-    /// Splits the edges of ridges that sag more than they may.
-    pub fn divide_sagging(&mut self, context: &Context) -> Result<()> {
-        let allowed = std::mem::replace(&mut self.limits.cos_allowed, self.limits.cos_cap);
-        let done = self.divide_sagging_within_cap(context);
-        self.limits.cos_allowed = allowed;
-        done
-    }
-
-    fn divide_sagging_within_cap(&mut self, context: &Context) -> Result<()> {
-        for _ in 0..SAG_SWEEPS {
-            let edges: Vec<u32> = self.mesh.edges().filter(|&h| self.mesh.curve(h) != NONE).collect();
-            let mut done = 0;
-            for (step, h) in edges.into_iter().enumerate() {
-                context.check_every(step)?;
-                let Some((chain, span)) = self.on_chain(h) else { continue };
-                let sags = matches!(chain.kind, Kind::Ridge | Kind::Crease)
-                    && chain.sag(span) > self.limits.ridge_sag * (1.0 + 1e-9);
-                done += usize::from(sags && self.split(h).is_some());
-            }
-            if done == 0 {
-                break;
-            }
-        }
-        Ok(())
     }
 
     /// Splits an edge in two of equal length; `None` where that is not allowed or would fold the surface.

@@ -2,7 +2,8 @@
 
 use super::geometric::{Geometric, Goal};
 use super::output::{self, Made};
-use super::{RemeshOptions, Source, target};
+use super::source::Source;
+use super::{RemeshOptions, target};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};

@@ -16,9 +16,9 @@ const WALK: usize = 256;
 const FIT_POINTS: usize = 96;
 
 /// Radii are made steady where one ring of edges is within this share of the size.
-const STEADY_SHARE: f64 = 0.18;
+const STEADY_SHARE: f64 = 0.21;
 /// The quantile of the curvatures around a vertex that its own may have.
-const STEADY_QUANTILE: f64 = 0.6;
+const STEADY_QUANTILE: f64 = 0.68;
 
 /// The source surface.
 #[derive(Clone)]

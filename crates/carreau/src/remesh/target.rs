@@ -4,9 +4,9 @@
 //! nearly as many, by a factor that hardly depends on anything. The integral gives the scale to begin with, the count that
 //! was reached corrects it.
 
-use super::Source;
 use super::decimate::Demand;
 use super::relocate::Accept;
+use super::source::Source;
 use super::work::{BALANCE, Work};
 use super::{RemeshOptions, support::Support};
 use crate::context::Context;

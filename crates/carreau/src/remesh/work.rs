@@ -12,7 +12,7 @@ const SHAPE_SCALE: f64 = 2.0 * 1.732_050_807_568_877_2;
 
 /// Splits, collapses and relocation settle at a mean length a little below one: the mesh at work has sizes larger by this
 /// factor, so that the mean is one in those asked for.
-pub const BALANCE: f64 = 1.02;
+pub const BALANCE: f64 = 1.028;
 
 /// What new triangles and edges must respect.
 #[derive(Debug, Clone, Copy)]
@@ -72,8 +72,6 @@ pub struct Work<'a> {
     pub scale: f64,
     /// New points lie on the curved patches of the support instead of its triangles.
     pub curved: bool,
-    /// Factor on the sag of ridges while there are rounds to come.
-    pub loose: f64,
 }
 
 /// A place for a vertex on the surface.
@@ -127,7 +125,6 @@ impl<'a> Work<'a> {
             seat,
             scale: BALANCE,
             curved: false,
-            loose: 1.0,
             face: vec![Face { shape: 0.0, cosine: -1.0 }; mesh.triangle_slots() as usize],
             mesh,
         };
@@ -281,7 +278,7 @@ impl<'a> Work<'a> {
         }
         let chord = chain.at(span[0]).0.distance(chain.at(span[1]).0);
         let absolute = match chain.kind {
-            Kind::Ridge | Kind::Crease => self.loose * self.limits.ridge_sag,
+            Kind::Ridge | Kind::Crease => self.limits.ridge_sag,
             Kind::Border | Kind::Seam => self.limits.border_sag,
         };
         let allowed = (self.limits.curve_sag_share * chord).min(absolute).max(before);
