@@ -261,7 +261,7 @@ fn simplify_meets_what_is_asked_for_and_says_so() {
     let (folder, model) = with_model("torus", "m.ply");
     let at = |name: &str| folder.path().join(name);
     let out = at("s.ply");
-    let before = record(&["info", text(&model)])["faces"].as_u64().unwrap();
+    let before = record(&["info", text(&model)])["input"]["faces"].as_u64().unwrap();
     let run = |extra: &[&str]| {
         let args = [&["simplify", text(&model), "-o", text(&out)], extra].concat();
         record(&args)
@@ -307,7 +307,7 @@ fn enrich_refines_and_replays_for_any_number_of_threads() {
         .success();
     assert_eq!(fs::read(at("a.ply")).unwrap(), fs::read(at("b.ply")).unwrap());
     assert!(fs::read(at("a.png")).unwrap().starts_with(b"\x89PNG"));
-    let faces = |file: &Path| record(&["info", text(file)])["faces"].as_u64().unwrap();
+    let faces = |file: &Path| record(&["info", text(file)])["input"]["faces"].as_u64().unwrap();
     assert!(faces(&at("a.ply")) > faces(&model));
     carreau().args(["enrich", text(&model), "--deviation", "90"]).assert().code(2).stderr(contains("deviation"));
     carreau().args(["enrich", text(&model), "--gradation", "1"]).assert().code(2).stderr(contains("gradation"));
