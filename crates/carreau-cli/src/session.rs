@@ -9,6 +9,7 @@ use carreau::report::figure;
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
+use serde_json::json;
 use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -169,6 +170,18 @@ impl Session {
             io::write(file, mesh, options)?
         };
         warnings.into_iter().for_each(|w| self.warn(w));
+        Ok(())
+    }
+
+    /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has.
+    pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
+        self.draw(mesh)?;
+        let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
+        if let Some(file) = file {
+            counts["file"] = json!(file.to_string_lossy());
+            self.write_mesh(file, mesh, &io::WriteOptions::default())?;
+        }
+        self.record.set("output", counts);
         Ok(())
     }
 

@@ -1,14 +1,13 @@
 //! `field`: a frame field along the features of a part.
 
-use super::edges::read_edges;
+use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
-use carreau::geometry::features::FeatureOptions;
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, RawMesh, VertexId};
+use carreau::mesh::{Column, RawMesh};
 use carreau::report::field_figure;
 use carreau::{DVec3, Error};
 use clap::Args;
@@ -46,15 +45,8 @@ pub struct Field {
     /// Largest angle by which the two directions lean towards each other, in degrees [default: 60]
     #[arg(long, value_name = "DEG")]
     lean: Option<f64>,
-    /// Edges with a larger angle between their faces are features, in degrees; 180: none is sharp [default: 35]
-    #[arg(long, value_name = "DEG")]
-    feature_angle: Option<f64>,
-    /// Further features: a file with two vertex ids per line
-    #[arg(long, value_name = "FILE")]
-    features: Option<PathBuf>,
-    /// Edges tagged in the file are not special
-    #[arg(long)]
-    ignore_tags: bool,
+    #[command(flatten)]
+    features: FeatureFlags,
     /// Counts the corners without room and the singularities of the classic field, too
     #[arg(long)]
     classic: bool,
@@ -63,30 +55,16 @@ pub struct Field {
 }
 
 /// What replays a run.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 struct Options {
     #[serde(flatten)]
     field: FieldOptions,
-    feature_angle: f64,
-    features: Option<PathBuf>,
-    ignore_tags: bool,
+    #[serde(flatten)]
+    features: FeatureValues,
     classic: bool,
     #[serde(flatten)]
     common: CommonValues,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            field: FieldOptions::default(),
-            feature_angle: 35.0,
-            features: None,
-            ignore_tags: false,
-            classic: false,
-            common: CommonValues::default(),
-        }
-    }
 }
 
 impl Field {
@@ -110,9 +88,7 @@ impl Field {
         o.pin = self.pin.unwrap_or(o.pin);
         o.propagation = self.propagation.unwrap_or(o.propagation);
         o.lean_deg = self.lean.unwrap_or(o.lean_deg);
-        all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
-        all.features = self.features.clone().or(all.features);
-        all.ignore_tags |= self.ignore_tags;
+        all.features = self.features.over(all.features);
         all.classic |= self.classic;
         all.common = self.common.over(all.common);
         Ok(all)
@@ -122,7 +98,7 @@ impl Field {
         let mesh = session.read(&self.input)?.into_surface()?;
         let context = session.context.clone();
         let mut wanted = options.field.clone();
-        wanted.features = feature_options(options.feature_angle, options.ignore_tags, options.features.as_ref())?;
+        wanted.features = options.features.load()?;
         let found = context.install(|| field::field(&mesh, &wanted, &context))?;
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, session);
@@ -164,20 +140,6 @@ impl Field {
         }
         session.record.set("output", counts);
         Ok(())
-    }
-}
-
-/// Features by angle, borders, tags and a list.
-pub fn feature_options(angle: f64, ignore_tags: bool, list: Option<&PathBuf>) -> Result<FeatureOptions, Error> {
-    let edges = list.map(|file| read_edges(file)).transpose()?.unwrap_or_default();
-    Ok(FeatureOptions { angle_deg: Some(angle), borders: true, tags: !ignore_tags, edges })
-}
-
-/// Tells of features that were asked for and do not exist.
-pub fn warn_missing(missing: &[[VertexId; 2]], session: &mut Session) {
-    if let Some([a, b]) = missing.first() {
-        let count = missing.len();
-        session.warn(format!("{count} tagged or listed edges are no edges of the mesh, the first is {} {}", a.0, b.0));
     }
 }
 

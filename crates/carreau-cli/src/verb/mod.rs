@@ -1,10 +1,10 @@
-//! The verbs, one file each; `simplify` holds `enrich` as well, `edges` the files that list feature edges.
+//! The verbs, one file each; `simplify` holds `enrich` as well, `features` the flags of feature edges.
 
 mod compare;
 mod convert;
 mod curvature;
 mod demo;
-mod edges;
+mod features;
 mod field;
 mod info;
 mod patch;

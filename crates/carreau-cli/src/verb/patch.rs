@@ -1,10 +1,9 @@
 //! `patch`: quad patches on the given vertices, as a mesh or as CAD faces.
 
-use super::edges::read_edges;
+use super::features::read_edges;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
-
 use crate::session::{Failure, Session};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};

@@ -1,16 +1,14 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
-use super::field::{feature_options, warn_missing};
+use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::io::WriteOptions;
 use carreau::mesh::RawMesh;
 use carreau::quad::{self, QuadOptions, Quads};
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 use std::path::PathBuf;
 
 /// All-quad mesh that keeps every feature
@@ -34,15 +32,8 @@ pub struct Quad {
     /// Length of the edges instead
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<Length>,
-    /// Edges with a larger angle between their faces stay, in degrees; 180: none but borders and tags [default: 35]
-    #[arg(long, value_name = "DEG")]
-    feature_angle: Option<f64>,
-    /// Further edges that stay: a file with two vertex ids per line
-    #[arg(long, value_name = "FILE")]
-    features: Option<PathBuf>,
-    /// Edges tagged in the file are not special
-    #[arg(long)]
-    ignore_tags: bool,
+    #[command(flatten)]
+    features: FeatureFlags,
     /// The first rung of the ladder that is tried, 1 to 4: the last one always gives a mesh [default: 1]
     #[arg(long, value_name = "N")]
     rung: Option<u32>,
@@ -51,24 +42,16 @@ pub struct Quad {
 }
 
 /// What replays a run.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 struct Options {
     #[serde(flatten)]
     quad: QuadOptions,
     edge_length: Option<Length>,
-    feature_angle: f64,
-    features: Option<PathBuf>,
-    ignore_tags: bool,
+    #[serde(flatten)]
+    features: FeatureValues,
     #[serde(flatten)]
     common: CommonValues,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        let (quad, common) = (QuadOptions::default(), CommonValues::default());
-        Options { quad, edge_length: None, feature_angle: 35.0, features: None, ignore_tags: false, common }
-    }
 }
 
 impl Quad {
@@ -90,9 +73,7 @@ impl Quad {
         all.quad.quads = self.quads.unwrap_or(all.quad.quads);
         all.quad.rung = self.rung.unwrap_or(all.quad.rung);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
-        all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
-        all.features = self.features.clone().or(all.features);
-        all.ignore_tags |= self.ignore_tags;
+        all.features = self.features.over(all.features);
         all.common = self.common.over(all.common);
         Ok(all)
     }
@@ -101,21 +82,13 @@ impl Quad {
         let mesh = session.read(&self.input)?.into_surface()?;
         let context = session.context.clone();
         let mut wanted = options.quad.clone();
-        wanted.features = feature_options(options.feature_angle, options.ignore_tags, options.features.as_ref())?;
+        wanted.features = options.features.load()?;
         wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
         let result = context.install(|| quad::quads(&mesh, &wanted, &context))?;
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&result.missing, session);
         describe(session, &result);
-        let out = RawMesh::from(result.mesh);
-        session.draw(&out)?;
-        let mut counts = json!({ "vertices": out.points.len(), "faces": out.faces.len() });
-        if let Some(file) = &self.output {
-            counts["file"] = json!(file.to_string_lossy());
-            session.write_mesh(file, &out, &WriteOptions::default())?;
-        }
-        session.record.set("output", counts);
-        Ok(())
+        session.deliver(&RawMesh::from(result.mesh), self.output.as_deref())
     }
 }
 

@@ -3,13 +3,11 @@
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Coarsens a surface to an angular deviation, a number of triangles or a distance
@@ -197,14 +195,6 @@ impl Remesh {
             q.deviation_mean_deg, q.deviation_area_mean_deg, q.deviation_max_deg
         ));
         session.record.set("quality", quality);
-        let out = RawMesh::from(result.mesh);
-        session.draw(&out)?;
-        let mut counts = json!({ "vertices": out.points.len(), "faces": out.faces.len() });
-        if let Some(file) = &self.output {
-            counts["file"] = json!(file.to_string_lossy());
-            session.write_mesh(file, &out, &WriteOptions::default())?;
-        }
-        session.record.set("output", counts);
-        Ok(())
+        session.deliver(&RawMesh::from(result.mesh), self.output.as_deref())
     }
 }

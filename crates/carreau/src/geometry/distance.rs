@@ -35,11 +35,13 @@ pub struct DistanceOptions {
     pub samples: usize,
     /// Most triangles to divide per direction, to narrow the bounds of the maximum; 0: do not.
     pub refinements: usize,
+    /// Compare normals, too.
+    pub normals: bool,
 }
 
 impl Default for DistanceOptions {
     fn default() -> Self {
-        DistanceOptions { samples: 200_000, refinements: 100_000 }
+        DistanceOptions { samples: 200_000, refinements: 100_000, normals: true }
     }
 }
 
@@ -143,7 +145,9 @@ impl Distance {
 /// A surface prepared for questions.
 struct Target<'a> {
     points: &'a [DVec3],
+    /// Vertices of the triangles, neighbours close to each other.
     used: Vec<u32>,
+    /// Neighbours close to each other.
     triangles: Vec<[u32; 3]>,
     /// Normal of every triangle: that of the face it belongs to.
     normals: Vec<DVec3>,
@@ -155,14 +159,16 @@ impl<'a> Target<'a> {
     fn new(mesh: &'a SurfaceMesh) -> Self {
         let (triangles, parent) = mesh.faces().fan();
         let of_face = face_normals(mesh);
-        let mut used = mesh.faces().corners().to_vec();
-        used.sort_unstable();
-        used.dedup();
+        let mut tree = TriangleTree::new(mesh.points(), &triangles);
+        let order = tree.renumber();
+        let triangles: Vec<[u32; 3]> = order.iter().map(|&t| triangles[t as usize]).collect();
+        let mut is_new = vec![true; mesh.vertex_count()];
+        let first = |v: &u32| std::mem::take(&mut is_new[*v as usize]);
         Target {
             points: mesh.points(),
-            used,
-            tree: TriangleTree::new(mesh.points(), &triangles),
-            normals: parent.into_iter().map(|f| of_face[f as usize]).collect(),
+            used: triangles.as_flattened().iter().copied().filter(first).collect(),
+            tree,
+            normals: order.into_iter().map(|t| of_face[parent[t as usize] as usize]).collect(),
             triangles,
             diagonal: mesh.diagonal(),
         }
@@ -172,10 +178,17 @@ impl<'a> Target<'a> {
         self.triangles[triangle as usize].map(|v| self.points[v as usize])
     }
 
-    /// The closest point; the tree is never empty here.
-    fn closest(&self, p: DVec3) -> Closest {
+    /// The closest point, from the answer to the question before: points in a row are near each other, as a rule. The tree
+    /// is never empty here.
+    fn closest_near(&self, p: DVec3, last: &mut Option<u32>) -> Closest {
         let nothing = Closest { triangle: 0, point: p, distance_squared: f64::INFINITY };
-        self.tree.closest(p).unwrap_or(nothing)
+        let found = match last {
+            Some(triangle) => self.tree.closest_near(p, self.corners(*triangle)),
+            None => self.tree.closest(p),
+        };
+        let found = found.unwrap_or(nothing);
+        *last = Some(found.triangle);
+        found
     }
 
     /// The smallest angle between a normal and those of the equally close triangles: at an edge of this surface any of
@@ -204,11 +217,12 @@ struct Sample {
 
 /// Everything about one direction; the angles in degrees for the summary of both.
 fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Context) -> Result<(OneSided, Vec<f64>)> {
-    let at_vertices = map_chunks(&from.used, context, |&v| to.closest(from.points[v as usize]))?;
+    let at_vertices = map_chunks(&from.used, context, |&v, last| to.closest_near(from.points[v as usize], last))?;
     let samples = spread_samples(from, options.samples);
-    let found = map_chunks(&samples, context, |s| {
-        let closest = to.closest(s.point);
-        (closest.distance(), to.angle_to(from.normals[s.triangle as usize], s.point, &closest))
+    let found = map_chunks(&samples, context, |s, last| {
+        let closest = to.closest_near(s.point, last);
+        let angle = || to.angle_to(from.normals[s.triangle as usize], s.point, &closest);
+        (closest.distance(), options.normals.then(angle).flatten())
     })?;
 
     let mut bracket = Bracket::default();
@@ -261,9 +275,17 @@ impl Bracket {
     }
 }
 
-/// Maps in parallel, in order, looking at the clock between chunks.
-fn map_chunks<T: Sync, R: Send>(items: &[T], context: &Context, map: impl Fn(&T) -> R + Sync) -> Result<Vec<R>> {
-    let chunk = |items: &[T]| context.check().map(|()| items.iter().map(&map).collect::<Vec<R>>());
+/// Maps in parallel, in order, looking at the clock between chunks; the items of a chunk hand on something.
+fn map_chunks<T: Sync, R: Send, S: Default>(
+    items: &[T],
+    context: &Context,
+    map: impl Fn(&T, &mut S) -> R + Sync,
+) -> Result<Vec<R>> {
+    let chunk = |items: &[T]| {
+        context.check()?;
+        let mut handed_on = S::default();
+        Ok(items.iter().map(|item| map(item, &mut handed_on)).collect::<Vec<R>>())
+    };
     let chunks: Vec<Vec<R>> = items.par_chunks(CHUNK).map(chunk).collect::<Result<_>>()?;
     Ok(chunks.into_iter().flatten().collect())
 }
@@ -319,7 +341,7 @@ impl Part {
     /// Bounded by the closest triangle of the centre as well; returns the centre's distance too.
     fn with_centre(mut self, to: &Target) -> (Part, f64) {
         let centre = self.centre();
-        let closest = to.closest(centre);
+        let closest = to.closest_near(centre, &mut Some(self.closest[0]));
         // The distance changes by no more than the way: a second bound, better for parts far away.
         let reach = self.corners.iter().map(|c| c.distance(centre)).fold(0.0, f64::max);
         let by_centre = bound_by(self.corners, &[closest.triangle], to).min(closest.distance() + reach);
@@ -339,7 +361,7 @@ impl Part {
     fn quarters(&self, to: &Target) -> ([Part; 4], [(DVec3, f64); 7]) {
         let ([a, b, c], [ka, kb, kc]) = (self.corners, self.closest);
         let middles = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-        let found = middles.map(|m| to.closest(m));
+        let found = middles.map(|m| to.closest_near(m, &mut Some(ka)));
         let ([ab, bc, ca], [kab, kbc, kca]) = (middles, found.map(|f| f.triangle));
         let quarters = [
             ([a, ab, ca], [ka, kab, kca]),
@@ -357,11 +379,13 @@ impl Part {
 
 /// The smallest, over the candidates, of the largest distance of a corner.
 fn bound_by(corners: [DVec3; 3], candidates: &[u32], to: &Target) -> f64 {
-    let largest = |&candidate: &u32| {
+    let largest = |candidate: u32| {
         let target = to.corners(candidate);
         corners.iter().map(|&c| c.distance_squared(closest_on_triangle(c, target))).fold(0.0, f64::max)
     };
-    candidates.iter().map(largest).fold(f64::INFINITY, f64::min).sqrt()
+    let is_first = |k: &usize| !candidates[..*k].contains(&candidates[*k]);
+    let bounds = (0..candidates.len()).filter(is_first).map(|k| largest(candidates[k]));
+    bounds.fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// Raises the lower bound of the maximum and lowers the upper one until they meet or the budget is spent.
@@ -391,7 +415,7 @@ fn narrow(
         open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
         let rest = open.split_off(open.len().min(ROUND).min(left));
         left -= open.len();
-        let divided = map_chunks(&open, context, |part| part.quarters(to))?;
+        let divided = map_chunks(&open, context, |part, ()| part.quarters(to))?;
         open = rest;
         for (parts, seen) in divided {
             seen.iter().for_each(|&(point, distance)| bracket.see(point, distance));
@@ -411,10 +435,11 @@ fn first_parts(
     slack: f64,
     context: &Context,
 ) -> Result<Vec<Part>> {
-    let closest_of = |v: u32| at_vertices[from.used.partition_point(|&u| u < v)].triangle;
+    let mut closest_of = vec![0; from.points.len()];
+    from.used.iter().zip(at_vertices).for_each(|(&v, found)| closest_of[v as usize] = found.triangle);
     let limit = bracket.lower + slack;
-    let look = |t: &[u32; 3]| {
-        let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(closest_of), to);
+    let look = |t: &[u32; 3], (): &mut ()| {
+        let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
         if part.bound <= limit {
             return (part, None);
         }
@@ -441,7 +466,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn options() -> DistanceOptions {
-        DistanceOptions { samples: 5000, refinements: 20_000 }
+        DistanceOptions { samples: 5000, refinements: 20_000, normals: true }
     }
 
     fn compared(a: &SurfaceMesh, b: &SurfaceMesh) -> Comparison {
@@ -479,7 +504,7 @@ mod tests {
         let flat = grid(1);
         let p = [(0., 0., 0.), (1., 0., 0.), (1., 1., 0.), (0., 1., 0.), (0.5, 0.5, 0.3)].map(DVec3::from);
         let roof = triangles(&p, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]);
-        let coarse = DistanceOptions { samples: 10, refinements: 20_000 };
+        let coarse = DistanceOptions { samples: 10, ..options() };
         let c = compare(&flat, &roof, &coarse, &Context::new()).unwrap();
         // From the middle of the square to the faces of the pyramid.
         let to_roof = 0.3 * 0.5 / f64::hypot(0.3, 0.5);
@@ -493,8 +518,9 @@ mod tests {
     fn without_refinement_the_bounds_still_hold() {
         let (a, b) = (sphere(1), sphere(3));
         let exact = compared(&a, &b).distance;
-        let rough =
-            compare(&a, &b, &DistanceOptions { samples: 50, refinements: 0 }, &Context::new()).unwrap().distance;
+        let rough = compare(&a, &b, &DistanceOptions { samples: 50, refinements: 0, ..options() }, &Context::new())
+            .unwrap()
+            .distance;
         assert!(rough.max <= exact.max_upper && rough.max_upper >= exact.max);
         assert!(rough.max_upper - rough.max > exact.max_upper - exact.max);
     }

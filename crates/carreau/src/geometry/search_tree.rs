@@ -26,7 +26,7 @@ const LEAF: usize = 4;
 /// Subtrees with fewer triangles are built by one thread.
 const SERIAL: usize = 8192;
 /// Deeper than any tree over 2³² triangles.
-const DEPTH: usize = 64;
+const DEPTH: usize = 34;
 
 /// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
 pub struct TriangleTree {
@@ -75,9 +75,9 @@ struct Box3 {
 /// A node during a descent.
 #[derive(Clone, Copy)]
 struct Node {
-    index: usize,
-    first_leaf: usize,
-    leaves: usize,
+    index: u32,
+    first_leaf: u32,
+    leaves: u32,
 }
 
 impl Node {
@@ -126,7 +126,17 @@ impl TriangleTree {
 
     /// The closest point that is not farther than `radius`, if there is one.
     pub fn closest_within(&self, p: DVec3, radius: f64) -> Option<Closest> {
-        let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: radius * radius };
+        self.closest_below(p, radius * radius)
+    }
+
+    /// The closest point, sooner: with the corners of one of the triangles that is thought to be near.
+    pub fn closest_near(&self, p: DVec3, corners: [DVec3; 3]) -> Option<Closest> {
+        self.closest_below(p, p.distance_squared(closest_on_triangle(p, corners)))
+    }
+
+    /// The closest point whose squared distance is not above a limit.
+    fn closest_below(&self, p: DVec3, limit: f64) -> Option<Closest> {
+        let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: limit };
         let mut stack = Stack::new();
         self.root().into_iter().for_each(|root| stack.push(root, self.boxes[0].distance_squared(p)));
         while let Some((node, bound)) = stack.pop() {
@@ -134,7 +144,7 @@ impl TriangleTree {
                 continue;
             }
             if node.leaves > 1 {
-                let [a, b] = node.children().map(|child| (child, self.boxes[child.index].distance_squared(p)));
+                let [a, b] = node.children().map(|child| (child, self.boxes[child.index as usize].distance_squared(p)));
                 let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
                 stack.push(far.0, far.1);
                 stack.push(near.0, near.1);
@@ -196,6 +206,12 @@ impl TriangleTree {
         first
     }
 
+    /// Numbers the triangles in the order of the leaves, in which neighbours follow each other; returns their old ids.
+    pub(super) fn renumber(&mut self) -> Vec<u32> {
+        let positions = (0..self.ids.len() as u32).collect();
+        std::mem::replace(&mut self.ids, positions)
+    }
+
     /// Corners of all triangles in the order of the leaves: neighbours in it are neighbours in space.
     pub(super) fn corners_in_order(&self) -> &[[DVec3; 3]] {
         &self.corners
@@ -206,7 +222,7 @@ impl TriangleTree {
         let mut stack = Stack::new();
         self.root().into_iter().for_each(|root| stack.push(root, 0.0));
         while let Some((node, _)) = stack.pop() {
-            if !enter(&self.boxes[node.index]) {
+            if !enter(&self.boxes[node.index as usize]) {
                 continue;
             }
             if node.leaves > 1 {
@@ -220,11 +236,12 @@ impl TriangleTree {
     }
 
     fn root(&self) -> Option<Node> {
-        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.len().div_ceil(LEAF) })
+        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.len().div_ceil(LEAF) as u32 })
     }
 
     fn leaf(&self, node: Node) -> std::ops::Range<usize> {
-        node.first_leaf * LEAF..((node.first_leaf + 1) * LEAF).min(self.len())
+        let first = node.first_leaf as usize * LEAF;
+        first..(first + LEAF).min(self.len())
     }
 }
 
@@ -440,6 +457,9 @@ mod tests {
                 prop_assert!((found.distance() - oracle(&points, &triangles, p)).abs() < 1e-9);
                 let own = triangles[found.triangle as usize].map(|k| points[k as usize]);
                 prop_assert_eq!(found.point, closest_on_triangle(p, own));
+                for hint in &triangles {
+                    prop_assert_eq!(tree.closest_near(p, hint.map(|k| points[k as usize])), Some(found));
+                }
                 prop_assert_eq!(tree.closest_within(p, found.distance() * (1.0 + 1e-12)), Some(found));
                 prop_assert_eq!(tree.closest_within(p, found.distance() * 0.999 - 1e-12), None);
             }

@@ -8,6 +8,7 @@
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
 //! | `triangulate` | polygons cut into triangles |
+//! | `space_order` | neighbours on the surface, neighbours in memory |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
 //! | `attributes` | named columns |
 //! | `area` | area vectors of faces |
@@ -33,6 +34,7 @@ mod nesting;
 mod polygons;
 mod raw;
 mod repair;
+mod space_order;
 mod surface;
 #[cfg(test)]
 pub(crate) mod test_models;
@@ -50,6 +52,7 @@ pub use half_edges::{EdgeGroup, HalfEdges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
+pub(crate) use repair::is_flawed;
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};

@@ -51,7 +51,7 @@ pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> 
         triangles.extend([[a, b, c], [a, c, d]]);
     }
     let mesh = SurfaceMesh::from_triangles(work.points.clone(), &triangles)?;
-    let options = DistanceOptions { samples: 40_000, refinements: 20_000 };
+    let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
     Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
 }
 

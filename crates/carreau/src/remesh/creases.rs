@@ -11,6 +11,9 @@ use crate::geometry::normals::unit;
 use crate::mesh::{NONE, next, previous, triangle_area_vector};
 use glam::DVec3;
 
+/// Strains below are rounding.
+const NO_STRAIN: f64 = 1e-12;
+
 /// What dihedral angles must respect, as cosines of the angle between the normals of the two faces.
 #[derive(Debug, Clone, Copy)]
 pub struct Dihedral {
@@ -31,7 +34,7 @@ impl Work<'_> {
     /// How far the edges around a vertex are from what they should be, with the vertex at `p`; 0: all is well.
     ///
     /// With `kept`, the vertex is about to be merged into that one, which lies at `p`.
-    pub fn strain_around(&self, v: u32, p: DVec3, kept: u32) -> f64 {
+    fn strain_around(&self, v: u32, p: DVec3, kept: u32) -> f64 {
         let Some(limits) = self.limits.dihedral else { return 0.0 };
         let mesh = &self.mesh;
         let normal = |t: u32| {
@@ -109,9 +112,15 @@ impl Work<'_> {
         (before, after)
     }
 
+    /// Whether the edges around a vertex allow it to lie at `p`; with `kept`, to be merged into that one, which lies there.
+    pub fn strain_allows(&self, v: u32, p: DVec3, kept: u32) -> bool {
+        let after = self.strain_around(v, p, kept);
+        after <= NO_STRAIN || self.allows_strain(after, self.strain_around(v, self.point(v), NONE))
+    }
+
     /// Whether a strain may follow upon another.
     pub fn allows_strain(&self, after: f64, before: f64) -> bool {
-        after <= before.max(1e-12)
+        after <= before.max(NO_STRAIN)
     }
 
     /// How far an edge between two faces is from what it should be.

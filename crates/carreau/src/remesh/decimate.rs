@@ -8,6 +8,7 @@
 //! cap. On a sphere a triangle of length 1 deviates by asin(2 sin θ / √3) > θ, so that the strict test would keep all
 //! edges below √3/2; and no choice of collapses removes the noise that a scan brings along.
 
+use super::buckets::Buckets;
 use super::curves::Rank;
 use super::size::length_quality;
 use super::work::{Face, Work};
@@ -17,9 +18,9 @@ use crate::mesh::{Keep, NONE, next, previous};
 
 /// Shapes may fall by this factor: six equilateral triangles can just be retriangulated from their rim.
 const SHAPE_LOSS: f32 = 0.6 - 1e-6;
-/// Buckets per octave of length.
-const PER_OCTAVE: f64 = 8.0;
-const BUCKETS: usize = 128;
+/// Buckets per octave of length, and octaves.
+const PER_OCTAVE: usize = 8;
+const OCTAVES: usize = 16;
 
 /// What a collapse must respect besides constraint (1).
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +37,7 @@ pub struct Demand {
 impl Work<'_> {
     /// Collapses edges shorter than `limit`, shortest first, while there are more than `most` triangles. Returns how many.
     pub fn decimate(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
-        let mut queue = Queue::new(limit);
+        let mut queue = Buckets::new(limit, PER_OCTAVE, OCTAVES);
         for h in self.mesh.edges() {
             queue.push(h, self.edge_length(h));
         }
@@ -93,7 +94,7 @@ impl Work<'_> {
         let mesh = &self.mesh;
         let (gone, kept) = mesh.gone_and_kept(h, keep);
         let o = mesh.opposite(h);
-        let (p, size) = (self.point(kept), self.size[kept as usize]);
+        let p = self.point(kept);
         // Wedges of the kept vertex left and right of the edge, seen from the vertex that goes.
         let (side_h, side_o) = (h / 3, if o == NONE { NONE } else { o / 3 });
         let wedge_in = |t: u32| (3 * t..3 * t + 3).find(|&c| mesh.vertex(c) == kept).map(|c| mesh.wedge(c));
@@ -133,7 +134,7 @@ impl Work<'_> {
                 if new.shape < SHAPE_LOSS * before.shape && new.shape < demand.least_shape && new.shape < 0.3 {
                     return None;
                 }
-                if !apexes.contains(&vb) && !self.edge_becomes_better(gone, kept, size, vb, demand) {
+                if !apexes.contains(&vb) && !self.edge_becomes_better(gone, kept, vb, demand) {
                     return None;
                 }
             }
@@ -141,7 +142,7 @@ impl Work<'_> {
             if turned == NONE {
                 let last = mesh.vertex(c_before(at));
                 let is_end = last != kept && !apexes.contains(&last);
-                if is_end && !self.edge_becomes_better(gone, kept, size, last, demand) {
+                if is_end && !self.edge_becomes_better(gone, kept, last, demand) {
                     return None;
                 }
                 break;
@@ -159,13 +160,11 @@ impl Work<'_> {
         if on_curve && !self.curve_collapse_holds(h, gone, kept) {
             return None;
         }
-        let (after_strain, before_strain) =
-            (self.strain_around(gone, p, kept), self.strain_around(gone, self.point(gone), NONE));
-        self.allows_strain(after_strain, before_strain).then_some(after.shape)
+        self.strain_allows(gone, p, kept).then_some(after.shape)
     }
 
     #[inline]
-    fn edge_becomes_better(&self, gone: u32, kept: u32, _size: f64, other: u32, demand: &Demand) -> bool {
+    fn edge_becomes_better(&self, gone: u32, kept: u32, other: u32, demand: &Demand) -> bool {
         let new = self.length(kept, other);
         if new > demand.longest {
             return false;
@@ -211,41 +210,4 @@ impl Work<'_> {
 #[inline]
 fn c_before(h: u32) -> u32 {
     previous(h)
-}
-
-/// Half-edges in buckets of equal length, shortest first; entries are checked when they are taken.
-struct Queue {
-    buckets: Vec<Vec<u32>>,
-    lowest: usize,
-    limit: f64,
-}
-
-impl Queue {
-    fn new(limit: f64) -> Self {
-        Queue { buckets: vec![Vec::new(); BUCKETS], lowest: 0, limit }
-    }
-
-    fn bucket(&self, length: f64) -> Option<usize> {
-        if length >= self.limit {
-            return None;
-        }
-        Some((BUCKETS as f64 + PER_OCTAVE * (length / self.limit).log2()).clamp(0.0, BUCKETS as f64 - 1.0) as usize)
-    }
-
-    fn push(&mut self, h: u32, length: f64) {
-        if let Some(k) = self.bucket(length) {
-            self.buckets[k].push(h);
-            self.lowest = self.lowest.min(k);
-        }
-    }
-
-    fn pop(&mut self) -> Option<(u32, usize)> {
-        while self.lowest < BUCKETS {
-            if let Some(h) = self.buckets[self.lowest].pop() {
-                return Some((h, self.lowest));
-            }
-            self.lowest += 1;
-        }
-        None
-    }
 }

@@ -4,7 +4,7 @@ use super::curves::{Kind, Marks};
 use super::{RemeshOptions, fading};
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
-use crate::mesh::{Column, CornerId, Side, SurfaceMesh};
+use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh};
 
 /// How a mesh is read.
 pub struct Reading {
@@ -49,8 +49,9 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
     Ok(Reading { marks, noisy })
 }
 
-/// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.
-const FLAT_SHARE: f64 = 0.1;
+/// A surface is a scan where fewer of its faces than this lie in flats of many sides, and more of its ridge edges than
+/// the other share hang loose.
+const FLAT_SHARE: f64 = 0.2;
 const LOOSE_SHARE: f64 = 0.1;
 /// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
 const RIDGE_SHARE: f64 = 0.02;
@@ -89,14 +90,14 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
     if too_many || (loose as f64) < LOOSE_SHARE * ridges.len() as f64 {
         return false;
     }
-    let mut leader: Vec<u32> = (0..n as u32).collect();
+    let mut pieces = DisjointSets::new(n);
     for &c in &ridges {
-        let [a, b] = ends(c).map(|v| find(&mut leader, v as u32));
-        leader[a.max(b) as usize] = a.min(b);
+        let [a, b] = ends(c);
+        pieces.union(a as u32, b as u32);
     }
     let mut count = vec![(0usize, 0usize); n];
     for &c in &ridges {
-        let of = &mut count[find(&mut leader, ends(c)[0] as u32) as usize];
+        let of = &mut count[pieces.find(ends(c)[0] as u32) as usize];
         (of.0, of.1) = (of.0 + 1, of.1 + loose_ends(c));
     }
     let tagged: Vec<[usize; 2]> = mesh
@@ -107,7 +108,7 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
         .map(|[a, b]| [a.min(b), a.max(b)])
         .collect();
     for c in ridges {
-        let (edges, loose) = count[find(&mut leader, ends(c)[0] as u32) as usize];
+        let (edges, loose) = count[pieces.find(ends(c)[0] as u32) as usize];
         let [a, b] = ends(c);
         if edges < EDGES_PER_LOOSE_END * loose.max(1) && !tagged.contains(&[a.min(b), a.max(b)]) {
             feature[c] = false;
@@ -120,18 +121,32 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
 }
 
 /// Whether a surface has no flat places to speak of, as scans have none.
+///
+/// Faces that lie in one plane make one flat. Those of a scan are its triangles, even where they have been divided since,
+/// and border on three others; the flats of a CAD model have many sides.
 fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
     let bent = feature_edges(mesh, &bent)?.corners;
-    let flat = bent.iter().filter(|&&b| !b).count();
-    Ok(flat as f64 <= FLAT_SHARE * bent.len() as f64)
-}
-
-/// The leader of a vertex; paths are halved on the way.
-fn find(leader: &mut [u32], mut v: u32) -> u32 {
-    while leader[v as usize] != v {
-        leader[v as usize] = leader[leader[v as usize] as usize];
-        v = leader[v as usize];
+    let face = |c: usize| mesh.face_of(CornerId::new(c)).index() as u32;
+    let across = |c: usize| mesh.opposite(CornerId::new(c)).map(|o| face(o.index()));
+    let mut flats = DisjointSets::new(mesh.face_count());
+    for c in (0..mesh.corner_count()).filter(|&c| !bent[c]) {
+        if let Some(other) = across(c) {
+            flats.union(face(c), other);
+        }
     }
-    v
+    let flat = flats.leaders();
+    let mut neighbours = vec![[NONE; 3]; mesh.face_count()];
+    let mut is_large = vec![false; mesh.face_count()];
+    for c in 0..mesh.corner_count() {
+        let own = flat[face(c) as usize];
+        let Some(other) = across(c).map(|f| flat[f as usize]).filter(|&f| f != own) else { continue };
+        let known = &mut neighbours[own as usize];
+        match known.iter().position(|&k| k == other || k == NONE) {
+            Some(k) => known[k] = other,
+            None => is_large[own as usize] = true,
+        }
+    }
+    let in_large = flat.iter().filter(|&&k| is_large[k as usize]).count();
+    Ok(in_large as f64 <= FLAT_SHARE * mesh.face_count() as f64)
 }

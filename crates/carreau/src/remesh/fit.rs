@@ -175,6 +175,6 @@ impl Work<'_> {
             after.shape >= (SHAPE_KEPT * before.shape).min(GOOD_SHAPE)
                 && self.allows_cosine(after.cosine, before.cosine)
         });
-        faces_hold && self.allows_strain(self.strain_around(v, to, NONE), self.strain_around(v, self.point(v), NONE))
+        faces_hold && self.strain_allows(v, to, NONE)
     }
 }

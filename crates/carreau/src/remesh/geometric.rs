@@ -5,8 +5,10 @@
 //! to the planes of the source triangles that it has taken the place of, weighted by area; edges on curves add planes
 //! across. Errors are divided by the worst shape a collapse leaves, where that is poor: a needle touches planes at a few
 //! points and is far from the surface in between, which no sum over planes tells, and it is what later folds over. (Without
-//! this the largest distance was found to be two and a half times larger, the mean a tenth.) Of the constraints of the paper (2) and (4) are dropped; what is left: (1), the ranks of vertices, the link
-//! condition, no turned triangle, no needle.
+//! this the largest distance was found to be two and a half times larger, the mean a tenth.)
+//!
+//! Of the constraints of the paper (2) and (4) are dropped; what is left: (1), the ranks of vertices, the link condition, no
+//! turned triangle, no needle.
 
 use super::curves::{Curves, Kind, Rank};
 use super::support::Support;

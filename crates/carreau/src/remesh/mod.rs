@@ -21,11 +21,13 @@
 //! | the order of all this | `adapt` | §3 |
 //! | a wanted number of triangles, a wanted distance | `search`, `target` | – |
 //! | shapes left aside: least error first | `geometric` | – |
+//! | what is smallest comes first | `buckets` | – |
 //! | the result, attributes | `output`, `transfer` | – |
 //! | figures | `quality` | §4 |
 
 mod adapt;
 mod anisotropy;
+mod buckets;
 mod creases;
 mod curves;
 mod decimate;
@@ -51,7 +53,7 @@ mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{CornerId, RepairOptions, Side, SurfaceMesh, area_vector, repair, safe_length};
+use crate::mesh::{RepairOptions, SurfaceMesh, is_flawed, repair};
 use serde::{Deserialize, Serialize};
 use source::Source;
 
@@ -201,7 +203,7 @@ pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) ->
     Ok(Remeshed { mesh: out, quality, repaired })
 }
 
-/// Triangles, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in
+/// Triangles in the order of space, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in
 /// two ways.
 fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
     let _stage = context.stage("clean");
@@ -211,22 +213,15 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
         mesh = triangles;
         said.extend(more);
     }
-    Ok((mesh, said))
+    Ok((mesh.in_space_order()?, said))
 }
+
+/// Faces with less area, relative to the squared diagonal, count as flat.
+const FLAT: f64 = 1e-12;
 
 /// Repairs degenerate and repeated faces and inconsistent senses. A sound mesh is returned as it is.
 fn repaired_if_needed(mesh: SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
-    let diagonal = mesh.diagonal();
-    let flat = |f: &[u32]| safe_length(area_vector(mesh.points(), f)) <= 1e-12 * diagonal * diagonal;
-    let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
-    let pillow = |f: usize| {
-        let across = |k: usize| mesh.opposite(CornerId::new(3 * f + k)).map(|o| mesh.face_of(o));
-        across(0).is_some() && across(0) == across(1) && across(1) == across(2)
-    };
-    let needed = mesh.faces().iter().any(flat)
-        || (0..mesh.corner_count()).any(irregular)
-        || (mesh.is_triangular() && (0..mesh.face_count()).any(pillow));
-    if !needed {
+    if !is_flawed(&mesh, FLAT) {
         return Ok((mesh, Vec::new()));
     }
     let options = RepairOptions { weld: None, split: false, outward: false, ..RepairOptions::default() };

@@ -37,7 +37,7 @@ pub struct RemeshQuality {
     pub deviation_area_mean_deg: f64,
     /// The largest such angle.
     pub deviation_max_deg: f64,
-    /// Largest distance from the source, both directions, as a share of its diagonal; at least as large as the true one.
+    /// Largest distance from the source that was found, both directions, as a share of its diagonal.
     pub distance_max: Option<f64>,
     /// Root mean square of the distance, both directions, as a share of the diagonal.
     pub distance_rms: Option<f64>,
@@ -45,10 +45,10 @@ pub struct RemeshQuality {
 
 /// Measures a result, in the metric of its vertex properties `size` and `stretch`.
 pub fn measure(mesh: &SurfaceMesh) -> Result<RemeshQuality> {
-    let column = |name: &str| mesh.attributes.vertex.get(name);
+    let [size, stretch] = ["size", "stretch"].map(|name| mesh.attributes.vertex.get(name));
     let metric = |v: usize| Metric {
-        size: if let Some(Column::Scalar(size)) = column("size") { size[v] } else { 1.0 },
-        stretch: if let Some(Column::Vector3(w)) = column("stretch") { DVec3::from(w[v]) } else { DVec3::ZERO },
+        size: if let Some(Column::Scalar(size)) = size { size[v] } else { 1.0 },
+        stretch: if let Some(Column::Vector3(w)) = stretch { DVec3::from(w[v]) } else { DVec3::ZERO },
     };
     let p = |v: u32| mesh.points()[v as usize];
     let shapes: Vec<f64> = mesh.faces().iter().map(|f| mean_ratio(p(f[0]), p(f[1]), p(f[2]))).collect();
@@ -93,7 +93,7 @@ pub fn measure(mesh: &SurfaceMesh) -> Result<RemeshQuality> {
 impl RemeshQuality {
     /// Adds the distance between the source and the result.
     pub fn with_distance(mut self, source: &SurfaceMesh, result: &SurfaceMesh, context: &Context) -> Result<Self> {
-        let options = DistanceOptions { samples: 200_000, refinements: 20_000 };
+        let options = DistanceOptions { samples: 20_000, refinements: 2048, normals: false };
         let found = compare(source, result, &options, context)?;
         self.distance_max = Some(found.relative.max);
         self.distance_rms = Some(found.relative.rms);

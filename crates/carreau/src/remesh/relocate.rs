@@ -22,6 +22,9 @@ const GOOD: f32 = 0.75;
 /// Shapes and length qualities that a smoothing move must not fall below.
 const TOLERABLE: f32 = 0.6;
 
+/// Shorter steps, as shares of the size, are not worth their tests.
+const LEAST_STEP: f64 = 0.01;
+
 const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
 
 /// When a move is accepted.
@@ -93,20 +96,18 @@ impl<'a> Work<'a> {
             count += 1.0;
         });
         let Some(first) = self.mesh.around(v).next() else { return false };
-        let wedge = self.mesh.wedge(first);
-        let n = self.normal[wedge as usize];
-        let step = sum / count;
+        self.slide(v, self.mesh.wedge(first), sum / count, &[1.0, 0.5, 0.25], accept)
+    }
+
+    /// Moves a free vertex by the part of a step along the surface, or by the first share of it that is accepted.
+    fn slide(&mut self, v: u32, wedge: u32, step: DVec3, shares: &[f64], accept: Accept) -> bool {
+        let (p, n) = (self.point(v), self.normal[wedge as usize]);
         let step = step - n * n.dot(step);
-        if !step.is_finite() || step.length() < 0.01 * self.size[v as usize] {
+        if !step.is_finite() || step.length() < LEAST_STEP * self.size[v as usize] {
             return false;
         }
         let before = self.ball(v);
-        for share in [1.0, 0.5, 0.25] {
-            if self.try_free(v, wedge, p + step * share, &before, accept) {
-                return true;
-            }
-        }
-        false
+        shares.iter().any(|share| self.try_free(v, wedge, p + step * *share, &before, accept))
     }
 
     /// Moves every free vertex to where the triangles around it are best shaped, if that makes their mean better.
@@ -133,14 +134,7 @@ impl<'a> Work<'a> {
             sum += 0.5 * (b + c) + HALF_SQRT_3 * n.cross(c - b);
             count += 1.0;
         }
-        let p = self.point(v);
-        let step = sum / count - p;
-        let step = step - n * n.dot(step);
-        if !step.is_finite() || step.length() < 0.01 * self.size[v as usize] {
-            return false;
-        }
-        let before = self.ball(v);
-        [1.0, 0.5].iter().any(|share| self.try_free(v, wedge, p + step * *share, &before, Accept::Better))
+        self.slide(v, wedge, sum / count - self.point(v), &[1.0, 0.5], Accept::Better)
     }
 
     /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
@@ -190,7 +184,7 @@ impl<'a> Work<'a> {
         let [before, behind] = site.ways;
         let step = (lengths[1] - lengths[0]) / (lengths[0] / before.abs() + lengths[1] / behind.abs());
         let step = step * behind.signum();
-        if !step.is_finite() || step.abs() < 0.01 * self.size[v as usize] {
+        if !step.is_finite() || step.abs() < LEAST_STEP * self.size[v as usize] {
             return false;
         }
         let ball = self.ball(v);
@@ -319,8 +313,7 @@ impl<'a> Work<'a> {
         if !accepted || !self.allows_cosine(after.cosine, before.cosine) {
             return false;
         }
-        let strain = |p| self.strain_around(v, p, NONE);
-        if !self.allows_strain(strain(to.point), strain(self.point(v))) {
+        if !self.strain_allows(v, to.point, NONE) {
             return false;
         }
         self.mesh.points[v as usize] = to.point;

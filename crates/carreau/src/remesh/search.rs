@@ -40,7 +40,8 @@ pub(super) fn to_count(
 }
 
 /// How closely a distance is looked at where it is a promise: what counts is the upper bound.
-pub(super) const CLOSE_LOOK: DistanceOptions = DistanceOptions { samples: 20_000, refinements: 200_000 };
+pub(super) const CLOSE_LOOK: DistanceOptions =
+    DistanceOptions { samples: 20_000, refinements: 200_000, normals: false };
 /// Runs of [`within_distance`] before it gives up.
 const DISTANCE_RUNS: usize = 8;
 

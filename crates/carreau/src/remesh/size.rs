@@ -8,14 +8,19 @@
 //!
 //! Gradation: with a linear size the ratio of sizes over one unit of length, (h_B / h_A)^(1/l), is exp(|h_B − h_A| / ‖AB‖).
 //! To keep it below β (the H-shock) is to keep |h_B − h_A| ≤ ‖AB‖ ln β: the largest such map below a given one is the
-//! lower envelope of cones of that slope, found by Dijkstra's algorithm. It does not depend on the order of anything.
+//! lower envelope of cones of that slope. It is found from the smallest sizes upwards, as shortest paths are; it does not
+//! depend on the order of anything.
 
+use super::buckets::Buckets;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::EditMesh;
 use glam::DVec3;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+
+/// Buckets per octave of size: fewer go back to a vertex more often.
+const PER_OCTAVE: usize = 32;
+/// Sizes lie within so many octaves of the largest.
+const OCTAVES: usize = 24;
 
 /// Length of an edge of Euclidean length `d` between two sizes.
 #[inline]
@@ -67,32 +72,32 @@ pub fn length_quality(l: f64) -> f64 {
 /// Lowers sizes until no edge of the mesh has a shock above `beta`.
 pub fn grade(mesh: &EditMesh, size: &mut [f64], beta: f64, context: &Context) -> Result<()> {
     let slope = beta.ln();
-    // Sizes are positive: their bits are ordered as they are.
-    let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
     let live = |v: &u32| mesh.is_vertex(*v);
+    let largest = (0..mesh.vertex_slots()).filter(live).map(|v| size[v as usize]).fold(0.0, f64::max);
+    let mut queue = Buckets::new(2.0 * largest, PER_OCTAVE, OCTAVES);
     // Only where a cone cuts into a neighbour there is something to do.
     for v in (0..mesh.vertex_slots()).filter(live) {
         let (p, h) = (mesh.points[v as usize], size[v as usize]);
         let mut cuts = false;
         mesh.for_neighbours(v, |w| cuts |= size[w as usize] > h + slope * p.distance(mesh.points[w as usize]));
         if cuts {
-            queue.push(Reverse((h.to_bits(), v)));
+            queue.push(v, h);
         }
     }
     let mut step = 0;
-    while let Some(Reverse((bits, v))) = queue.pop() {
+    while let Some((v, bucket)) = queue.pop() {
         step += 1;
         context.check_every(step)?;
-        let h = f64::from_bits(bits);
-        if h > size[v as usize] {
+        let (p, h) = (mesh.points[v as usize], size[v as usize]);
+        // Lowered since, and in the queue once more.
+        if queue.bucket(h) != Some(bucket) {
             continue;
         }
-        let p = mesh.points[v as usize];
         mesh.for_neighbours(v, |w| {
             let bound = h + slope * p.distance(mesh.points[w as usize]);
             if bound < size[w as usize] {
                 size[w as usize] = bound;
-                queue.push(Reverse((bound.to_bits(), w)));
+                queue.push(w, bound);
             }
         });
     }

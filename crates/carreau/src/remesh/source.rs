@@ -32,8 +32,6 @@ pub struct Source {
     pub curves: Curves,
     /// Smallest principal radius at every vertex.
     radius: Vec<Radius>,
-    /// Radius of the curves at every vertex of rank curve.
-    curve_radius: Vec<f64>,
     diagonal: f64,
     /// There is noise to take out.
     noisy: bool,
@@ -56,9 +54,8 @@ impl Source {
         curves.find_sharp(&edit, sharp);
         let support = Support::new(edit);
         let radius = support.radii(&curves.rank);
-        let curve_radius = curves.radii(0.0);
         let given = given_sizes(mesh, &support.mesh, options)?;
-        let mut source = Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal(), noisy, given };
+        let mut source = Source { support, curves, radius, diagonal: mesh.diagonal(), noisy, given };
         if noisy && marks.contains(&Some(Kind::Border)) {
             source.set_size_map(options, context)?;
             let scale: Vec<f64> = source.support.size.iter().map(|h| BORDER_SCALE * h).collect();
@@ -85,11 +82,11 @@ impl Source {
         let alpha = 2.0 * options.deviation.to_radians().sin() * options.scale;
         let (low, high) = (options.min_size * self.diagonal, options.max_size * self.diagonal);
         let tolerance = options.ridge_tolerance * self.diagonal;
-        self.curve_radius = self.curves.radii(alpha);
+        let curve_radius = self.curves.radii(alpha);
         // Where a clean model is nearly flat an angle allows much: sizes follow the sag there.
         let sag = if self.noisy { f64::INFINITY } else { SURFACE_SAG * tolerance };
         let size = |v: usize, radius: f64| {
-            let r = self.curve_radius[v];
+            let r = curve_radius[v];
             // The sag of an arc is its squared chord over eight radii.
             let on_curve = (alpha * r).min((8.0 * SAG_SHARE * r * tolerance).sqrt());
             let on_surface = (alpha * radius).min(options.scale * (8.0 * radius * sag).sqrt());

@@ -58,7 +58,11 @@ impl Radius {
             return self.near.min(self.far);
         }
         let t = (alpha * self.far / self.spacing - 2.0).clamp(0.0, 1.0);
-        self.near.powf(1.0 - t) * self.far.powf(t)
+        match t {
+            0.0 => self.near,
+            1.0 => self.far,
+            _ => self.near.powf(1.0 - t) * self.far.powf(t),
+        }
     }
 }
 

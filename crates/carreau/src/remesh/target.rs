@@ -15,6 +15,8 @@ use crate::mesh::triangle_area_vector;
 
 /// How many triangles a mesh at work has for one that the integral predicts.
 const YIELD: f64 = 0.97;
+/// Excess of the predicted count, as a logarithm, from which one more step is good enough.
+const NEARLY: f64 = 0.1;
 /// The count is met within this share.
 pub const WITHIN: f64 = 0.009;
 
@@ -32,16 +34,24 @@ fn predicted(support: &Support) -> f64 {
     YIELD * sum * 4.0 / 3f64.sqrt()
 }
 
-/// The scale of the sizes for which the integral predicts a number of triangles.
+/// The scale of the sizes for which the integral predicts a number of triangles, nearly: the run itself does the rest.
+///
+/// The count falls with a power of the scale, the second where nothing bounds the sizes; two counts tell which.
 pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f64, context: &Context) -> Result<f64> {
     let mut scale = options.scale;
+    let mut power = 2.0;
+    let mut before: Option<[f64; 2]> = None;
     for _ in 0..8 {
         source.set_size_map(&RemeshOptions { scale, ..options.clone() }, context)?;
-        let ratio = predicted(&source.support) / wanted;
-        if (ratio - 1.0).abs() < 0.005 {
+        let excess = (predicted(&source.support) / wanted).ln();
+        if let Some([last_scale, last_excess]) = before {
+            power = ((last_excess - excess) / (scale / last_scale).ln()).clamp(0.3, 3.0);
+        }
+        before = Some([scale, excess]);
+        scale *= (excess / power).exp().clamp(0.1, 10.0);
+        if excess.abs() < NEARLY {
             break;
         }
-        scale *= ratio.sqrt().clamp(0.1, 10.0);
     }
     Ok(scale)
 }

@@ -4,7 +4,7 @@ use super::search::CLOSE_LOOK;
 use super::*;
 use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
-use crate::mesh::{Column, Topology};
+use crate::mesh::{Column, CornerId, Topology};
 use crate::sample;
 
 fn model(name: &str) -> SurfaceMesh {

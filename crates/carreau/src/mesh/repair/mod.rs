@@ -30,6 +30,7 @@ use crate::length::Length;
 use serde::{Deserialize, Serialize};
 use soup::Soup;
 
+pub(crate) use sound::is_flawed;
 pub use sound::sound;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.

@@ -3,14 +3,13 @@
 use super::{RepairOptions, repair};
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::{CornerId, NONE, Polygons, Side, SurfaceMesh, Triangles, area_vector, safe_length};
-use rustc_hash::FxHashSet;
+use crate::mesh::{CornerId, NONE, Side, SurfaceMesh, Triangles, area_vector, safe_length};
 
 /// Faces with less area, relative to the squared diagonal, count as flat.
 const FLAT: f64 = 1e-14;
 
-/// A triangulated mesh (without attributes, if it had polygons) without flat or repeated faces, consistently oriented, cut into sheets where it is not manifold; and
-/// a sentence for everything that was done. A sound mesh is only triangulated.
+/// A triangulated mesh (without attributes, if it had polygons) without flat or repeated faces, consistently oriented, cut
+/// into sheets where it is not manifold; and a sentence for everything that was done. A sound mesh is only triangulated.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Deadline`].
@@ -24,30 +23,24 @@ pub fn sound(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<
     Ok((repaired.mesh.triangulated()?, said))
 }
 
-/// Fans the polygons from their first corner, or, where that would repeat an edge (two quads that share three vertices),
-/// from the next one that does not.
+/// The mesh cut into triangles, with its tagged edges; attributes are left behind where it had polygons.
 fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
     if mesh.is_triangular() {
         return Ok(mesh.clone());
     }
-    let key = |a: u32, b: u32| (a.min(b), a.max(b));
-    let sides = |face: &[u32]| (0..face.len()).map(|k| key(face[k], face[(k + 1) % face.len()])).collect::<Vec<_>>();
-    let mut edges: FxHashSet<(u32, u32)> = mesh.faces().iter().flat_map(sides).collect();
-    let mut faces = Polygons::new();
-    for face in mesh.faces().iter() {
-        let n = face.len();
-        let diagonals = |from: usize| (2..n - 1).map(move |k| key(face[from], face[(from + k) % n]));
-        let from = (0..n).find(|&from| diagonals(from).all(|d| !edges.contains(&d))).unwrap_or(0);
-        edges.extend(diagonals(from));
-        faces.push_iter((0..n).map(|k| face[(from + k) % n]));
-    }
-    let mut turned = SurfaceMesh::new(mesh.points().to_vec(), faces)?;
-    turned.tagged_edges = mesh.tagged_edges.clone();
-    turned.triangulated()
+    let mut bare = SurfaceMesh::new(mesh.points().to_vec(), mesh.faces().clone())?;
+    bare.tagged_edges = mesh.tagged_edges.clone();
+    bare.triangulated()
 }
 
 fn needs_repair(mesh: &SurfaceMesh) -> bool {
-    let flat = FLAT * mesh.diagonal().powi(2);
+    is_flawed(mesh, FLAT) || !is_umbrella(mesh)
+}
+
+/// Whether a mesh has faces of no more area than this share of the squared diagonal, edges that are not manifold or
+/// inconsistently oriented, or two triangles on the same three vertices.
+pub fn is_flawed(mesh: &SurfaceMesh, flat: f64) -> bool {
+    let flat = flat * mesh.diagonal().powi(2);
     let is_flat = |f: &[u32]| safe_length(area_vector(mesh.points(), f)) <= flat;
     let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
     let pillow = |f: usize| {
@@ -56,8 +49,7 @@ fn needs_repair(mesh: &SurfaceMesh) -> bool {
     };
     mesh.faces().iter().any(is_flat)
         || (0..mesh.corner_count()).any(irregular)
-        || (0..mesh.face_count()).any(pillow)
-        || !is_umbrella(mesh)
+        || (mesh.is_triangular() && (0..mesh.face_count()).any(pillow))
 }
 
 /// Whether the faces around every vertex are one fan.
@@ -95,6 +87,7 @@ fn is_umbrella(mesh: &SurfaceMesh) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Polygons;
     use crate::mesh::test_models::*;
     use glam::DVec3;
 
