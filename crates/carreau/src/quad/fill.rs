@@ -1,6 +1,7 @@
 //! Grids in regular patches: a patch is mapped to a rectangle, each side in proportion to length on every arc, the inside
-//! by the mean of neighbours (Tutte; positive weights, so that nothing folds); the points of the grid are read off.
+//! by the mean of neighbours; the points of the grid are read off. Triangles, paired, in all others.
 
+use super::chart::Chart;
 use super::layout::{Arc, Layout, Patch, Side};
 use super::pair::paired_triangles;
 use super::sheet::Sheet;
@@ -9,12 +10,16 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::planar;
 use crate::mesh::{NONE, Polygons};
-use crate::numeric::sparse::Matrix;
 use glam::{DVec2, DVec3};
-use rustc_hash::FxHashMap;
+use rustc_hash::FxHashSet;
 
+/// Triangles are no smaller than this share of the wanted length, however short the arcs around are.
+const SHORTEST: f64 = 0.7;
 /// Patches that are laid flat have no normal farther from the mean than this cosine.
 const STEEPEST: f64 = 0.3;
+
+/// The faces of a layout with the patch of each, or a patch that takes neither a grid nor triangles.
+pub type Filling = std::result::Result<(Work, Vec<u32>), usize>;
 
 /// All faces of a layout: quads, and triangles where a patch has no grid. `place` tells where the vertices of the sheet belong.
 pub fn fill(
@@ -22,7 +27,7 @@ pub fn fill(
     layout: &Layout,
     place: impl Fn(u32) -> Option<Place>,
     context: &Context,
-) -> Result<Option<Work>> {
+) -> Result<Filling> {
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
@@ -53,17 +58,19 @@ pub fn fill(
         }
         along.push(ids);
     }
-    for patch in &layout.patches {
+    let mut patch_of_face = Vec::new();
+    for (p, patch) in layout.patches.iter().enumerate() {
         context.check()?;
         let done = match &patch.sides {
             Some(sides) => grid(sheet, layout, patch, sides, &along, &mut work)?,
             None => triangles(sheet, layout, patch, &along, &mut work, context)?,
         };
         if done.is_none() {
-            return Ok(None);
+            return Ok(Err(p));
         }
+        patch_of_face.resize(work.faces.len(), p as u32);
     }
-    Ok(Some(work))
+    Ok(Ok((work, patch_of_face)))
 }
 
 fn region_at(sheet: &Sheet, a: u32, b: u32) -> u32 {
@@ -78,30 +85,27 @@ fn point_on(sheet: &Sheet, arc: &Arc, station: f64) -> DVec3 {
     a.lerp(b, if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 })
 }
 
-/// The vertices of an arc with their stations, from either end.
-fn stations(arc: &Arc, reversed: bool) -> Vec<(u32, f64)> {
-    let mut all: Vec<(u32, f64)> = arc.vertices.iter().copied().zip(arc.stations.iter().copied()).collect();
-    if reversed {
-        all.reverse();
-        all.iter_mut().for_each(|s| s.1 = 1.0 - s.1);
-    }
-    all
+/// What runs along a side: its new vertices, and the half-edges of the sheet with the places of their ends, in units of quads.
+struct Run {
+    ids: Vec<u32>,
+    places: Vec<(u32, [f64; 2])>,
 }
 
-/// What runs along a side: its new vertices, and the vertices of the sheet with their places in units of quads.
-fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> (Vec<u32>, Vec<(u32, f64)>) {
-    let (mut ids, mut places, mut offset): (Vec<u32>, Vec<(u32, f64)>, f64) = (Vec::new(), Vec::new(), 0.0);
+fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> Run {
+    let (mut run, mut offset) = (Run { ids: Vec::new(), places: Vec::new() }, 0.0);
     for s in side {
         let arc = &layout.arcs[s.arc as usize];
-        let mut new = along[s.arc as usize].clone();
+        let (mut new, last) = (along[s.arc as usize].clone(), arc.stations.len() - 1);
+        let station = |j: usize| if s.reversed { 1.0 - arc.stations[last - j] } else { arc.stations[j] };
         if s.reversed {
             new.reverse();
         }
-        places.extend(stations(arc, s.reversed).into_iter().map(|(v, at)| (v, offset + at * arc.count as f64)));
+        let place = |j: usize| offset + station(j) * arc.count as f64;
+        run.places.extend(s.halves.iter().enumerate().map(|(j, &h)| (h, [place(j), place(j + 1)])));
         offset += arc.count as f64;
-        ids.extend(&new[usize::from(!ids.is_empty())..]);
+        run.ids.extend(&new[usize::from(!run.ids.is_empty())..]);
     }
-    (ids, places)
+    run
 }
 
 /// The grid of a patch.
@@ -114,30 +118,29 @@ fn grid(
     work: &mut Work,
 ) -> Result<Option<()>> {
     let sides = [0, 1, 2, 3].map(|k| run(layout, along, &sides[k]));
-    let (m, n) = (sides[0].0.len() - 1, sides[1].0.len() - 1);
-    if sides[2].0.len() != m + 1 || sides[3].0.len() != n + 1 {
+    let (m, n) = (sides[0].ids.len() - 1, sides[1].ids.len() - 1);
+    if sides[2].ids.len() != m + 1 || sides[3].ids.len() != n + 1 {
         return Ok(None);
     }
     // Places of the boundary in the rectangle.
+    let chart = Chart::new(sheet, &patch.triangles);
     let (w, h) = (m as f64, n as f64);
-    let mut uv: FxHashMap<u32, DVec2> = FxHashMap::default();
-    for (k, (_, places)) in sides.iter().enumerate() {
-        for &(v, x) in places {
-            let p = [DVec2::new(x, 0.0), DVec2::new(w, x), DVec2::new(w - x, h), DVec2::new(0.0, h - x)][k];
-            uv.entry(v).or_insert(p);
-        }
+    let mut given = vec![None; chart.len()];
+    for (k, side) in sides.iter().enumerate() {
+        let on = |x: f64| [DVec2::new(x, 0.0), DVec2::new(w, x), DVec2::new(w - x, h), DVec2::new(0.0, h - x)][k];
+        side.places.iter().for_each(|p| settle(&chart, &mut given, *p, on));
     }
-    let Some(uv) = spread(sheet, &patch.triangles, uv)? else { return Ok(None) };
+    let Some(uv) = chart.spread(given)? else { return Ok(None) };
     let region = sheet.region[patch.triangles[0] as usize];
     // Vertices of the grid, row by row.
     let mut ids = vec![NONE; (m + 1) * (n + 1)];
     for i in 0..=m {
-        (ids[i], ids[n * (m + 1) + i]) = (sides[0].0[i], sides[2].0[m - i]);
+        (ids[i], ids[n * (m + 1) + i]) = (sides[0].ids[i], sides[2].ids[m - i]);
     }
     for j in 0..=n {
-        (ids[j * (m + 1)], ids[j * (m + 1) + m]) = (sides[3].0[n - j], sides[1].0[j]);
+        (ids[j * (m + 1)], ids[j * (m + 1) + m]) = (sides[3].ids[n - j], sides[1].ids[j]);
     }
-    let points = read_off(sheet, &patch.triangles, &uv, m, n);
+    let points = chart.read_off(&uv, m, n);
     for j in 1..n {
         for i in 1..m {
             let Some(p) = points[j * (m + 1) + i] else { return Ok(None) };
@@ -156,10 +159,21 @@ fn grid(
     Ok(Some(()))
 }
 
-/// A patch in the plane: its outlines of new vertices, and the vertices of the sheet.
+/// Puts both ends of a half-edge on the boundary to their places.
+fn settle(chart: &Chart, given: &mut [Option<DVec2>], (h, ends): (u32, [f64; 2]), on: impl Fn(f64) -> DVec2) {
+    for (corner, x) in [h, Sheet::next(h)].into_iter().zip(ends) {
+        if let Some(v) = chart.tail(corner) {
+            given[v].get_or_insert(on(x));
+        }
+    }
+}
+
+/// A patch in the plane: its outlines of new vertices, and the vertices of its chart.
 struct Flat {
     outlines: Vec<Vec<DVec2>>,
-    at: FxHashMap<u32, DVec2>,
+    at: Vec<DVec2>,
+    /// Of the plane over that of the patch, as a length.
+    scale: f64,
 }
 
 /// Triangles of about the length of the sides around, paired, in a patch that has no grid.
@@ -172,19 +186,26 @@ fn triangles(
     context: &Context,
 ) -> Result<Option<()>> {
     let ring = |list: &Vec<Side>| {
-        let (mut ids, _) = run(layout, along, list);
+        let mut ids = run(layout, along, list).ids;
         ids.pop();
         ids
     };
     let rings: Vec<Vec<u32>> = patch.loops.iter().map(ring).collect();
+    let chart = Chart::new(sheet, &patch.triangles);
+    let length = layout.length_around(patch).max(SHORTEST * layout.length);
     let mut filled = None;
-    if let Some(flat) = projected(sheet, patch, &rings, work) {
-        filled = laid_out(sheet, patch, flat, context);
+    if let Some(flat) = projected(sheet, patch, &chart, &rings, work) {
+        filled = laid_out(&chart, flat, length, context);
     }
     if filled.is_none()
-        && let Some(flat) = on_circle(sheet, layout, patch, &rings)?
+        && let Some(flat) = unrolled(layout, patch, &chart, along)
     {
-        filled = laid_out(sheet, patch, flat, context);
+        filled = laid_out(&chart, flat, length, context);
+    }
+    if filled.is_none()
+        && let Some(flat) = on_circle(layout, patch, &chart, along)?
+    {
+        filled = laid_out(&chart, flat, length, context);
     }
     let Some((inner, triangles)) = filled else { return Ok(None) };
     let region = sheet.region[patch.triangles[0] as usize];
@@ -202,140 +223,71 @@ fn triangles(
     Ok(Some(()))
 }
 
-/// Looked at from the side that most of it faces; `None` where some of it looks away.
-fn projected(sheet: &Sheet, patch: &Patch, rings: &[Vec<u32>], work: &Work) -> Option<Flat> {
+/// Looked at from the side that most of it faces; `None` where some of it looks away, or meets itself along a cut.
+fn projected(sheet: &Sheet, patch: &Patch, chart: &Chart, rings: &[Vec<u32>], work: &Work) -> Option<Flat> {
     let mean = patch.triangles.iter().map(|&t| sheet.normal(t) * sheet.area(t)).sum::<DVec3>().normalize_or_zero();
-    if patch.triangles.iter().any(|&t| sheet.normal(t).dot(mean) < STEEPEST) {
+    let mut once = FxHashSet::default();
+    if patch.triangles.iter().any(|&t| sheet.normal(t).dot(mean) < STEEPEST)
+        || !rings.iter().flatten().all(|v| once.insert(*v))
+    {
         return None;
     }
     let x = mean.any_orthonormal_vector();
     let y = mean.cross(x);
     let flat = |p: DVec3| DVec2::new(p.dot(x), p.dot(y));
     let outlines = rings.iter().map(|ring| ring.iter().map(|&v| flat(work.points[v as usize])).collect()).collect();
-    let corners = patch.triangles.iter().flat_map(|&t| sheet.triangles[t as usize]);
-    Some(Flat { outlines, at: corners.map(|v| (v, flat(sheet.points[v as usize]))).collect() })
+    let mut at = vec![DVec2::ZERO; chart.len()];
+    for (vertices, points) in chart.faces() {
+        vertices.iter().zip(points).for_each(|(&v, p)| at[v as usize] = flat(p));
+    }
+    Some(Flat { outlines, at, scale: 1.0 })
+}
+
+/// Unrolled into the plane, where that turns nothing over.
+fn unrolled(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -> Option<Flat> {
+    let at = chart.unrolled().ok()??;
+    let outline = |list: &Vec<Side>| -> Option<Vec<DVec2>> {
+        let run = run(layout, along, list);
+        let mut outline = Vec::with_capacity(run.ids.len());
+        let mut places = run.places.iter().peekable();
+        for k in 0..run.ids.len().saturating_sub(1) {
+            let x = k as f64;
+            while places.peek().is_some_and(|(_, ends)| ends[1] <= x) {
+                places.next();
+            }
+            let &&(h, [from, to]) = places.peek()?;
+            let [p, q] = [at[chart.tail(h)?], at[chart.tail(Sheet::next(h))?]];
+            outline.push(p.lerp(q, ((x - from) / (to - from)).clamp(0.0, 1.0)));
+        }
+        Some(outline)
+    };
+    let outlines = patch.loops.iter().map(outline).collect::<Option<_>>()?;
+    Some(Flat { outlines, at, scale: 1.0 })
 }
 
 /// A disc with its outline on a circle, in proportion to length.
-fn on_circle(sheet: &Sheet, layout: &Layout, patch: &Patch, rings: &[Vec<u32>]) -> Result<Option<Flat>> {
-    let ([list], [ring]) = (&patch.loops[..], rings) else { return Ok(None) };
+fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -> Result<Option<Flat>> {
+    let [list] = &patch.loops[..] else { return Ok(None) };
     let total: f64 = list.iter().map(|s| layout.arcs[s.arc as usize].length).sum();
     let radius = total / std::f64::consts::TAU;
-    let on = |distance: f64| DVec2::from_angle(distance / radius) * radius;
-    let (mut outline, mut at, mut offset) = (Vec::with_capacity(ring.len()), FxHashMap::default(), 0.0);
+    let (mut outline, mut given, mut offset) = (Vec::new(), vec![None; chart.len()], 0.0);
     for s in list {
         let arc = &layout.arcs[s.arc as usize];
-        outline.extend((0..arc.count).map(|k| on(offset + arc.length * k as f64 / arc.count as f64)));
-        for (v, station) in stations(arc, s.reversed) {
-            at.entry(v).or_insert_with(|| on(offset + station * arc.length));
-        }
+        let per_quad = arc.length / arc.count as f64;
+        let on = |x: f64| DVec2::from_angle((offset + x * per_quad) / radius) * radius;
+        outline.extend((0..arc.count).map(|k| on(k as f64)));
+        run(layout, along, std::slice::from_ref(s)).places.iter().for_each(|p| settle(chart, &mut given, *p, on));
         offset += arc.length;
     }
-    let at = spread(sheet, &patch.triangles, at)?;
-    Ok(at.map(|at| Flat { outlines: vec![outline], at }))
+    let scale = (std::f64::consts::PI * radius * radius / patch.area).sqrt();
+    Ok(chart.spread(given)?.map(|at| Flat { outlines: vec![outline], at, scale }))
 }
 
 /// New points inside, and triangles over the outlines and them.
 type Filled = (Vec<DVec3>, Vec<[u32; 3]>);
 
-fn laid_out(sheet: &Sheet, patch: &Patch, flat: Flat, context: &Context) -> Option<Filled> {
-    let length = |l: &Vec<DVec2>| (0..l.len()).map(|k| l[k].distance(l[(k + 1) % l.len()])).sum::<f64>();
-    let count = flat.outlines.iter().map(Vec::len).sum::<usize>().max(1);
-    let mean = flat.outlines.iter().map(length).sum::<f64>() / count as f64;
-    let filled = planar::fill(&flat.outlines, mean, context).ok()?;
-    let inner = filled.inner.iter().map(|&q| above(sheet, &patch.triangles, &flat.at, q)).collect::<Option<_>>()?;
+fn laid_out(chart: &Chart, flat: Flat, length: f64, context: &Context) -> Option<Filled> {
+    let filled = planar::fill(&flat.outlines, length * flat.scale, context).ok()?;
+    let inner = filled.inner.iter().map(|&q| chart.above(&flat.at, q)).collect::<Option<_>>()?;
     Some((inner, filled.triangles))
-}
-
-/// The point of the triangles over a point of the plane.
-fn above(sheet: &Sheet, triangles: &[u32], at: &FxHashMap<u32, DVec2>, q: DVec2) -> Option<DVec3> {
-    let mut best: (f64, Option<DVec3>) = (f64::NEG_INFINITY, None);
-    for &t in triangles {
-        let corners = sheet.triangles[t as usize];
-        let p = [at.get(&corners[0])?, at.get(&corners[1])?, at.get(&corners[2])?];
-        let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
-        let w = [0, 1, 2].map(|k| (p[(k + 1) % 3] - q).perp_dot(p[(k + 2) % 3] - q) / area);
-        let inside = w[0].min(w[1]).min(w[2]);
-        if inside > best.0 && inside.is_finite() {
-            // Over no triangle: the nearest place of the nearest one.
-            let w = w.map(|w| w.max(0.0));
-            let sum = w[0] + w[1] + w[2];
-            best = (inside, Some((0..3).map(|k| sheet.points[corners[k] as usize] * (w[k] / sum)).sum()));
-        }
-    }
-    best.1
-}
-
-/// Every vertex inside at the weighted mean of its neighbours.
-fn spread(sheet: &Sheet, triangles: &[u32], mut uv: FxHashMap<u32, DVec2>) -> Result<Option<FxHashMap<u32, DVec2>>> {
-    let mut number: FxHashMap<u32, u32> = FxHashMap::default();
-    let mut inner = Vec::new();
-    for &t in triangles {
-        for v in sheet.triangles[t as usize] {
-            if !uv.contains_key(&v) && !number.contains_key(&v) {
-                number.insert(v, inner.len() as u32);
-                inner.push(v);
-            }
-        }
-    }
-    if inner.is_empty() {
-        return Ok(Some(uv));
-    }
-    let mut matrix = Matrix::new(inner.len());
-    let mut rhs = [vec![0.0; inner.len()], vec![0.0; inner.len()]];
-    for &t in triangles {
-        for k in 0..3 {
-            let [a, b] = [0, 1].map(|d| sheet.triangles[t as usize][(k + d) % 3]);
-            let weight = 1.0 / sheet.points[a as usize].distance(sheet.points[b as usize]).max(f64::MIN_POSITIVE);
-            for (v, other) in [(a, b), (b, a)] {
-                let Some(&i) = number.get(&v) else { continue };
-                matrix.add(i, i, weight);
-                match number.get(&other) {
-                    Some(&j) if j < i => matrix.add(i, j, -weight),
-                    Some(_) => {}
-                    None => {
-                        let Some(p) = uv.get(&other) else { return Ok(None) };
-                        rhs[0][i as usize] += weight * p.x;
-                        rhs[1][i as usize] += weight * p.y;
-                    }
-                }
-            }
-        }
-    }
-    let factor = matrix.factor(&mut None)?;
-    let (x, y) = (factor.solve(&rhs[0])?, factor.solve(&rhs[1])?);
-    for (k, v) in inner.into_iter().enumerate() {
-        uv.insert(v, DVec2::new(x[k], y[k]));
-    }
-    Ok(Some(uv))
-}
-
-/// The points of the surface at whole coordinates inside.
-fn read_off(sheet: &Sheet, triangles: &[u32], uv: &FxHashMap<u32, DVec2>, m: usize, n: usize) -> Vec<Option<DVec3>> {
-    /// How far outside a triangle counts as inside.
-    const SLACK: f64 = 1e-9;
-    let mut best: Vec<(f64, Option<DVec3>)> = vec![(-1e-3, None); (m + 1) * (n + 1)];
-    for &t in triangles {
-        let corners = sheet.triangles[t as usize];
-        let Some(p) = corners.iter().map(|v| uv.get(v).copied()).collect::<Option<Vec<DVec2>>>() else { continue };
-        let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
-        if area.abs() < 1e-14 {
-            continue;
-        }
-        let low = p[0].min(p[1]).min(p[2]).floor().max(DVec2::ONE);
-        let high = p[0].max(p[1]).max(p[2]).ceil().min(DVec2::new(m as f64 - 1.0, n as f64 - 1.0));
-        for j in low.y as usize..=high.y.max(0.0) as usize {
-            for i in low.x as usize..=high.x.max(0.0) as usize {
-                let q = DVec2::new(i as f64, j as f64);
-                let w = [0, 1, 2].map(|k| (p[(k + 1) % 3] - q).perp_dot(p[(k + 2) % 3] - q) / area);
-                let inside = w[0].min(w[1]).min(w[2]).min(SLACK);
-                let of = &mut best[j * (m + 1) + i];
-                if inside > of.0 {
-                    let at = (0..3).map(|k| sheet.points[corners[k] as usize] * w[k]).sum();
-                    *of = (inside, Some(at));
-                }
-            }
-        }
-    }
-    best.into_iter().map(|b| b.1).collect()
 }

@@ -7,11 +7,15 @@
 
 use super::sheet::{Sheet, Wall};
 use crate::mesh::{DisjointSets, NONE};
+use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Features turn no more than this along a quad of the wanted length, in radians.
 const TURN: f64 = 0.4;
+
+/// A place is near an arc within this share of the length of quads.
+const NEAR: f64 = 0.3;
 
 /// Numbers of quads stay between these shares of what their length asks for.
 const FEWEST: f64 = 0.75;
@@ -28,22 +32,19 @@ pub struct Arc {
     pub curve: Option<u32>,
     /// Where its vertices are, in shares of that length.
     pub stations: Vec<f64>,
+    /// Quads that it has at least.
+    pub least: i64,
     /// The quads along it.
     pub count: i64,
 }
 
-impl Arc {
-    /// The fewest quads along it: one that closes is a loop of its own.
-    fn least(&self) -> i64 {
-        if self.vertices.first() == self.vertices.last() { 4 } else { 1 }
-    }
-}
-
 /// An arc as a patch sees it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Side {
     pub arc: u32,
     pub reversed: bool,
+    /// The half-edges along it inside the patch, in the patch's sense.
+    pub halves: Vec<u32>,
 }
 
 /// What walls enclose.
@@ -61,6 +62,8 @@ pub struct Patch {
 pub struct Layout {
     pub arcs: Vec<Arc>,
     pub patches: Vec<Patch>,
+    /// The length that numbers of quads were chosen for.
+    pub length: f64,
 }
 
 /// What is wrong with a patch.
@@ -86,7 +89,8 @@ pub fn patch_of(sheet: &Sheet) -> (Vec<u32>, usize) {
 /// A loop around a patch: its half-edges, and the quads in the corner at the head of each.
 type Loop = Vec<(u32, i32)>;
 
-fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loop>>> {
+/// The loops around every patch.
+pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loop>>> {
     let mut all = vec![Vec::new(); patches];
     let mut seen = vec![false; 3 * sheet.triangles.len()];
     for start in 0..seen.len() as u32 {
@@ -105,7 +109,9 @@ fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loop>>>
             if back != h {
                 return None;
             }
-            list.push((h, k));
+            // Cuts have no part in the frames.
+            let is_cut = [h, g].iter().any(|&x| sheet.wall[x as usize] == Wall::Cut);
+            list.push((h, if is_cut { 2 } else { k }));
             h = g;
             if h == start {
                 break;
@@ -199,7 +205,7 @@ impl Layout {
             }
         }
         let characteristic = characteristic(sheet, &patch, count);
-        let mut layout = Layout { arcs: Vec::new(), patches: Vec::new() };
+        let mut layout = Layout { arcs: Vec::new(), patches: Vec::new(), length: sheet.length };
         let mut arc_of = vec![NONE; 3 * sheet.triangles.len()];
         let mut triangles = vec![Vec::new(); count];
         patch.iter().zip(0u32..).for_each(|(&p, t)| triangles[p as usize].push(t));
@@ -208,7 +214,7 @@ impl Layout {
             let is_regular = loops.len() == 1
                 && characteristic == 1
                 && corners == 4
-                && loops[0].iter().all(|c| matches!(c.1, 1 | 2));
+                && loops[0].iter().all(|c| matches!(c.1, 1 | 2) && sheet.wall[c.0 as usize] != Wall::Cut);
             let mut around = Vec::new();
             let mut sides: [Vec<Side>; 4] = Default::default();
             for list in loops {
@@ -221,10 +227,10 @@ impl Layout {
                     run.push(h);
                     if is_node[sheet.head(h) as usize] {
                         let arc = layout.arc(sheet, &mut arc_of, &run);
-                        all.push(arc);
                         if is_regular {
-                            sides.get_mut(side)?.push(arc);
+                            sides.get_mut(side)?.push(arc.clone());
                         }
+                        all.push(arc);
                         run.clear();
                     }
                     side += usize::from(k == 1);
@@ -242,7 +248,7 @@ impl Layout {
     fn arc(&mut self, sheet: &Sheet, arc_of: &mut [u32], run: &[u32]) -> Side {
         let known = arc_of[run[0] as usize];
         if known != NONE {
-            return Side { arc: known, reversed: true };
+            return Side { arc: known, reversed: true, halves: run.to_vec() };
         }
         let arc = self.arcs.len() as u32;
         for &h in run {
@@ -261,6 +267,8 @@ impl Layout {
             Some(_) if k > 0 && k < run.len() => sheet.along(run[k - 1]).angle_between(sheet.along(run[k])),
             _ => 0.0,
         };
+        // One that closes is a loop of its own.
+        let least = if vertices.first() == vertices.last() { 4 } else { 1 };
         let mut stations = vec![0.0];
         for (k, &h) in run.iter().enumerate() {
             // Half of a turn belongs to the edge before it.
@@ -269,8 +277,8 @@ impl Layout {
         }
         let length = stations[run.len()].max(f64::MIN_POSITIVE);
         stations.iter_mut().for_each(|s| *s /= length);
-        self.arcs.push(Arc { vertices, length, curve, stations, count: 1 });
-        Side { arc, reversed: false }
+        self.arcs.push(Arc { vertices, length, curve, stations, least, count: least });
+        Side { arc, reversed: false, halves: run.to_vec() }
     }
 
     /// The number of quads: of grids, and where there are none about as many as fit.
@@ -280,6 +288,27 @@ impl Layout {
             None => p.area / (length * length),
         };
         self.patches.iter().map(of).sum()
+    }
+
+    /// Gives arcs one more quad than a length asks for, for every round in which their feature was lost near them: `lost`
+    /// holds curves and places, round by round.
+    pub fn refine(&mut self, sheet: &Sheet, lost: &[Vec<(u32, DVec3)>], length: f64) {
+        for arc in &mut self.arcs {
+            let Some(curve) = arc.curve else { continue };
+            let is_near = |&(c, p): &(u32, DVec3)| {
+                c == curve && arc.vertices.windows(2).any(|w| sheet.distance(w[0], w[1], p) < NEAR * length)
+            };
+            let times = lost.iter().filter(|round| round.iter().any(is_near)).count() as i64;
+            if times > 0 {
+                arc.least = arc.least.max((arc.length / length).round() as i64 + times);
+            }
+        }
+    }
+
+    /// Mean length of the quads around a patch.
+    pub fn length_around(&self, patch: &Patch) -> f64 {
+        let arcs = || patch.loops.iter().flatten().map(|s| &self.arcs[s.arc as usize]);
+        arcs().map(|a| a.length).sum::<f64>() / arcs().map(|a| a.count).sum::<i64>().max(1) as f64
     }
 
     /// Whether all patches have grids.
@@ -311,8 +340,9 @@ impl Layout {
     /// # Errors
     /// A patch that does not add up.
     pub fn quantise(&mut self, length: f64) -> Result<(), usize> {
+        self.length = length;
         for arc in &mut self.arcs {
-            arc.count = ((arc.length / length).round() as i64).max(arc.least());
+            arc.count = ((arc.length / length).round() as i64).max(arc.least);
         }
         // Where an arc is part of a patch: the patch and axis, and whether it counts against the surplus.
         let mut uses: Vec<Vec<(u32, i64)>> = vec![Vec::new(); self.arcs.len()];
@@ -372,7 +402,7 @@ impl Layout {
                 let count = (own.count + change) as f64;
                 let is_far = count < (FEWEST * ideal).floor() || count > (MOST * ideal).ceil() + 1.0;
                 if is_far
-                    || own.count + change < own.least()
+                    || own.count + change < own.least
                     || uses[arc as usize].iter().filter(|u| u.0 == node).count() != 1
                 {
                     continue;

@@ -5,7 +5,7 @@
 //! | rung | file | method |
 //! |---|---|---|
 //! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids in its patches |
-//! | 2 | `regular` | the same at twice the size; triangles, paired, in patches that take no grid; all halved |
+//! | 2 | `regular` | the same, made at twice the size and halved, with triangles, paired, in patches that take no grid |
 //! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
@@ -14,7 +14,8 @@
 //! | triangles that tracks are drawn into | `sheet` |
 //! | the motorcycle graph | `trace` |
 //! | patches, sides, numbers of quads | `layout` |
-//! | grids | `fill` |
+//! | grids, triangles | `fill`, `chart` |
+//! | patches with holes cut open | `cut` |
 //!
 //! | shared | file |
 //! |---|---|
@@ -22,6 +23,8 @@
 //! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
 //! | the validator, figures | `validate`, `quality` |
 
+mod chart;
+mod cut;
 mod fill;
 mod halve;
 mod layout;
@@ -44,6 +47,7 @@ use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, VertexId};
 use halve::{Middle, halve};
+use regular::{Made, Wish, regular};
 use serde::{Deserialize, Serialize};
 use source::Source;
 use work::{Place, Work};
@@ -108,6 +112,8 @@ const WITHIN: f64 = 0.1;
 /// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
 const RUNS: usize = 4;
 const SHORTER: f64 = 0.7;
+/// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do.
+const FINER: [f64; 2] = [1.0, 0.6];
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -129,19 +135,20 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     let source = Source::new(mesh, &options.features, context)?;
     let mut warnings = source.surface.repaired.clone();
     let (work, rung) = match first(&source, options, &mut warnings, context)? {
-        Some(made) => made,
+        Some(made) => (made.work, made.rung),
         None => match third(&source, options, &mut warnings, context)? {
-            Some(work) => (work, 3),
-            None => (fourth(&source), 4),
+            Some(work) => (work, vec![3; source.regions]),
+            None => (fourth(&source), vec![4; source.regions]),
         },
     };
     let count = work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
+        let rung = rung.iter().max().copied().unwrap_or(0);
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
     let mut quality = quality::measure(&work, &source);
     quality.distance_max = Some(quality::distance(&work, &source, context)?);
-    finish(&source, work, rung, quality, warnings)
+    finish(&source, work, &rung, quality, warnings)
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
@@ -161,37 +168,53 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rungs 1 and 2; `None` where they do not come to an end or the validator refuses.
+/// Rungs 1 and 2: the attempt with the fewest irregular vertices; `None` where none comes to an end or the validator refuses.
 fn first(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
     context: &Context,
-) -> Result<Option<(Work, u32)>> {
+) -> Result<Option<Made>> {
     if options.rung > 2 {
         return Ok(None);
     }
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    let (length, wanted) = match options.edge_length {
+    let (length, quads) = match options.edge_length {
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
-    let outcome = match regular::regular(source, length, wanted, feature_deg, options.rung == 1, context) {
-        Err(Error::Numeric(why)) => Err(why),
-        other => other?,
-    };
-    let refused = match outcome {
-        Ok((mut work, rung)) => {
-            smooth::smooth(&mut work, source, context)?;
-            match validate::refusal(&work, &work.to_mesh()?, source)? {
-                None => return Ok(Some((work, rung))),
-                Some(why) => why,
+    let (mut best, mut refused): (Option<(usize, Made)>, _) = (None, String::new());
+    for finer in FINER {
+        let wish = Wish { length, quads, finer, first: options.rung == 1 };
+        let made = match regular(source, &wish, feature_deg, context) {
+            Err(Error::Numeric(why)) => Err(why),
+            other => other?,
+        };
+        let made = match made {
+            Ok(made) => match validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
+                None => Ok(made),
+                Some(why) => Err(why),
+            },
+            refused => refused,
+        };
+        match made {
+            Err(why) => refused = why,
+            Ok(made) => {
+                let irregular = quality::irregular(&made.work);
+                let is_whole = made.rung.iter().all(|&r| r == 1);
+                if best.as_ref().is_none_or(|b| irregular < b.0) {
+                    best = Some((irregular, made));
+                }
+                if is_whole {
+                    break;
+                }
             }
         }
-        Err(why) => why,
-    };
-    warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
-    Ok(None)
+    }
+    if best.is_none() {
+        warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
+    }
+    Ok(best.map(|b| b.1))
 }
 
 /// Rung 3, with the number of quads met as nearly as it goes; `None` where the validator refuses.
@@ -267,7 +290,7 @@ fn fourth(source: &Source) -> Work {
     halve(&coarse, source, Middle::Straight)
 }
 
-fn finish(source: &Source, mut work: Work, rung: u32, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
+fn finish(source: &Source, mut work: Work, rung: &[u32], quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
     drop_unused(&mut work);
     let mut mesh = work.to_mesh()?;
     let mut counts = vec![0; source.regions];
@@ -276,7 +299,7 @@ fn finish(source: &Source, mut work: Work, rung: u32, quality: QuadQuality, warn
         .into_iter()
         .zip(0u32..)
         .filter(|&(quads, _)| quads > 0)
-        .map(|(quads, region)| RegionRung { region, rung, quads })
+        .map(|(quads, region)| RegionRung { region, rung: rung[region as usize], quads })
         .collect();
     let labels = work.region.iter().map(|&r| r as i32).collect();
     mesh.attributes.face.insert("region".into(), Column::Label(labels));

@@ -55,7 +55,8 @@ pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> 
     Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
 }
 
-fn irregular(work: &Work) -> usize {
+/// Inner vertices without four quads, and border vertices whose quads do not fit their angle.
+pub fn irregular(work: &Work) -> usize {
     let n = work.points.len();
     let (mut valence, mut angle, mut on_border) = (vec![0u32; n], vec![0.0; n], vec![false; n]);
     for f in work.faces.iter() {

@@ -2,14 +2,18 @@
 //!
 //! Rung 1: all have four sides that add up, and are filled with grids. Rung 2: where some have not, grids of twice the size
 //! are made in the others and triangles in these, paired where possible, and all is halved: any numbers of sides fit then.
+//! A patch whose quads are bad after that takes no grid; where its triangles are bad, too, it is joined to its neighbours.
 
+use super::cut::open_holes;
 use super::fill::fill;
 use super::halve::{Middle, halve};
-use super::layout::{Fault, Layout, audit};
+use super::layout::{Fault, Layout, Patch, audit};
 use super::pair::{Coarse, coarse};
 use super::sheet::Sheet;
+use super::smooth::smooth;
 use super::source::Source;
 use super::trace::{cut, trace};
+use super::validate::{faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -18,53 +22,135 @@ use crate::geometry::features::FeatureOptions;
 use crate::mesh::VertexId;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Edges of the triangles that carry the field, over those of the quads.
-const FINER: f64 = 1.0;
 /// Cuts of patches that have holes.
 const CUTS: usize = 200;
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
 
-/// What comes of it: a mesh with its rung, or why there is none.
-pub type Outcome = std::result::Result<(Work, u32), String>;
+/// Rounds in which patches with bad quads get triangles, and then lose their tracks.
+const ROUNDS: usize = 7;
 
-/// Quads of a length, or so many of them; `first`: rung 1 may do.
-pub fn regular(
-    source: &Source,
-    length: f64,
-    wanted: Option<usize>,
-    feature_deg: f64,
-    first: bool,
-    context: &Context,
-) -> Result<Outcome> {
-    let Some(coarse) = coarse(source, FINER * length, feature_deg, context)? else {
+/// What has become of a triangle of the sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum State {
+    Fresh,
+    /// Its patch takes no grid.
+    Barred,
+    /// Its patch was joined to its neighbours.
+    Joined,
+}
+
+/// Layouts with more quads than so many times those wanted are not filled.
+const MOST: f64 = 2.5;
+
+/// Quads with the rung of every region.
+pub struct Made {
+    pub work: Work,
+    pub rung: Vec<u32>,
+}
+
+/// What comes of it, or why nothing does.
+pub type Outcome = std::result::Result<Made, String>;
+
+/// What is wanted.
+pub struct Wish {
+    /// Length of the quads.
+    pub length: f64,
+    /// Their number; `None`: the length is what counts.
+    pub quads: Option<usize>,
+    /// Edges of the triangles that carry the field, over those of the quads.
+    pub finer: f64,
+    /// Rung 1 may do.
+    pub first: bool,
+}
+
+/// Quads as wished.
+pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context) -> Result<Outcome> {
+    let Some(coarse) = coarse(source, wish.finer * wish.length, feature_deg, context)? else {
         return Ok(Err("its features were not found again".into()));
     };
     let field = frames(&coarse, context)?;
     let curve: FxHashMap<[u32; 2], u32> =
         coarse.features.iter().map(|([a, b], c)| ([*a.min(b), *a.max(b)], *c)).collect();
     let sheet = match field.repaired.is_empty() {
-        true => Sheet::new(&field, &curve, |t| coarse.region[t as usize], length),
+        true => Sheet::new(&field, &curve, |t| coarse.region[t as usize], wish.length),
         false => None,
     };
     let Some(mut sheet) = sheet else { return Ok(Err("its features and its field do not match".into())) };
     let singular = field.corners.iter().filter(|c| c.is_singular()).map(|c| (c.vertex, c.quads)).collect::<Vec<_>>();
     let dropped = trace(&mut sheet, &singular, source.diagonal, context)?;
     mend(&mut sheet, source.diagonal, context)?;
-    let place = |v: u32| place(&sheet, &coarse, v);
-    let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
-        return Ok(Err("its tracks do not enclose patches".into()));
-    };
-    let missing = || "a patch could not be filled".to_string();
-    if first && layout.is_regular() && quantise(&mut layout, length, wanted) {
-        let work = fill(&sheet, &layout, place, context)?.map(|work| settled(work, source));
-        return Ok(work.map(|work| (work, 1)).ok_or_else(missing));
+    let mut state = vec![State::Fresh; sheet.triangles.len()];
+    // Where features lost their shape, round by round.
+    let mut lost_places = Vec::new();
+    let mut why = "a patch could not be filled".to_string();
+    for round in 0..ROUNDS {
+        let place = |v: u32| place(&sheet, &coarse, v);
+        let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
+            return Ok(Err("its tracks do not enclose patches".into()));
+        };
+        let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
+        layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.sides = None);
+        let may_be_whole = wish.first && layout.is_regular();
+        layout.refine(&sheet, &lost_places, if may_be_whole { wish.length } else { 2.0 * wish.length });
+        let irregular = layout.patches.iter().filter(|p| p.sides.is_none()).count();
+        tracing::debug!(target: "carreau::quad", round, dropped, irregular, patches = layout.patches.len());
+        let whole = may_be_whole && quantise(&mut layout, wish);
+        if !whole {
+            quantise_leniently(&mut layout, wish);
+        }
+        let count = layout.quads(layout.length) * if whole { 1.0 } else { 4.0 };
+        if wish.quads.is_some_and(|n| count > MOST * n as f64) {
+            return Ok(Err(format!("its features would need {count:.0} quads")));
+        }
+        let mut bad = Vec::new();
+        match fill(&sheet, &layout, place, context)? {
+            Err(patch) => bad.push(patch),
+            Ok((work, mut patch)) => {
+                let mut work = settled(work, source);
+                if !whole {
+                    patch = work.faces.iter().zip(patch).flat_map(|(f, p)| std::iter::repeat_n(p, f.len())).collect();
+                    work = halve(&work, source, Middle::OnSurface);
+                }
+                smooth(&mut work, source, context)?;
+                for (q, what) in faults(&work, source) {
+                    why = format!("quad {q} {what}");
+                    bad.push(patch[q] as usize);
+                }
+                if bad.is_empty() {
+                    let lost = lost_features(&work, source);
+                    if !lost.is_empty() && round + 1 < ROUNDS {
+                        lost_places.push(lost);
+                        continue;
+                    }
+                    let mut rung = vec![1; source.regions];
+                    for (region, &p) in work.region.iter().zip(&patch) {
+                        if layout.patches[p as usize].sides.is_none() {
+                            rung[*region as usize] = 2;
+                        }
+                    }
+                    return Ok(Ok(Made { work, rung }));
+                }
+            }
+        }
+        // Bad grids give way to triangles, bad triangles to those of a larger patch.
+        bad.sort_unstable();
+        bad.dedup();
+        for p in bad.into_iter().map(|p| &layout.patches[p]) {
+            let least = p.triangles.iter().map(|&t| state[t as usize]).fold(State::Joined, State::min);
+            let next = match least {
+                _ if p.sides.is_some() => State::Barred,
+                State::Joined => return Ok(Err(why)),
+                _ => State::Joined,
+            };
+            if next == State::Joined && !sheet.clear_around(&p.triangles) {
+                return Ok(Err(why));
+            }
+            p.triangles.iter().for_each(|&t| state[t as usize] = next);
+        }
+        open_holes(&mut sheet);
     }
-    let irregular = layout.patches.iter().filter(|p| p.sides.is_none()).count();
-    tracing::debug!(target: "carreau::quad", dropped, irregular, patches = layout.patches.len());
-    quantise_leniently(&mut layout, 2.0 * length, wanted.map(|n| n as f64 / 4.0));
-    let work = fill(&sheet, &layout, place, context)?.map(|work| settled(work, source));
-    Ok(work.map(|work| (halve(&work, source, Middle::OnSurface), 2)).ok_or_else(missing))
+    Ok(Err(why))
 }
 
 /// Every vertex where it belongs: the sheet's features are chords of the source's.
@@ -97,6 +183,7 @@ fn mend(sheet: &mut Sheet, diagonal: f64, context: &Context) -> Result<()> {
         tried.insert(sheet.tail(start));
         cut(sheet, start, diagonal, context)?;
     }
+    open_holes(sheet);
     Ok(())
 }
 
@@ -111,14 +198,14 @@ fn place(sheet: &Sheet, coarse: &Coarse, v: u32) -> Option<Place> {
 }
 
 /// Quantises until the number of quads is met; returns whether all patches add up.
-fn quantise(layout: &mut Layout, length: f64, wanted: Option<usize>) -> bool {
-    let mut length = length;
+fn quantise(layout: &mut Layout, wish: &Wish) -> bool {
+    let mut length = wish.length;
     let mut best: Option<(f64, f64)> = None;
     for _ in 0..RUNS {
         if layout.quantise(length).is_err() {
             break;
         }
-        let Some(wanted) = wanted else { return true };
+        let Some(wanted) = wish.quads else { return true };
         let ratio = layout.quads(length) / wanted as f64;
         let off = ratio.ln().abs();
         if best.is_none_or(|b| off < b.0) {
@@ -132,8 +219,9 @@ fn quantise(layout: &mut Layout, length: f64, wanted: Option<usize>) -> bool {
     best.is_some_and(|(_, length)| layout.quantise(length).is_ok())
 }
 
-/// The same where patches that do not add up are filled with triangles.
-fn quantise_leniently(layout: &mut Layout, mut length: f64, wanted: Option<f64>) {
+/// The same at twice the size, where patches that do not add up are filled with triangles.
+fn quantise_leniently(layout: &mut Layout, wish: &Wish) {
+    let (mut length, wanted) = (2.0 * wish.length, wish.quads.map(|n| n as f64 / 4.0));
     let sides: Vec<_> = layout.patches.iter().map(|p| p.sides.clone()).collect();
     for _ in 0..RUNS {
         layout.patches.iter_mut().zip(&sides).for_each(|(p, sides)| p.sides = sides.clone());

@@ -22,7 +22,10 @@ pub enum Wall {
     None,
     /// A feature, with its curve.
     Feature(u32),
+    /// Of the motorcycle graph.
     Track,
+    /// Through a patch that has holes.
+    Cut,
 }
 
 /// The triangles.
@@ -148,6 +151,14 @@ impl Sheet {
     /// Signed angle from one direction to another in the plane of a triangle.
     pub fn angle(&self, t: u32, from: DVec3, to: DVec3) -> f64 {
         from.cross(to).dot(self.normal(t)).atan2(from.dot(to))
+    }
+
+    /// Distance of a point from the segment between two vertices.
+    pub fn distance(&self, a: u32, b: u32, p: DVec3) -> f64 {
+        let [a, b] = [a, b].map(|v| self.points[v as usize]);
+        let along = b - a;
+        let share = along.dot(p - a) / along.length_squared().max(f64::MIN_POSITIVE);
+        p.distance(a + along * share.clamp(0.0, 1.0))
     }
 
     /// The half-edges that leave a vertex, counter-clockwise; from the border, where there is one.

@@ -195,13 +195,22 @@ impl Sheet {
         }
     }
 
+    /// Takes back the tracks and cuts around some triangles; returns whether there were any.
+    pub fn clear_around(&mut self, triangles: &[u32]) -> bool {
+        let is_free = |sheet: &Self, h: u32| matches!(sheet.wall[h as usize], Wall::Track | Wall::Cut);
+        let free: Vec<u32> = triangles.iter().flat_map(|t| 3 * t..3 * t + 3).filter(|&h| is_free(self, h)).collect();
+        free.iter().for_each(|&h| self.clear_wall(h));
+        self.prune();
+        !free.is_empty()
+    }
+
     /// Takes back what is left of tracks that end in no other wall.
     fn prune(&mut self) {
         let mut queue: Vec<u32> = (0..self.points.len() as u32).collect();
         while let Some(v) = queue.pop() {
             let walls: Vec<u32> = self.around(v).into_iter().filter(|&h| self.is_wall(h)).collect();
             if let [h] = walls[..]
-                && self.wall[h as usize] == Wall::Track
+                && !self.is_feature(h)
             {
                 self.clear_wall(h);
                 queue.push(self.head(h));

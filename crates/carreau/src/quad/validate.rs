@@ -32,16 +32,8 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     if counts(&had) != counts(&has) {
         return Ok(Some("its topology is another".into()));
     }
-    for (q, face) in work.faces.iter().enumerate() {
-        let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
-        if !(scaled_jacobian(p) > 0.0) {
-            return Ok(Some(format!("quad {q} is inverted")));
-        }
-        let normal = (p[2] - p[0]).cross(p[3] - p[1]);
-        let below = source.on_region(work.region[q], p.iter().sum::<DVec3>() / 4.0);
-        if below.is_some_and(|(_, t)| normal.dot(source.normal(t)) <= 0.0) {
-            return Ok(Some(format!("quad {q} looks the wrong way")));
-        }
+    if let Some((q, what)) = faults(work, source).next() {
+        return Ok(Some(format!("quad {q} {what}")));
     }
     if let Some(why) = border_refusal(work, source) {
         return Ok(Some(why.into()));
@@ -50,6 +42,19 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     let place =
         lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
     Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+}
+
+/// Quads that are no good, with what is wrong.
+pub fn faults<'a>(work: &'a Work, source: &'a Source) -> impl Iterator<Item = (usize, &'static str)> + 'a {
+    work.faces.iter().enumerate().filter_map(|(q, face)| {
+        let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
+        if !(scaled_jacobian(p) > 0.0) {
+            return Some((q, "is inverted"));
+        }
+        let normal = (p[2] - p[0]).cross(p[3] - p[1]);
+        let below = source.on_region(work.region[q], p.iter().sum::<DVec3>() / 4.0);
+        below.is_some_and(|(_, t)| normal.dot(source.normal(t)) <= 0.0).then_some((q, "looks the wrong way"))
+    })
 }
 
 /// Borders stay on features; where two lie on each other, as in a surface that was cut, their vertices do, too.
@@ -82,11 +87,36 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
 
 /// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
 pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
+    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
+    for_features(work, source, |_, p, length, is_kept| {
+        total += length;
+        match is_kept {
+            true => kept += length,
+            false => lost = lost.or(Some(p)),
+        }
+    });
+    (if total > 0.0 { kept / total } else { 1.0 }, lost)
+}
+
+/// Where features are lost, and of which curve; nowhere, where all but rounding is kept.
+pub fn lost_features(work: &Work, source: &Source) -> Vec<(u32, DVec3)> {
+    let (mut total, mut missing, mut places) = (0.0, 0.0, Vec::new());
+    for_features(work, source, |edge, p, length, is_kept| {
+        total += length;
+        if !is_kept {
+            missing += length;
+            places.push((source.curve[edge], p));
+        }
+    });
+    if missing > (1.0 - RECALL) * total { places } else { Vec::new() }
+}
+
+/// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.
+fn for_features(work: &Work, source: &Source, mut visit: impl FnMut(usize, DVec3, f64, bool)) {
     let edges: Vec<[u32; 3]> = work.features.iter().map(|([a, b], _)| [*a, *b, *b]).collect();
     let tree = TriangleTree::new(&work.points, &edges);
     let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
-    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
-    for ends in &source.edges {
+    for (edge, ends) in source.edges.iter().enumerate() {
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
         let n = (length / source.diagonal * SAMPLES).ceil().max(1.0);
@@ -97,13 +127,7 @@ pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
                 let [a, b, _] = edges[closest.triangle as usize].map(|v| work.points[v as usize]);
                 found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
             });
-            total += length / n;
-            if found {
-                kept += length / n;
-            } else {
-                lost = lost.or(Some(p));
-            }
+            visit(edge, p, length / n, found);
         }
     }
-    (if total > 0.0 { kept / total } else { 1.0 }, lost)
 }
