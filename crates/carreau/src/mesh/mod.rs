@@ -12,6 +12,7 @@
 //! | `area` | area vectors of faces |
 //! | `weld` | vertices at one place, exactly or within a tolerance |
 //! | `duplicates` | faces on the same vertices |
+//! | `curve_net` | [`CurveNet`]: skeletons with radii |
 //! | `disjoint_sets` | union-find |
 //! | `edit` | [`EditMesh`]: collapse, flip, split, relocate |
 //! | `connectivity` | components, irregular edges, which faces to turn, umbrellas |
@@ -23,6 +24,7 @@ mod area;
 mod attributes;
 mod boundary;
 mod connectivity;
+mod curve_net;
 mod disjoint_sets;
 mod duplicates;
 mod edit;
@@ -41,6 +43,7 @@ mod weld;
 
 pub use area::{area_vector, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
+pub use curve_net::{CurveNet, Incidence, NetBuilder, RepairedNet};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
