@@ -3,6 +3,7 @@
 pub mod context;
 pub mod error;
 pub mod geometry;
+pub mod hex;
 pub mod io;
 pub mod length;
 pub mod mesh;

@@ -4,6 +4,7 @@ mod compare;
 mod convert;
 mod curvature;
 mod demo;
+mod hex;
 mod info;
 mod patch;
 mod repair;
@@ -27,6 +28,7 @@ pub enum Verb {
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Segment(segment::Segment),
+    Hex(hex::Hex),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
     Completions(shell::Completions),
@@ -46,6 +48,7 @@ impl Verb {
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
+            Verb::Hex(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

@@ -5,6 +5,7 @@
 //! | `id` | typed ids |
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
+//! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
@@ -29,6 +30,7 @@ mod disjoint_sets;
 mod duplicates;
 mod edit;
 mod half_edges;
+mod hex_mesh;
 mod id;
 mod nesting;
 mod polygons;
@@ -47,6 +49,7 @@ pub use curve_net::{CurveNet, Incidence, NetBuilder, RepairedNet};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
+pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};

@@ -8,4 +8,4 @@
 mod figure;
 pub mod picture;
 
-pub use figure::{curvature_figure, figure};
+pub use figure::{curvature_figure, figure, hex_figure};

@@ -115,11 +115,8 @@ impl CurveNet {
     /// The net without the nodes that are not kept; edges of nodes that go must have gone before.
     pub fn retain_nodes(&mut self, keep: &[bool]) {
         let mut new_id = vec![u32::MAX; keep.len()];
-        let mut count = 0;
-        for (v, _) in keep.iter().enumerate().filter(|k| *k.1) {
-            new_id[v] = count;
-            count += 1;
-        }
+        let kept_nodes = keep.iter().enumerate().filter(|k| *k.1);
+        (0..).zip(kept_nodes).for_each(|(k, (v, _))| new_id[v] = k);
         fn kept<T>(list: &mut Vec<T>, keep: &[bool]) {
             let mut flags = keep.iter();
             list.retain(|_| flags.next().is_none_or(|&k| k));
