@@ -17,7 +17,7 @@ const CORNERS: [[usize; 3]; 8] =
 /// A determinant counts as positive above this share of the cubed longest edge.
 const TINY: f64 = 1e-12;
 /// Levels of halving.
-const DEPTH: usize = 4;
+const DEPTH: usize = 6;
 
 /// Smallest scaled Jacobian of the eight corners.
 pub fn scaled_jacobian(p: &Corners) -> f64 {

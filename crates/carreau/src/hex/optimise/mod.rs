@@ -3,7 +3,8 @@
 //! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs).
 //! 2. Then ε = 0: the energy is infinite outside the valid set, which no step leaves. The power p rises, so that the
 //!    worst cells count more and more; target lengths follow the cells, so that only angles are asked for.
-//! 3. Bernstein certificate of every cell; those without get more weight and step 2 is repeated.
+//! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
+//!    and step 2 is repeated.
 //!
 //! Wall vertices are tied to where they belong by springs, stiff along the normal and weak along the surface.
 
@@ -252,14 +253,22 @@ impl<'a> Optimiser<'a> {
             self.improve(points, effort.powers, context)?;
         }
         let mut uncertified = self.uncertified(points);
+        let mut best = points.clone();
         for _ in 0..WEIGHT_ROUNDS {
             if uncertified.is_empty() || !valid {
                 break;
             }
-            uncertified.iter().for_each(|&h| self.weight[h as usize] *= 30.0);
-            self.improve(points, &[(8, 150)], context)?;
-            uncertified = self.uncertified(points);
+            // Where cells have no room the wall gives way.
+            self.springs.iter_mut().for_each(|s| (s.along, s.across) = (0.1 * s.along, 0.1 * s.across));
+            uncertified.iter().for_each(|&h| self.weight[h as usize] *= 8.0);
+            self.improve(points, &[(2, 60), (8, 150)], context)?;
+            let left = self.uncertified(points);
+            if left.len() < uncertified.len() {
+                uncertified = left;
+                best.clone_from(points);
+            }
         }
+        *points = best;
         Ok(uncertified)
     }
 }
