@@ -40,6 +40,8 @@ fn help_names_every_verb_and_each_has_an_example() {
         "enrich",
         "simplify",
         "patch",
+        "field",
+        "quad",
         "hex",
         "completions",
         "man",
@@ -256,6 +258,63 @@ fn property(file: &Path, name: &str) -> Vec<f64> {
 }
 
 #[test]
+fn simplify_meets_what_is_asked_for_and_says_so() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let out = at("s.ply");
+    let before = record(&["info", text(&model)])["input"]["faces"].as_u64().unwrap();
+    let run = |extra: &[&str]| {
+        let args = [&["simplify", text(&model), "-o", text(&out)], extra].concat();
+        record(&args)
+    };
+    let json = run(&["--triangles", "1500"]);
+    let faces = json["output"]["faces"].as_u64().unwrap();
+    assert!(faces.abs_diff(1500) <= 15 && faces < before, "{faces}");
+    let q = &json["quality"];
+    assert!(q["shape_min"].as_f64().unwrap() > 0.4 && q["length_in_half_two"].as_f64().unwrap() > 0.99);
+    assert!(q["distance_max"].as_f64().unwrap() >= q["distance_rms"].as_f64().unwrap());
+    assert!(property(&out, "size").iter().all(|h| *h > 0.0));
+
+    let json = run(&["--distance", "1%"]);
+    assert!(json["quality"]["distance_max"].as_f64().unwrap() <= 0.01);
+
+    // The curvature across the tube is larger than that along it.
+    let json = run(&["--triangles", "1500", "--anisotropic"]);
+    assert_eq!(json["options"]["anisotropic"], true);
+    assert!(property(&out, "stretch_x").iter().any(|w| w.abs() > 0.3));
+    carreau().args(["simplify", text(&model), "--anisotropic", "--geometric"]).assert().code(2);
+
+    // Sizes of one run are the upper bound of the next.
+    carreau().args(["simplify", text(&model), "-o", text(&out), "--deviation", "10"]).assert().success();
+    let fine = record(&["simplify", text(&out), "--deviation", "40", "--sizes", "size"]);
+    let coarse = record(&["simplify", text(&out), "--deviation", "40"]);
+    let faces = |json: &Value| json["output"]["faces"].as_u64().unwrap();
+    assert!(faces(&fine) > 2 * faces(&coarse));
+    carreau().args(["simplify", text(&out), "--sizes", "none"]).assert().code(2).stderr(contains("none"));
+}
+
+#[test]
+fn enrich_refines_and_replays_for_any_number_of_threads() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    carreau()
+        .args(["enrich", text(&model), "--deviation", "3", "--json", text(&at("r.json"))])
+        .args(["-o", text(&at("a.ply")), "--threads", "1", "--picture", text(&at("a.png"))])
+        .assert()
+        .success();
+    carreau()
+        .args(["enrich", text(&model), "--options", text(&at("r.json")), "--threads", "2", "-o", text(&at("b.ply"))])
+        .assert()
+        .success();
+    assert_eq!(fs::read(at("a.ply")).unwrap(), fs::read(at("b.ply")).unwrap());
+    assert!(fs::read(at("a.png")).unwrap().starts_with(b"\x89PNG"));
+    let faces = |file: &Path| record(&["info", text(file)])["input"]["faces"].as_u64().unwrap();
+    assert!(faces(&at("a.ply")) > faces(&model));
+    carreau().args(["enrich", text(&model), "--deviation", "90"]).assert().code(2).stderr(contains("deviation"));
+    carreau().args(["enrich", text(&model), "--gradation", "1"]).assert().code(2).stderr(contains("gradation"));
+}
+
+#[test]
 fn curvature_writes_properties_picture_and_record() {
     let (folder, model) = with_model("torus", "m.ply");
     let at = |name: &str| folder.path().join(name);
@@ -349,6 +408,59 @@ fn segment_tells_faces_surfaces_and_boundaries() {
     }
     fs::write(&file, "1 2 3").unwrap();
     carreau().args(["segment", text(&model), "--labels", text(&file)]).assert().code(5);
+}
+
+#[test]
+fn field_writes_frames_layout_picture_and_record() {
+    let (folder, model) = with_model("wedge", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let run = |more: &[&str]| {
+        let all = [&["field", text(&model)], more].concat();
+        record(&all)
+    };
+    let json =
+        run(&["-o", text(&at("f.vtu")), "--layout", text(&at("f.json")), "--picture", text(&at("f.png")), "--classic"]);
+    assert!(fs::read(at("f.png")).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(json["poles"], serde_json::json!({ "sectors": 0, "inner": 0 }));
+    // The acute edge of the wedge is what the classic field has no room for.
+    assert!(json["classic"]["sectors"].as_u64().unwrap() > 0);
+    assert!(json["quality"]["energy"].as_f64() <= json["quality"]["energy_orthogonal"].as_f64());
+    let layout = layout(&at("f.json"));
+    let count = |name: &str| layout[name].as_array().unwrap().len();
+    assert_eq!(json["output"]["faces"], count("triangles"));
+    assert_eq!(json["output"]["singularities"], count("singularities"));
+    assert_eq!((count("u"), count("v")), (count("triangles"), count("triangles")));
+    let written = record(&["info", text(&at("f.vtu"))]);
+    assert_eq!(written["attributes"]["face"]["u"], "vector3");
+    let classic = run(&["--pin", "none", "--orthogonal"]);
+    assert_eq!(
+        classic["poles"],
+        serde_json::json!({ "sectors": json["classic"]["sectors"], "inner": json["classic"]["inner"] })
+    );
+    for wrong in [["--pin", "30"], ["--propagation", "far"], ["--lean", "90"], ["--feature-angle", "181"]] {
+        carreau().args(["field", text(&model)]).args(wrong).assert().code(2);
+    }
+}
+
+#[test]
+fn quad_writes_quads_alone_and_replays() {
+    let (folder, model) = with_model("bracket", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let run = |more: &[&str]| carreau().args(["quad", text(&model)]).args(more).assert().success();
+    run(&["--quads", "900", "-o", text(&at("q.mesh")), "--json", text(&at("r.json")), "--threads", "1"]);
+    let json = layout(&at("r.json"));
+    let info = record(&["info", text(&at("q.mesh"))]);
+    assert_eq!(info["topology"]["quads"], json["quads"]);
+    assert_eq!(info["topology"]["closed"], true);
+    assert!(info["input"]["edges"].as_u64().unwrap() > 0);
+    assert_eq!(json["quality"]["inverted"], 0);
+    let sum: u64 = json["rungs"].as_array().unwrap().iter().map(|r| r["quads"].as_u64().unwrap()).sum();
+    assert_eq!(json["quads"], sum);
+    run(&["--options", text(&at("r.json")), "--threads", "2", "-o", text(&at("again.mesh"))]);
+    assert_eq!(fs::read(at("q.mesh")).unwrap(), fs::read(at("again.mesh")).unwrap());
+    for wrong in [["--quads", "0"], ["--rung", "9"], ["--edge-length", "-1"]] {
+        carreau().args(["quad", text(&model)]).args(wrong).assert().code(2);
+    }
 }
 
 /// A fork of three tubes.

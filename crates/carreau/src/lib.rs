@@ -2,6 +2,7 @@
 
 pub mod context;
 pub mod error;
+pub mod field;
 pub mod geometry;
 pub mod hex;
 pub mod io;
@@ -9,6 +10,7 @@ pub mod length;
 pub mod mesh;
 pub mod numeric;
 pub mod patch;
+pub mod quad;
 pub mod remesh;
 pub mod report;
 pub mod sample;

@@ -14,9 +14,12 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("patch", &["mesh", "geometry", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
+    ("field", &["mesh", "geometry", "numeric"]),
+    // Its rungs are made of other rooms: quads follow fields, and start from meshes of another size.
+    ("quad", &["mesh", "geometry", "numeric", "field", "remesh"]),
     ("io", &["mesh", "geometry", "patch"]),
     ("sample", &["mesh", "geometry", "patch"]),
-    ("report", &["mesh", "geometry", "patch"]),
+    ("report", &["mesh", "geometry", "patch", "field"]),
 ];
 const GROUND: &[&str] = &["error", "context", "length"];
 /// What the crate's root re-exports from the ground floor.

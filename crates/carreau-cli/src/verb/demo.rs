@@ -5,15 +5,17 @@ mod page;
 use super::segment::labelled;
 use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
+use carreau::field::{self, FieldOptions};
 use carreau::hex::{self, HexOptions};
 use carreau::io::WriteOptions;
 use carreau::io::cad::{CadOptions, write_cad};
 use carreau::io::write_skeleton;
-use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
+use carreau::mesh::{Column, CurveNet, RawMesh, SurfaceMesh};
 use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
+use carreau::quad::{self, QuadOptions};
 use carreau::remesh::{RemeshOptions, simplify};
-use carreau::report::{figure, hex_figure};
+use carreau::report::{field_figure, figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
 use carreau::{Error, sample};
 use clap::Args;
@@ -69,19 +71,32 @@ impl Demo {
             about: "Grids of quads on the same vertices; each patch is one B-spline face of the STEP file.",
             figures: Vec::new(),
         };
+        let mut fields = Section {
+            title: "Frame fields",
+            about: "Two directions per triangle, along every feature, with room for a quad in every corner. Dots: vertices with fewer \
+                    (red) and more (blue) quads than usual.",
+            figures: Vec::new(),
+        };
+        let mut quads = Section {
+            title: "All-quad meshes",
+            about: "Quads alone; every sharp edge is a path of edges.",
+            figures: Vec::new(),
+        };
         for name in MODELS {
             let mesh = sample::make(name, None, &session.context)?;
             let input = self.write(session, name, "", &RawMesh::from(mesh.clone()))?;
             regions.figures.push(self.segment(session, name, &mesh, &input)?);
             graded.figures.push(self.remesh(session, name, &mesh, &input)?);
             patches.figures.push(self.patch(session, name, &mesh, &input)?);
+            fields.figures.push(self.field(session, name, &mesh, &input)?);
+            quads.figures.push(self.quads(session, name, &mesh, &input)?);
         }
         let hexes = Section {
             title: "Hexes on a skeleton",
             about: "Hexahedra along the branches of a skeleton, every one certified; right: a cut, by scaled Jacobian.",
             figures: vec![self.hex(session)?],
         };
-        Ok(vec![regions, graded, patches, hexes])
+        Ok(vec![regions, graded, patches, fields, quads, hexes])
     }
 
     /// Triangles to regions.
@@ -102,7 +117,10 @@ impl Demo {
 
     /// Triangles to a graded mesh.
     fn remesh(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
-        let options = RemeshOptions { deviation: 20.0, ..RemeshOptions::default() };
+        // Faces that meet without a ridge keep their borders, too.
+        let is_label = |c: &Column| matches!(c, Column::Label(_));
+        let labels = mesh.attributes.face.iter().find(|(_, c)| is_label(c)).map(|(name, _)| name.clone());
+        let options = RemeshOptions { deviation: 20.0, labels, ..RemeshOptions::default() };
         let result = simplify(mesh, &options, &session.context)?;
         let (q, triangles) = (result.quality, result.mesh.face_count());
         let out = RawMesh::from(result.mesh);
@@ -144,6 +162,38 @@ impl Demo {
         self.figure(session, name, caption, picture, &[("triangles", input), ("patches", &file), ("STEP", &step_file)])
     }
 
+    /// Triangles to a frame field.
+    fn field(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+        let found = field::field(mesh, &FieldOptions::default(), &session.context)?;
+        let picture = format!("{name}-field.png");
+        session.write_bytes(&self.output.join(&picture), &field_figure(&found).to_png()?)?;
+        let layout = format!("{name}-field.json");
+        session.write_bytes(&self.output.join(&layout), &found.layout())?;
+        let caption = format!(
+            "{} triangles, {} singularities; no corner without a quad",
+            mesh.face_count(),
+            found.singularities()
+        );
+        self.figure(session, name, caption, picture, &[("triangles", input), ("field", &layout)])
+    }
+
+    /// Triangles to quads alone.
+    fn quads(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+        let result = quad::quads(mesh, &QuadOptions::default(), &session.context)?;
+        let (q, count) = (result.quality, result.mesh.face_count());
+        let out = RawMesh::from(result.mesh);
+        let file = self.write(session, name, "-quads", &out)?;
+        let picture = self.draw(session, name, "-quads", &out)?;
+        let caption = format!(
+            "{} triangles → {count} quads; scaled Jacobian {:.2} on average, {:.2} at worst; {} irregular vertices",
+            mesh.face_count(),
+            q.scaled_jacobian_mean,
+            q.scaled_jacobian_min,
+            q.irregular
+        );
+        self.figure(session, name, caption, picture, &[("triangles", input), ("quads", &file)])
+    }
+
     /// The skeleton of the sample tube-tree to hexes.
     fn hex(&self, session: &mut Session) -> Result<Figure, Error> {
         let name = "tube-tree";
@@ -175,7 +225,10 @@ impl Demo {
     /// Writes a mesh; returns the name of the file in the folder.
     fn write(&self, session: &mut Session, name: &str, end: &str, mesh: &RawMesh) -> Result<String, Error> {
         let file = format!("{name}{end}.ply");
-        session.write_mesh(&self.output.join(&file), mesh, &WriteOptions::default())?;
+        // PLY has no place for the words of labels, and here nobody misses them.
+        let mut mesh = mesh.clone();
+        mesh.attributes.names.clear();
+        session.write_mesh(&self.output.join(&file), &mesh, &WriteOptions::default())?;
         Ok(file)
     }
 

@@ -1,12 +1,15 @@
-//! The verbs, one file each; `simplify` holds `enrich` as well.
+//! The verbs, one file each; `simplify` holds `enrich` as well, `edges` the files that list feature edges.
 
 mod compare;
 mod convert;
 mod curvature;
 mod demo;
+mod edges;
+mod field;
 mod hex;
 mod info;
 mod patch;
+mod quad;
 mod repair;
 mod sample;
 mod segment;
@@ -28,6 +31,8 @@ pub enum Verb {
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Segment(segment::Segment),
+    Field(field::Field),
+    Quad(quad::Quad),
     Hex(hex::Hex),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
@@ -48,6 +53,8 @@ impl Verb {
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
+            Verb::Field(verb) => verb.run(),
+            Verb::Quad(verb) => verb.run(),
             Verb::Hex(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),

@@ -1,15 +1,17 @@
 //! `patch`: quad patches on the given vertices, as a mesh or as CAD faces.
 
+use super::edges::read_edges;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
+
 use crate::session::{Failure, Session};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::{SurfaceMesh, VertexId};
+use carreau::mesh::SurfaceMesh;
 use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
-use carreau::{Error, Length, Place};
+use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -269,22 +271,4 @@ impl Patch {
         ));
         Ok(())
     }
-}
-
-/// Edges listed in a text file, two vertex ids per line; `#` starts a comment.
-fn read_edges(file: &Path) -> Result<Vec<[VertexId; 2]>, Error> {
-    let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, Place::File, e.to_string()))?;
-    let lines = text.lines().zip(1..).map(|(line, number)| (line.split('#').next().unwrap_or("").trim(), number));
-    lines
-        .filter(|(line, _)| !line.is_empty())
-        .map(|(line, number)| {
-            let ids: Vec<u32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
-            match ids[..] {
-                [a, b] => Ok([VertexId(a), VertexId(b)]),
-                _ => {
-                    Err(Error::read(file, Place::Line(number), format!("two vertex ids are expected, found '{line}'")))
-                }
-            }
-        })
-        .collect()
 }

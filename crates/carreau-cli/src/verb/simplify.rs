@@ -34,6 +34,9 @@ pub struct Simplify {
     /// Enriches to this angle first; off: not [default: off]
     #[arg(long, value_name = "DEG|off", value_parser = number_or_off)]
     enrich: Option<OrOff>,
+    /// Edges are longer where the surface bends less
+    #[arg(long, conflicts_with = "geometric")]
+    anisotropic: bool,
     /// Shapes are left aside: as near to the surface as the number of triangles allows
     #[arg(long, conflicts_with = "enrich")]
     geometric: bool,
@@ -70,6 +73,9 @@ struct Remesh {
     /// A face property of integers: edges between two values stay
     #[arg(long, value_name = "PROPERTY")]
     labels: Option<String>,
+    /// A vertex property of numbers: no edge shall be longer than these, in the unit of the file
+    #[arg(long, value_name = "PROPERTY")]
+    sizes: Option<String>,
     /// Edges tagged in the file are not special
     #[arg(long)]
     ignore_tags: bool,
@@ -116,6 +122,7 @@ impl Simplify {
         o.triangles = self.triangles.or(o.triangles);
         o.enrich = self.enrich.map_or(o.enrich, |e| e.0);
         o.geometric |= self.geometric;
+        o.anisotropic |= self.anisotropic;
         options.distance = self.distance.or(options.distance);
         self.remesh.run("simplify", &options, remesh::simplify)
     }
@@ -143,6 +150,7 @@ impl Remesh {
         o.gradation = self.gradation.map_or(o.gradation, |g| g.0);
         o.feature_angle = self.feature_angle.unwrap_or(o.feature_angle);
         o.labels = self.labels.clone().or(o.labels.take());
+        o.sizes = self.sizes.clone().or(o.sizes.take());
         o.tags &= !self.ignore_tags;
         all.min_size = self.min_size.or(all.min_size);
         all.max_size = self.max_size.or(all.max_size);

@@ -4,8 +4,9 @@
 //! regular neighbour on the other side (non-manifold, inconsistently oriented) always count.
 
 use super::normals::{AngleLimit, angle_between, face_normals};
+use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{CornerId, Side, SurfaceMesh, VertexId};
+use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -93,6 +94,41 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
     Ok(Features { corners, missing })
 }
 
+/// Sound triangles with their features: what fields and quads start from.
+#[derive(Debug, Clone)]
+pub struct FeaturedSurface {
+    /// The triangles; the features are its tagged edges.
+    pub mesh: SurfaceMesh,
+    /// The features.
+    pub features: Features,
+    /// What was repaired, one sentence each.
+    pub repaired: Vec<String>,
+    /// Listed and tagged edges that the mesh does not have.
+    pub missing: Vec<[VertexId; 2]>,
+}
+
+impl FeaturedSurface {
+    /// Finds the features of a mesh, triangulates it and repairs what needs it. Features are those of the mesh as it is: the
+    /// diagonals that divide polygons are none.
+    ///
+    /// # Errors
+    /// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
+    pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
+        let _stage = context.stage("features");
+        let found = feature_edges(mesh, options)?;
+        let mut marked = mesh.clone();
+        let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))];
+        marked.tagged_edges = found.edges(mesh).map(|c| TaggedEdge { ends: ends(c), tag: 1 }).collect();
+        let is_triangular = mesh.is_triangular();
+        let (mesh, repaired) = sound(&marked, context)?;
+        // A repair may flip edges that were marked: others are sharp then.
+        let angle_deg = options.angle_deg.filter(|_| is_triangular && !repaired.is_empty());
+        let as_marked = FeatureOptions { angle_deg, borders: true, tags: true, edges: Vec::new() };
+        let features = feature_edges(&mesh, &as_marked)?;
+        Ok(FeaturedSurface { mesh, features, repaired, missing: found.missing })
+    }
+}
+
 /// The normals on both sides of a half-edge, in the order of the corners, so that both half-edges get the same angle.
 fn sides(mesh: &SurfaceMesh, normals: &[DVec3], c: CornerId, o: CornerId) -> [DVec3; 2] {
     [c.min(o), c.max(o)].map(|c| normals[mesh.face_of(c).index()])
@@ -114,7 +150,6 @@ pub fn dihedral_turn(mesh: &SurfaceMesh, face_normals: &[DVec3], c: CornerId) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::TaggedEdge;
     use crate::mesh::test_models::*;
     use proptest::prelude::*;
 

@@ -5,6 +5,7 @@
 //! | `normals` | normals of faces, vertices and corners; angles |
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
 //! | `curvature` | principal curvatures and directions |
+//! | `planar` | fills a flat face with nearly equilateral triangles |
 //! | `bspline` | B-spline curves and surfaces |
 //! | `brep` | boundary representation: what CAD files hold |
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
@@ -22,6 +23,7 @@ pub mod distance;
 pub mod features;
 pub mod hexes;
 pub mod normals;
+pub(crate) mod planar;
 pub mod primitive;
 pub mod quality;
 pub mod search_tree;

@@ -5,18 +5,13 @@
 
 use super::normals::{corner_angle, unit};
 use super::summary::{Summary, sum};
-use crate::mesh::{CornerId, SurfaceMesh, area_vector, safe_length, triangle_area_vector};
+use crate::mesh::{CornerId, SurfaceMesh, area_vector, safe_length, triangle_area_vector, unit_sized};
+
+pub use crate::mesh::mean_ratio;
 use glam::DVec3;
 use serde::Serialize;
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
-
-/// Mean ratio of a triangle, 4√3 A / Σ l²: 1 equilateral, 0 flat.
-pub fn mean_ratio(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    let Some([a, b, c]) = unit_sized([a, b, c]) else { return 0.0 };
-    let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
-    4.0 * SQRT_3 * triangle_area_vector(a, b, c).length() / squares
-}
 
 /// Aspect ratio of a triangle, the longest edge over the inscribed circle's radius, divided by 2√3: 1 equilateral,
 /// infinite flat.
@@ -37,12 +32,6 @@ pub fn scaled_jacobian(quad: [DVec3; 4]) -> f64 {
         along.cross(back).dot(normal)
     };
     (0..4).map(corner).fold(f64::INFINITY, f64::min)
-}
-
-/// The triangle moved to its first corner and scaled to an extent of one; `None` for a point.
-fn unit_sized([a, b, c]: [DVec3; 3]) -> Option<[DVec3; 3]> {
-    let scale = (b - a).abs().max_element().max((c - a).abs().max_element());
-    (scale > 0.0 && scale.is_finite()).then(|| [DVec3::ZERO, (b - a) / scale, (c - a) / scale])
 }
 
 /// Shape of all faces of a mesh. Parts are missing where no face of the kind exists.

@@ -40,7 +40,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, HexMesh, boundary_faces};
 use glam::DVec3;
 use optimise::{COARSE, FINE, Optimiser, Spring};
-use refine::TubeMesh;
+use refine::{CORE, TubeMesh};
 use resample::Step;
 use serde::{Deserialize, Serialize};
 use sew::BaseMesh;
@@ -99,6 +99,8 @@ pub const MOST_HEXES: f64 = 5e7;
 const STEP: f64 = 1.5;
 /// More segments than this are not made without being asked for: the steps grow instead.
 const MANY_SEGMENTS: usize = 1500;
+/// Thinner and thinner layers, tried where one of the usual thickness folds.
+const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
 /// Branchings closer than this share of the smaller radius become one.
 const MERGE: f64 = 0.3;
 
@@ -161,7 +163,7 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
         let _stage = context.stage("base mesh");
         let mut base = sew::base_mesh(&net);
         // Folds are undone where cells are few; what refines a valid mesh is nearly valid.
-        let coarse = refine::pad(&net, &base, Padding::None, &vec![0; net.points.len()]);
+        let coarse = refine::pad(&net, &base, Padding::None, &vec![0; net.points.len()], CORE);
         let mut optimiser = Optimiser::new(&base.points, &base.hexes);
         optimiser.tie(springs_of(&coarse));
         optimiser.run(&mut base.points, &COARSE, context)?;
@@ -172,7 +174,9 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
         warnings.push(format!("{count} branchings have no partition that includes all directions, first {first}"));
     }
     context.check()?;
-    let mut tube = build(&net, &base, options);
+    let mut tube = padded(&net, &base, options, context)?;
+    (0..options.refine_across).for_each(|_| tube.refine_across());
+    (0..options.refine_along).for_each(|_| tube.refine_along());
     let uncertified = {
         let _stage = context.stage("optimise");
         let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
@@ -258,8 +262,10 @@ fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
     best
 }
 
-/// Padding and halving.
-fn build(net: &CurveNet, base: &BaseMesh, options: &HexOptions) -> TubeMesh {
+/// The base mesh with its layer: as thick as it should be where that folds nothing, else as thin as it must be, and then
+/// let grow.
+fn padded(net: &CurveNet, base: &BaseMesh, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
+    let _stage = context.stage("padding");
     let around = net.incidence();
     let mut count = 0;
     let ends: Vec<u32> = (0..net.points.len() as u32)
@@ -269,10 +275,22 @@ fn build(net: &CurveNet, base: &BaseMesh, options: &HexOptions) -> TubeMesh {
             if is_end { count } else { 0 }
         })
         .collect();
-    let mut tube = refine::pad(net, base, options.padding, &ends);
-    (0..options.refine_across).for_each(|_| tube.refine_across());
-    (0..options.refine_along).for_each(|_| tube.refine_along());
-    tube
+    let mut tube = refine::pad(net, base, options.padding, &ends, CORE);
+    if options.padding == Padding::None {
+        return Ok(tube);
+    }
+    let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+    optimiser.tie(springs_of(&tube));
+    let mut points = tube.points.clone();
+    for core in CORES {
+        if optimiser.is_valid(&points) {
+            break;
+        }
+        points = refine::pad(net, base, options.padding, &ends, core).points;
+    }
+    optimiser.run(&mut points, &COARSE, context)?;
+    tube.points = points;
+    Ok(tube)
 }
 
 /// Springs of a mesh that has no surface: the wall at its radius, ends about in their planes.

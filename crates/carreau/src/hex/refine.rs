@@ -20,8 +20,8 @@ use crate::mesh::CurveNet;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-/// Where the old wall goes when a layer is put on it, as a share of the way from the centre.
-const CORE: f64 = 0.6;
+/// Where the old wall goes when a layer is put on it, as a share of the way from the centre: where there is room.
+pub const CORE: f64 = 0.6;
 
 /// A hex mesh on a skeleton, with what later stages must know of every vertex.
 #[derive(Debug, Clone, Default)]
@@ -40,8 +40,9 @@ pub struct TubeMesh {
     pub caps: Vec<u32>,
 }
 
-/// Cells and vertices of the base mesh, with the layer asked for. `ends` numbers the nodes that are ends, from 1.
-pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32]) -> TubeMesh {
+/// Cells and vertices of the base mesh, with the layer asked for. `ends` numbers the nodes that are ends, from 1; the old
+/// wall goes to `core` of its way from the centre: the nearer to 1, the thinner the layer, and the surer it is valid.
+pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32], core: f64) -> TubeMesh {
     let count = base.points.len();
     let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
     let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
@@ -74,9 +75,9 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32]) -> T
         // The same from every hex at the face: places on the faces shared by both.
         for face in [&h[..4], &h[4..]] {
             let [c, v, m, w] = [face[0], face[1], face[2], face[3]].map(|k| base.points[k as usize]);
-            mesh.points[face[1] as usize] = c.lerp(v, CORE);
-            mesh.points[face[2] as usize] = c.lerp(v, CORE).lerp(w.lerp(m, CORE), CORE);
-            mesh.points[face[3] as usize] = c.lerp(w, CORE);
+            mesh.points[face[1] as usize] = c.lerp(v, core);
+            mesh.points[face[2] as usize] = c.lerp(v, core).lerp(w.lerp(m, core), core);
+            mesh.points[face[3] as usize] = c.lerp(w, core);
         }
     }
     (0..count as u32).filter(|&v| !is_centre(v)).for_each(|v| mesh.radii[v as usize] = 0.0);
@@ -88,13 +89,20 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32]) -> T
     }
     mesh.along.resize(mesh.hexes.len(), true);
     if padding == Padding::All {
-        cover_ends(net, base, &mut mesh, &outer, &outer_centre);
+        cover_ends(net, base, &mut mesh, &outer, &outer_centre, 1.0 - core);
     }
     mesh
 }
 
 /// The layer on the ends: the ring of an end moves inward, its copies stay.
-fn cover_ends(net: &CurveNet, base: &BaseMesh, mesh: &mut TubeMesh, outer: &impl Fn(u32) -> u32, outer_centre: &[u32]) {
+fn cover_ends(
+    net: &CurveNet,
+    base: &BaseMesh,
+    mesh: &mut TubeMesh,
+    outer: &impl Fn(u32) -> u32,
+    outer_centre: &[u32],
+    depth: f64,
+) {
     for (e, &[near, far]) in base.segments.iter().enumerate() {
         for (node, other, bottom) in [(near, far, true), (far, near, false)] {
             let centre = outer_centre[node as usize];
@@ -114,7 +122,7 @@ fn cover_ends(net: &CurveNet, base: &BaseMesh, mesh: &mut TubeMesh, outer: &impl
                 mesh.along.push(false);
             }
             let axis = net.points[other as usize] - net.points[node as usize];
-            let depth = (0.4 * net.radii[node as usize]).min(0.35 * axis.length());
+            let depth = depth * net.radii[node as usize].min(0.9 * axis.length());
             let inward = axis.normalize_or_zero() * depth;
             for v in base.first[node as usize]..base.first[node as usize + 1] {
                 mesh.points[v as usize] += inward;

@@ -4,7 +4,7 @@ use super::connection::tests::star;
 use super::*;
 use crate::mesh::{Column, RawMesh, Topology};
 use proptest::prelude::*;
-use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
 fn star_net(directions: &[DVec3], radius: f64) -> CurveNet {
     let n = directions.len() as u32;
@@ -39,7 +39,7 @@ fn tree() -> CurveNet {
 /// Every face has one or two cells that see it from opposite sides; the boundary is a closed manifold whose genus is the
 /// number of cycles.
 fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) {
-    let mut faces: FxHashMap<[u32; 4], Vec<[u32; 4]>> = FxHashMap::default();
+    let mut faces: BTreeMap<[u32; 4], Vec<[u32; 4]>> = BTreeMap::new();
     for h in hexes {
         for f in crate::mesh::HEX_FACES {
             let face = f.map(|c| h[c]);
@@ -113,7 +113,7 @@ fn halving_multiplies_the_counts() {
     // Σ (valence − 4) over interior edges: 2 K (4 n − 8) at every branching and 3-valent edges of the layer.
     let excess: i64 =
         result.figures.irregular_edges.iter().filter(|e| *e.0 > 4).map(|(&v, &n)| (i64::from(v) - 4) * n as i64).sum();
-    assert_eq!(excess, 2 * 2 * (3 * (4 * 3 - 8)));
+    assert_eq!(excess, 2 * 2 * (2 * (4 * 3 - 8)));
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn odd_nets() {
         vec![0.3; 4],
         vec![[0, 1], [0, 2], [0, 3]],
     );
-    for (net, warned) in [(turn, true), (fat, true), (narrow, true)] {
+    for (net, warned) in [(turn, false), (fat, true), (narrow, true)] {
         let result =
             from_net(&net, &HexOptions { allow_invalid: true, ..HexOptions::default() }, &Context::new()).unwrap();
         assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);

@@ -1,6 +1,8 @@
-//! Area of faces.
+//! Area and shape of faces.
 
 use glam::DVec3;
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Area vector of a face: its length is the area, its direction the normal (Newell's for polygons that are not flat).
 ///
@@ -36,6 +38,19 @@ pub fn triangle_area_vector(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
 pub fn safe_length(v: DVec3) -> f64 {
     let scale = v.abs().max_element();
     if scale > 0.0 && scale.is_finite() { scale * (v / scale).length() } else { scale }
+}
+
+/// Mean ratio of a triangle, 4√3 A / Σ l²: 1 equilateral, 0 flat.
+pub fn mean_ratio(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let Some([a, b, c]) = unit_sized([a, b, c]) else { return 0.0 };
+    let squares = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+    4.0 * SQRT_3 * triangle_area_vector(a, b, c).length() / squares
+}
+
+/// The triangle moved to its first corner and scaled to an extent of one; `None` for a point.
+pub(crate) fn unit_sized([a, b, c]: [DVec3; 3]) -> Option<[DVec3; 3]> {
+    let scale = (b - a).abs().max_element().max((c - a).abs().max_element());
+    (scale > 0.0 && scale.is_finite()).then(|| [DVec3::ZERO, (b - a) / scale, (c - a) / scale])
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 //! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
+//! | `triangulate` | polygons cut into triangles |
 //! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
 //! | `attributes` | named columns |
 //! | `area` | area vectors of faces |
@@ -41,9 +42,11 @@ mod surface;
 pub(crate) mod test_models;
 mod topology;
 mod triangles;
+mod triangulate;
 mod weld;
 
-pub use area::{area_vector, safe_length, triangle_area_vector};
+pub(crate) use area::unit_sized;
+pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
 pub use curve_net::{CurveNet, Incidence, NetBuilder, RepairedNet};
 pub(crate) use disjoint_sets::DisjointSets;
@@ -53,7 +56,7 @@ pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
-pub use repair::{RepairOptions, RepairReport, Repaired, repair};
+pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};

@@ -4,6 +4,7 @@ use super::attributes::{Attributes, gather_columns};
 use super::half_edges::HalfEdges;
 use super::id::{CornerId, FaceId, VertexId};
 use super::polygons::Polygons;
+use super::triangulate::{Cut, triangulate};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -251,25 +252,19 @@ impl SurfaceMesh {
         HalfEdges::new(&self.faces, self.points.len())
     }
 
-    /// The mesh with every polygon fanned from its first corner; face attributes follow, corner attributes of fanned
-    /// polygons too. A triangular mesh is returned as it is.
+    /// The mesh with every polygon cut into triangles: none turned, and no diagonal where an edge is already, as far as
+    /// the polygon allows. Face attributes follow, corner attributes of cut polygons too. A triangular mesh is returned
+    /// as it is.
     pub fn triangulated(self) -> Result<Self> {
         if self.is_triangular() {
             return Ok(self);
         }
-        let (triangles, parent) = self.faces.fan();
-        let offsets = self.faces.offsets();
-        let mut corner_source = Vec::with_capacity(3 * triangles.len());
-        for (f, face) in self.faces.iter().enumerate() {
-            for k in 1..face.len() as u32 - 1 {
-                corner_source.extend([offsets[f], offsets[f] + k, offsets[f] + k + 1]);
-            }
-        }
+        let Cut { triangles, corners, parent } = triangulate(&self.points, &self.faces);
         let mut out = Self::from_triangles(self.points, &triangles)?;
         out.attributes = Attributes {
             vertex: self.attributes.vertex,
             face: gather_columns(&self.attributes.face, &parent),
-            corner: gather_columns(&self.attributes.corner, &corner_source),
+            corner: gather_columns(&self.attributes.corner, &corners),
             names: self.attributes.names,
         };
         out.tagged_edges = self.tagged_edges;
@@ -380,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn fans_keep_order_and_parents() {
+    fn cut_polygons_keep_order_and_parents() {
         let mut mesh = strip();
         mesh.attributes.face.insert("id".into(), crate::mesh::Column::Label(vec![7, 8, 9]));
         let mesh = mesh.triangulated().unwrap();

@@ -9,6 +9,7 @@
 //! | `lbfgs` | limited-memory BFGS over points in space, within a set |
 //! | `levenberg` | Levenberg–Marquardt least squares for few parameters |
 //! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
+//! | `sparse` | sparse positive definite systems, real and complex |
 
 pub mod banded;
 pub mod eigen3;
@@ -17,3 +18,4 @@ pub(crate) mod hopcroft_karp;
 pub mod lbfgs;
 pub mod levenberg;
 pub mod matching;
+pub mod sparse;

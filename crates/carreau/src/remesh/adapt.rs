@@ -2,6 +2,7 @@
 
 use super::decimate::Demand;
 use super::relocate::Accept;
+use super::target;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
@@ -13,48 +14,78 @@ const SHORT: f64 = 0.85;
 /// Relocations of all vertices after every round.
 const SMOOTHINGS: usize = 2;
 
+/// Rounds of splits, collapses, flips and relocations.
+const ROUNDS: usize = 4;
+
+/// Relocations for better shapes at the end.
+const RESHAPINGS: usize = 2;
+
 impl Work<'_> {
-    /// Makes all edges as close to length one as shapes and surface allow.
-    pub fn adapt(&mut self, context: &Context) -> Result<()> {
+    /// Makes all edges as close to length one as shapes and surface allow; with a wanted number of triangles the sizes are
+    /// scaled on the way until that is what they give.
+    pub fn adapt(&mut self, wanted: Option<usize>, context: &Context) -> Result<()> {
         let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1 };
         {
             let _stage = context.stage("decimate");
-            self.decimate(FRAC_1_SQRT_2, &strict, context)?;
+            let most = wanted.map_or(0, |n| (1.1 * n as f64) as usize);
+            self.decimate(FRAC_1_SQRT_2, &strict, most, context)?;
             self.swap(4, context)?;
-            self.decimate(1.0, &strict, context)?;
+            self.decimate(1.0, &strict, most, context)?;
         }
-        self.balance(4, context)
-    }
-
-    /// Splits, collapses, flips and moves in turns, the worst last.
-    fn balance(&mut self, rounds: usize, context: &Context) -> Result<()> {
-        for _ in 0..rounds {
-            {
-                let _stage = context.stage("divide");
-                self.divide(LONG, 3, context)?;
+        for round in 1..=ROUNDS {
+            if let Some(wanted) = wanted {
+                self.steer(1.06 * wanted as f64);
             }
+            self.balance(context)?;
+            if let Some(wanted) = wanted
+                && round == ROUNDS
             {
-                let _stage = context.stage("collapse");
-                let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5 };
-                self.decimate(SHORT, &demand, context)?;
+                self.steer(wanted as f64);
+                self.trim(wanted, 0.001, context)?;
             }
-            {
-                let _stage = context.stage("swap");
+            let _stage = context.stage("relocate");
+            for _ in 0..SMOOTHINGS {
+                self.relocate(Accept::Harmless, context)?;
+            }
+        }
+        {
+            let _stage = context.stage("settle");
+            for _ in 0..2 {
                 self.swap(4, context)?;
-                self.regularise(context)?;
+                self.relocate(Accept::Better, context)?;
             }
-            {
-                let _stage = context.stage("relocate");
-                for _ in 0..SMOOTHINGS {
-                    self.relocate(Accept::Harmless, context)?;
-                }
+            // The tips of equilateral triangles are no aim where edges are to be stretched.
+            for _ in 0..if self.stretch.is_empty() { RESHAPINGS } else { 0 } {
+                self.reshape(context)?;
+                self.swap(2, context)?;
             }
-        }
-        for _ in 0..2 {
-            self.swap(4, context)?;
-            self.relocate(Accept::Better, context)?;
         }
         let _stage = context.stage("polish");
-        self.polish(context)
+        self.polish(context)?;
+        if let Some(wanted) = wanted {
+            self.trim(wanted, target::WITHIN, context)?;
+        }
+        if !self.curved {
+            let _stage = context.stage("fit");
+            self.fit(context)?;
+        }
+        Ok(())
+    }
+
+    /// Splits what is too long, collapses what is too short, flips to good shapes and regular valences.
+    fn balance(&mut self, context: &Context) -> Result<()> {
+        {
+            let _stage = context.stage("divide");
+            self.divide(LONG, 3, context)?;
+        }
+        {
+            let _stage = context.stage("collapse");
+            let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5 };
+            self.decimate(SHORT, &demand, 0, context)?;
+        }
+        let _stage = context.stage("swap");
+        self.swap(4, context)?;
+        self.regularise(context)?;
+        Ok(())
     }
 }

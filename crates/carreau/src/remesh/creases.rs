@@ -5,6 +5,7 @@
 //! looked at, too: an operation is refused where it brings a smooth edge above the feature angle or a sharp ridge below half
 //! of it, and the cavity had nothing as bad before. On scans noise has angles of any size, and nothing is tested.
 
+use super::curves::Kind;
 use super::work::Work;
 use crate::geometry::normals::unit;
 use crate::mesh::{NONE, next, previous, triangle_area_vector};
@@ -118,6 +119,7 @@ impl Work<'_> {
         let cosine = m.dot(n);
         match self.curves.chains.get(curve as usize) {
             None => (limits.smooth - cosine).max(0.0),
+            Some(chain) if chain.kind == Kind::Crease => (limits.smooth - cosine).max(0.0),
             Some(chain) if chain.sharp => (cosine - limits.ridge).max(0.0),
             Some(_) => 0.0,
         }

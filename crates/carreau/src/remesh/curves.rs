@@ -25,6 +25,8 @@ pub enum Rank {
 pub enum Kind {
     /// An inner edge that is sharp, tagged, or between two labels.
     Ridge,
+    /// Where a ridge goes on below the feature angle.
+    Crease,
     /// An open border.
     Border,
     /// An edge where the source was cut because it is not manifold: nothing on it changes.
@@ -87,6 +89,13 @@ impl Chain {
         [a, b]
     }
 
+    /// Radius of the circle through a vertex and the points at a distance along the chain; `None` where it ends before.
+    fn radius_at(&self, k: usize, reach: f64) -> Option<f64> {
+        let (s, length) = (self.arc[k], self.length());
+        let fits = if self.closed { 2.0 * reach < length } else { reach < s && reach < length - s };
+        fits.then(|| circumradius(self.at(s - reach).0, self.points[k], self.at(s + reach).0))
+    }
+
     /// The largest distance between the chord of a piece and the source vertices on the piece.
     pub fn sag(&self, [a, b]: [f64; 2]) -> f64 {
         let (from, to) = (a.min(b), a.max(b));
@@ -113,6 +122,17 @@ impl Chain {
         }
         worst
     }
+}
+
+/// Readings of the radius of a border, each at the size that the one before asks for.
+const READINGS: usize = 8;
+/// How far the points of a reading are, in sizes.
+const REACH: f64 = 1.5;
+
+/// Radius of the circle through three points.
+fn circumradius(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let sine = (b - a).cross(c - b).length();
+    a.distance(b) * b.distance(c) * a.distance(c) / (2.0 * sine).max(f64::MIN_POSITIVE)
 }
 
 fn distance_to_segment(x: DVec3, p: DVec3, q: DVec3) -> f64 {
@@ -170,6 +190,34 @@ impl Curves {
             let is_sharp = |s: &[u32; 2]| s[0] != NONE && s[1] != NONE && normal(s[0]).dot(normal(s[1])) < cosine;
             chain.sharp = chain.sides.iter().all(is_sharp);
         }
+    }
+
+    /// Radius of curvature of the curves at every vertex, infinite where there is none: that of the circle through the
+    /// vertex and its two neighbours. Borders are ragged: there the circle goes through the points one and a half sizes away,
+    /// `alpha` times the radius, as long as that makes it larger.
+    pub fn radii(&self, alpha: f64) -> Vec<f64> {
+        let mut radius = vec![f64::INFINITY; self.rank.len()];
+        for chain in self.chains.iter().filter(|c| c.kind != Kind::Seam) {
+            let last = chain.points.len() - 1;
+            let inner = if chain.closed { 0..last } else { 1..last };
+            // No closed curve turns by less than once.
+            let widest = if chain.closed { chain.length() / std::f64::consts::TAU } else { f64::INFINITY };
+            for k in inner {
+                let (before, after) = (if k == 0 { last - 1 } else { k - 1 }, k + 1);
+                let mut r = circumradius(chain.points[before], chain.points[k], chain.points[after]);
+                if chain.kind == Kind::Border {
+                    for _ in 0..READINGS {
+                        match chain.radius_at(k, REACH * alpha * r) {
+                            Some(wider) if wider > r => r = wider,
+                            _ => break,
+                        }
+                    }
+                }
+                let at = &mut radius[chain.vertices[k] as usize];
+                *at = at.min(r).min(widest);
+            }
+        }
+        radius
     }
 
     fn add(&mut self, mesh: &mut EditMesh, chain: Chain) {
@@ -238,7 +286,7 @@ impl Tracer {
             self.rank[v as usize] = match self.of(v) {
                 _ if mesh.is_copy(v) => Rank::Corner,
                 [] => Rank::Free,
-                [a, b] if a.kind == b.kind && a.kind == Kind::Ridge => {
+                [a, b] if a.kind == b.kind && matches!(a.kind, Kind::Ridge | Kind::Crease) => {
                     let p = |v: u32| mesh.points[v as usize];
                     let turn = angle_between(p(v) - p(a.to), p(b.to) - p(v));
                     if turn > RIDGE_TURN_DEG.to_radians() { Rank::Corner } else { Rank::Curve }

@@ -34,13 +34,8 @@ pub struct Demand {
 }
 
 impl Work<'_> {
-    /// Collapses edges shorter than `limit`, shortest first. Returns how many.
-    pub fn decimate(&mut self, limit: f64, demand: &Demand, context: &Context) -> Result<usize> {
-        self.decimate_to(limit, demand, 0, context)
-    }
-
-    /// The same, until no more than so many triangles are left.
-    pub fn decimate_to(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
+    /// Collapses edges shorter than `limit`, shortest first, while there are more than `most` triangles. Returns how many.
+    pub fn decimate(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
         let mut queue = Queue::new(limit);
         for h in self.mesh.edges() {
             queue.push(h, self.edge_length(h));
@@ -132,7 +127,7 @@ impl Work<'_> {
                 let (b, c) = (next(at), previous(at));
                 let (vb, vc) = (mesh.vertex(b), mesh.vertex(c));
                 let normals = [wedge, mesh.wedge(b), mesh.wedge(c)].map(|w| self.normal[w as usize]);
-                let new = self.judge([p, self.point(vb), self.point(vc)], normals);
+                let new = self.judge([p, self.point(vb), self.point(vc)], normals, self.stretches([kept, vb, vc]));
                 after.shape = after.shape.min(new.shape);
                 after.cosine = after.cosine.min(new.cosine);
                 if new.shape < SHAPE_LOSS * before.shape && new.shape < demand.least_shape && new.shape < 0.3 {

@@ -1,6 +1,7 @@
 //! Edges that are too long get a vertex where both halves have the same length, on the surface or on their curve.
 
 use super::curves::{Kind, Rank};
+use super::size::Metric;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
@@ -74,7 +75,7 @@ impl Work<'_> {
         }
         let wedge = self.add_wedge(&spot);
         let m = self.mesh.split(h, spot.point, [wedge; 2]);
-        self.add_vertex(Rank::Free, spot.size, 0.0);
+        self.add_vertex(Rank::Free, spot.metric, 0.0);
         self.refresh_around(m);
         Some(m)
     }
@@ -98,9 +99,9 @@ impl Work<'_> {
         }
         let wedge_left = self.add_wedge(&left);
         let wedge_right = right.map_or(NONE, |r| self.add_wedge(&r));
-        let size = right.map_or(left.size, |r| r.size.min(left.size));
+        let size = right.map_or(left.metric.size, |r| r.metric.size.min(left.metric.size));
         let m = self.mesh.split(h, left.point, [wedge_left, wedge_right]);
-        self.add_vertex(Rank::Curve, size, chain.wrapped(s));
+        self.add_vertex(Rank::Curve, Metric { size, stretch: DVec3::ZERO }, chain.wrapped(s));
         self.refresh_around(m);
         Some(m)
     }
@@ -116,7 +117,10 @@ impl Work<'_> {
             let corners = [side, next(side), previous(side)];
             let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
             let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
-            for new in [self.judge([a, p, c], [na, n, nc]), self.judge([p, b, c], [n, nb, nc])] {
+            let [wa, wb, wc] = self.stretches(corners.map(|x| mesh.vertex(x)));
+            for new in
+                [self.judge([a, p, c], [na, n, nc], [wa, wa, wc]), self.judge([p, b, c], [n, nb, nc], [wb, wb, wc])]
+            {
                 if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
                     || !self.allows_cosine(new.cosine, before.cosine)
                 {

@@ -1,7 +1,7 @@
 //! Which edges stay: borders, ridges by angle, tagged edges, edges between labels, seams of what is not manifold.
 
-use super::RemeshOptions;
 use super::curves::{Kind, Marks};
+use super::{RemeshOptions, fading};
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::{Column, CornerId, Side, SurfaceMesh};
@@ -42,7 +42,11 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
             }
         }
     };
-    Ok(Reading { marks: (0..mesh.corner_count()).map(kind).collect(), noisy })
+    let mut marks = (0..mesh.corner_count()).map(kind).collect();
+    if !noisy && options.feature_angle < 180.0 {
+        fading::follow(mesh, &mut marks, options.feature_angle)?;
+    }
+    Ok(Reading { marks, noisy })
 }
 
 /// A surface is a scan where fewer of its edges than this are flat, and more of its ridge edges than this hang loose.

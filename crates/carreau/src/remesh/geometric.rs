@@ -3,7 +3,9 @@
 //! Edges are collapsed in the order of the error they cause, into the point that causes the least (Garland, Heckbert,
 //! "Surface simplification using quadric error metrics", SIGGRAPH 1997). Every vertex carries the sum of squared distances
 //! to the planes of the source triangles that it has taken the place of, weighted by area; edges on curves add planes
-//! across. Of the constraints of the paper (2) and (4) are dropped; what is left: (1), the ranks of vertices, the link
+//! across. Errors are divided by the worst shape a collapse leaves, where that is poor: a needle touches planes at a few
+//! points and is far from the surface in between, which no sum over planes tells, and it is what later folds over. (Without
+//! this the largest distance was found to be two and a half times larger, the mean a tenth.) Of the constraints of the paper (2) and (4) are dropped; what is left: (1), the ranks of vertices, the link
 //! condition, no turned triangle, no needle.
 
 use super::curves::{Curves, Kind, Rank};
@@ -19,6 +21,8 @@ use std::collections::BinaryHeap;
 
 /// Shapes below this are refused, unless they were there before.
 const LEAST_SHAPE: f64 = 0.055;
+/// Errors count in full from this shape on, below they are divided by its share.
+const GOOD_SHAPE: f64 = 0.3;
 /// Cosine of the largest turn of a triangle.
 const LEAST_TURN: f64 = 0.3;
 /// Weight of the planes across curves, beside those of faces.
@@ -80,7 +84,7 @@ impl Quadric {
 struct Plan {
     keep: Keep,
     point: DVec3,
-    /// Weighted sum of squared distances: the order of collapses.
+    /// Weighted sum of squared distances: the order of collapses, as far as shapes are good.
     cost: f64,
     /// Root mean square of the distances.
     error: f64,
@@ -135,15 +139,19 @@ impl<'a> Geometric<'a> {
         }
         let mut step = 0;
         while self.mesh.triangle_count() > goal.triangles
-            && let Some(Reverse((_, h, then))) = queue.pop()
+            && let Some(Reverse((key, h, then))) = queue.pop()
         {
             step += 1;
             context.check_every(step)?;
             if !self.mesh.is_edge(h) || age(&stamp, &self.mesh, h) != then {
                 continue;
             }
-            let Some(plan) = self.plan(h) else { continue };
-            if plan.error > goal.error || !self.holds(h, &plan, goal) {
+            let Some(plan) = self.plan(h).filter(|plan| plan.error <= goal.error) else { continue };
+            let Some(shape) = self.shape_after(h, &plan, goal) else { continue };
+            let cost = plan.cost * (GOOD_SHAPE / shape).max(1.0);
+            // Shapes are looked at only when an edge's turn comes: entries in the queue are lower bounds.
+            if cost > f64::from_bits(key) {
+                queue.push(Reverse((cost.to_bits(), h, then)));
                 continue;
             }
             let kept = self.collapse(h, &plan);
@@ -186,11 +194,12 @@ impl<'a> Geometric<'a> {
         error.is_finite().then_some(Plan { keep, point: point + self.origin, cost, error })
     }
 
-    /// Whether a collapse keeps the topology, the sense of all triangles, their shapes, and constraint (1).
-    fn holds(&self, h: u32, plan: &Plan, goal: &Goal) -> bool {
+    /// The worst shape after a collapse; `None` where it does not keep the topology, the sense of all triangles, their
+    /// shapes, and constraint (1).
+    fn shape_after(&self, h: u32, plan: &Plan, goal: &Goal) -> Option<f64> {
         let mesh = &self.mesh;
         if mesh.check_collapse(h).is_err() || mesh.joins_copies(h, plan.keep) {
-            return false;
+            return None;
         }
         let (a, b) = (mesh.vertex(h), mesh.head(h));
         let (mut before, mut after) = (1.0f64, 1.0f64);
@@ -207,16 +216,16 @@ impl<'a> Geometric<'a> {
                 let (shape, normal, area) = shape_and_normal(p, q, r);
                 after = after.min(shape);
                 if !(normal.dot(old_normal) > LEAST_TURN * area * old_area) && old_area > 0.0 {
-                    return false;
+                    return None;
                 }
                 let t = corner / 3;
                 let fits = |c: u32| self.support.normal[mesh.wedge(c) as usize].dot(normal) >= goal.cosine * area;
                 if !(3 * t..3 * t + 3).all(fits) && old_area > 0.0 {
-                    return false;
+                    return None;
                 }
             }
         }
-        after >= LEAST_SHAPE.min(before)
+        (after >= LEAST_SHAPE.min(before)).then_some(after)
     }
 
     fn collapse(&mut self, h: u32, plan: &Plan) -> u32 {

@@ -6,9 +6,10 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
-//! | edges that stay | `features`, `curves` | §4.5, §4.7 |
+//! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | the surface: normals, radii, walking | `support` | Part I |
-//! | size map, gradation, lengths | `size` | §3, remark; H-shock |
+//! | size map, gradation, lengths | `source`, `size` | §3, remark; H-shock |
+//! | edges longer where the surface bends less | `anisotropy` | announced |
 //! | the mesh at work | `work` | – |
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
 //! | splits of long edges | `divide` | Part I |
@@ -16,24 +17,30 @@
 //! | edges keep their nature | `creases` | – |
 //! | relocation | `relocate` | §3, "bougé de points" |
 //! | the worst first | `polish` | – |
+//! | vertices where the mesh is nearest to the surface | `fit` | – |
 //! | the order of all this | `adapt` | §3 |
-//! | a wanted number of triangles | `target` | – |
+//! | a wanted number of triangles, a wanted distance | `search`, `target` | – |
 //! | shapes left aside: least error first | `geometric` | – |
 //! | the result, attributes | `output`, `transfer` | – |
 //! | figures | `quality` | §4 |
 
 mod adapt;
+mod anisotropy;
 mod creases;
 mod curves;
 mod decimate;
 mod divide;
+mod fading;
 mod features;
+mod fit;
 mod geometric;
 mod output;
 mod polish;
 mod quality;
 mod relocate;
+mod search;
 mod size;
+mod source;
 mod support;
 mod swap;
 mod target;
@@ -44,15 +51,9 @@ mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::{Column, CornerId, EditMesh, RepairOptions, Side, SurfaceMesh, area_vector, repair, safe_length};
-use creases::Dihedral;
-use curves::{Curves, Kind};
-use geometric::{Geometric, Goal};
-use output::Made;
+use crate::mesh::{CornerId, RepairOptions, Side, SurfaceMesh, area_vector, repair, safe_length};
 use serde::{Deserialize, Serialize};
-use support::{Radius, Support};
-use work::{Limits, Work};
+use source::Source;
 
 pub use quality::RemeshQuality;
 
@@ -89,6 +90,10 @@ pub struct RemeshOptions {
     pub enrich: Option<f64>,
     /// Shapes and lengths are left aside: the collapses of least error, into the best points.
     pub geometric: bool,
+    /// Edges are longer where the surface bends less.
+    pub anisotropic: bool,
+    /// A vertex property of numbers: sizes are no larger than these, in the unit of the file.
+    pub sizes: Option<String>,
 }
 
 impl Default for RemeshOptions {
@@ -107,6 +112,8 @@ impl Default for RemeshOptions {
             distance: None,
             enrich: None,
             geometric: false,
+            anisotropic: false,
+            sizes: None,
         }
     }
 }
@@ -164,38 +171,19 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     };
     let mut source = Source::new(&enriched, options, context)?;
     let out = match (options.distance, options.triangles) {
-        _ if options.geometric => least_error(mesh, &enriched, &mut source, options, context)?,
-        (Some(distance), _) => within_distance(mesh, &enriched, &mut source, options, distance, context)?,
-        (None, Some(wanted)) => {
-            let mut aim = wanted as f64;
-            let mut best: Option<SurfaceMesh> = None;
-            let miss = |m: &SurfaceMesh| m.face_count().abs_diff(wanted);
-            for _ in 0..TARGET_RUNS {
-                let scale = target::find_scale(&mut source, options, aim, context)?;
-                let options = RemeshOptions { scale, ..options.clone() };
-                source.set_sizes(&options, context)?;
-                let (out, natural) = run_counted(&enriched, &source, &options, context)?;
-                if best.as_ref().is_none_or(|b| miss(&out) <= miss(b)) {
-                    best = Some(out);
-                }
-                let ratio = natural as f64 / wanted as f64;
-                if (ratio - 1.0).abs() < TARGET_SLACK {
-                    break;
-                }
-                aim /= ratio;
-            }
-            best.ok_or_else(|| Error::Bug("no run".into()))?
-        }
+        _ if options.geometric => search::least_error(mesh, &enriched, &mut source, options, context)?,
+        (Some(distance), _) => search::within_distance(mesh, &enriched, &mut source, options, distance, context)?,
+        (None, Some(wanted)) => search::to_count(&enriched, &mut source, options, wanted, context)?,
         (None, None) => {
             source.set_sizes(options, context)?;
-            run(&enriched, &source, options, false, context)?
+            source.adapted(&enriched, options, false, context)?
         }
     };
     if let Some(wanted) = options.triangles.filter(|&n| out.face_count().abs_diff(n) as f64 > 0.01 * n as f64) {
         let reached = out.face_count();
         repaired.push(format!("{wanted} triangles were asked for, the curves and the surface allow {reached}"));
     }
-    let quality = quality::measure(&out, &sizes(&out))?;
+    let quality = quality::measure(&out)?;
     Ok(Remeshed { mesh: out, quality, repaired })
 }
 
@@ -208,256 +196,26 @@ pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) ->
     let (mesh, repaired) = clean(mesh, context)?;
     let mut source = Source::new(&mesh, options, context)?;
     source.set_sizes(options, context)?;
-    let out = run(&mesh, &source, options, true, context)?;
-    let quality = quality::measure(&out, &sizes(&out))?;
+    let out = source.adapted(&mesh, options, true, context)?;
+    let quality = quality::measure(&out)?;
     Ok(Remeshed { mesh: out, quality, repaired })
 }
 
-/// Runs with a corrected scale until the natural count is so near to the wanted one that trimming does no harm.
-const TARGET_RUNS: usize = 5;
-const TARGET_SLACK: f64 = target::WITHIN;
-
-/// Adapts and trims; returns the number of triangles before trimming, too.
-fn run_counted(
-    mesh: &SurfaceMesh,
-    source: &Source,
-    options: &RemeshOptions,
-    context: &Context,
-) -> Result<(SurfaceMesh, usize)> {
-    let mut work = Work::new(&source.support, &source.curves, source.limits(options));
-    work.adapt(context)?;
-    let natural = work.mesh.triangle_count();
-    if let Some(wanted) = options.triangles {
-        work.trim(wanted, context)?;
-    }
-    Ok((source.finish(mesh, &work)?, natural))
-}
-
-/// Adapts the source to its size map.
-fn run(
-    mesh: &SurfaceMesh,
-    source: &Source,
-    options: &RemeshOptions,
-    curved: bool,
-    context: &Context,
-) -> Result<SurfaceMesh> {
-    let mut work = Work::new(&source.support, &source.curves, source.limits(options));
-    work.curved = curved;
-    work.adapt(context)?;
-    source.finish(mesh, &work)
-}
-
-/// How closely a distance is looked at where it is a promise: what counts is the upper bound.
-const CLOSE_LOOK: DistanceOptions = DistanceOptions { samples: 20_000, refinements: 200_000 };
-/// Runs of [`within_distance`] before it gives up.
-const DISTANCE_RUNS: usize = 8;
-
-/// The coarsest mesh of a few whose two-sided distance from the input is certainly below a limit.
-fn within_distance(
-    input: &SurfaceMesh,
-    mesh: &SurfaceMesh,
-    source: &mut Source,
-    options: &RemeshOptions,
-    limit: f64,
-    context: &Context,
-) -> Result<SurfaceMesh> {
-    let mut scale = options.scale;
-    let mut best: Option<(f64, SurfaceMesh)> = None;
-    let mut too_large = f64::INFINITY;
-    for _ in 0..DISTANCE_RUNS {
-        let options = RemeshOptions { scale, triangles: None, ..options.clone() };
-        source.set_sizes(&options, context)?;
-        let out = run(mesh, source, &options, false, context)?;
-        let distance = compare(input, &out, &CLOSE_LOOK, context)?.distance.max_upper;
-        if distance <= limit {
-            let reached = distance > 0.8 * limit || too_large < 1.15 * scale;
-            best = Some((scale, out));
-            if reached {
-                break;
-            }
-        } else {
-            too_large = too_large.min(scale);
-        }
-        // The sag grows with the square of the size.
-        let wanted = scale * (0.9 * limit / distance.max(f64::MIN_POSITIVE)).sqrt().clamp(0.2, 4.0);
-        let low = best.as_ref().map_or(0.0, |b| b.0);
-        let between = if low > 0.0 { (low * too_large).sqrt() } else { 0.7 * too_large };
-        scale = if wanted < too_large && wanted > low { wanted } else { between };
-        if !scale.is_finite() || scale > 1e3 {
-            break;
-        }
-    }
-    best.map(|b| b.1).ok_or_else(|| out_of_reach(limit))
-}
-
-/// Halvings of the error in [`least_error`] in search of a distance.
-const ERROR_RUNS: usize = 10;
-
-/// The purely geometric mode. With a distance the error to stop at is found by halving: the order of the collapses does not
-/// depend on it, so that every run is the beginning of the next coarser one.
-fn least_error(
-    input: &SurfaceMesh,
-    mesh: &SurfaceMesh,
-    source: &mut Source,
-    options: &RemeshOptions,
-    context: &Context,
-) -> Result<SurfaceMesh> {
-    source.set_sizes(options, context)?;
-    let _stage = context.stage("decimate");
-    let theta = options.deviation.to_radians();
-    let with_target = options.triangles.is_some() || options.distance.is_some();
-    let mut goal = Goal {
-        triangles: options.triangles.unwrap_or(0),
-        error: f64::INFINITY,
-        cosine: if with_target { -1.0 } else { theta.cos() },
-    };
-    let run = |goal: &Goal| {
-        let mut work = Geometric::new(&source.support, &source.curves);
-        work.run(goal, context)?;
-        let seat = |corner: u32| work.mesh.source[corner as usize / 3];
-        let size = |v: u32| source.support.size[v as usize];
-        output::assemble(mesh, &source.support, &Made { mesh: &work.mesh, seat: &seat, size: &size })
-    };
-    let Some(limit) = options.distance else { return run(&goal) };
-    let (mut low, mut high) = (0.0, 2.0 * limit);
-    let mut best = None;
-    for _ in 0..ERROR_RUNS {
-        goal.error = if low == 0.0 { 0.5 * high } else { 0.5 * (low + high) };
-        let out = run(&goal)?;
-        let distance = compare(input, &out, &CLOSE_LOOK, context)?.distance.max_upper;
-        if distance <= limit {
-            best = Some(out);
-            low = goal.error;
-            if distance > 0.95 * limit {
-                break;
-            }
-        } else {
-            high = goal.error;
-        }
-    }
-    best.ok_or_else(|| out_of_reach(limit))
-}
-
-fn out_of_reach(limit: f64) -> Error {
-    Error::Numeric(format!("no mesh within the distance {limit} was found; enrich first, or allow more"))
-}
-
-fn sizes(mesh: &SurfaceMesh) -> Vec<f64> {
-    match mesh.attributes.vertex.get("size") {
-        Some(Column::Scalar(size)) => size.clone(),
-        _ => vec![1.0; mesh.vertex_count()],
-    }
-}
-
-/// The source with everything that does not depend on the angle.
-struct Source {
-    support: Support,
-    curves: Curves,
-    /// Smallest principal radius at every vertex.
-    radius: Vec<Radius>,
-    /// Radius of the curves at every vertex of rank curve.
-    curve_radius: Vec<f64>,
-    diagonal: f64,
-    /// There is noise to take out.
-    noisy: bool,
-}
-
-impl Source {
-    fn new(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Self> {
-        let _stage = context.stage("support");
-        if mesh.faces().is_empty() {
-            return Err(Error::input("the mesh has no faces", "", ""));
-        }
-        let features::Reading { marks, noisy } = features::read(mesh, options)?;
-        let mut edit = EditMesh::new(mesh).ok_or_else(|| Error::Bug("polygons in a triangulated mesh".into()))?;
-        // Borders are read at the scale of the size map, which is known only roughly before the curves are.
-        let scale = vec![0.01 * mesh.diagonal(); edit.vertex_slots() as usize];
-        let mut curves = Curves::trace(&mut edit, &marks, &scale);
-        curves.find_sharp(&edit, options.feature_angle.to_radians().cos());
-        let support = Support::new(edit);
-        let radius = support.radii(&curves.rank);
-        let curve_radius = curve_radii(&curves, radius.len());
-        Ok(Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal(), noisy })
-    }
-
-    /// The size map of the options, graded; normals and points fitted at its scale.
-    fn set_sizes(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
-        self.set_size_map(options, context)?;
-        self.support.fit_normals(0.5, 6);
-        if self.noisy {
-            self.support.fit_points(&self.curves.rank, 1.0, 0.1);
-        }
-        Ok(())
-    }
-
-    /// The size map alone.
-    fn set_size_map(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
-        let _stage = context.stage("size map");
-        let alpha = 2.0 * options.deviation.to_radians().sin() * options.scale;
-        let (low, high) = (options.min_size * self.diagonal, options.max_size * self.diagonal);
-        let tolerance = options.ridge_tolerance * self.diagonal;
-        let size = |v: usize, radius: f64| {
-            let r = self.curve_radius[v];
-            // The sag of an arc is its squared chord over eight radii.
-            let on_curve = (alpha * r).min((8.0 * r * tolerance).sqrt());
-            (alpha * radius).min(on_curve).clamp(low, high)
-        };
-        self.support.size = self.radius.iter().enumerate().map(|(v, r)| size(v, r.at_scale(alpha))).collect();
-        if let Some(beta) = options.gradation {
-            size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
-        }
-        Ok(())
-    }
-
-    /// What was adapted, as a surface mesh.
-    fn finish(&self, mesh: &SurfaceMesh, work: &Work) -> Result<SurfaceMesh> {
-        let seat = |corner: u32| work.seat[work.mesh.wedge(corner) as usize];
-        let size = |v: u32| work.size[v as usize] / work.scale;
-        output::assemble(mesh, &self.support, &Made { mesh: &work.mesh, seat: &seat, size: &size })
-    }
-
-    fn limits(&self, options: &RemeshOptions) -> Limits {
-        // The angle that the scaled sizes stand for.
-        let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
-        let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
-        // Noise needs room; clean models do without.
-        let (least, most, cap) = if self.noisy { (45.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
-        let allowed = (1.25 * on_sphere).clamp(f64::to_radians(least), f64::to_radians(most));
-        Limits {
-            cos_allowed: allowed.cos(),
-            cos_cap: f64::to_radians(cap).cos(),
-            curve_sag_share: (0.75 * (0.5 * theta).tan()).max(0.12),
-            ridge_sag: options.ridge_tolerance * self.diagonal,
-            border_sag: f64::INFINITY,
-            dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),
-        }
-    }
-}
-
-/// Radius of the circle through each curve vertex and its two neighbours on the curve.
-fn curve_radii(curves: &Curves, vertices: usize) -> Vec<f64> {
-    let mut radius = vec![f64::INFINITY; vertices];
-    for chain in curves.chains.iter().filter(|c| c.kind != Kind::Seam) {
-        let n = chain.points.len();
-        let mut at = |v: u32, a: glam::DVec3, b: glam::DVec3, c: glam::DVec3| {
-            let sine = (b - a).cross(c - b).length();
-            let r = a.distance(b) * b.distance(c) * a.distance(c) / (2.0 * sine).max(f64::MIN_POSITIVE);
-            radius[v as usize] = radius[v as usize].min(r);
-        };
-        for k in 1..n - 1 {
-            at(chain.vertices[k], chain.points[k - 1], chain.points[k], chain.points[k + 1]);
-        }
-        if chain.closed && n > 2 {
-            at(chain.vertices[0], chain.points[n - 2], chain.points[0], chain.points[1]);
-        }
-    }
-    radius
-}
-
-/// Repairs what needs it: degenerate and repeated faces, inconsistent senses. A sound mesh is only copied.
+/// Triangles, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in
+/// two ways.
 fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
     let _stage = context.stage("clean");
-    let mesh = mesh.clone().triangulated()?;
+    let (mut mesh, mut said) = repaired_if_needed(mesh.clone(), context)?;
+    if !mesh.is_triangular() {
+        let (triangles, more) = repaired_if_needed(mesh.triangulated()?, context)?;
+        mesh = triangles;
+        said.extend(more);
+    }
+    Ok((mesh, said))
+}
+
+/// Repairs degenerate and repeated faces and inconsistent senses. A sound mesh is returned as it is.
+fn repaired_if_needed(mesh: SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
     let diagonal = mesh.diagonal();
     let flat = |f: &[u32]| safe_length(area_vector(mesh.points(), f)) <= 1e-12 * diagonal * diagonal;
     let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
@@ -465,13 +223,14 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
         let across = |k: usize| mesh.opposite(CornerId::new(3 * f + k)).map(|o| mesh.face_of(o));
         across(0).is_some() && across(0) == across(1) && across(1) == across(2)
     };
-    let needed =
-        mesh.faces().iter().any(flat) || (0..mesh.corner_count()).any(irregular) || (0..mesh.face_count()).any(pillow);
+    let needed = mesh.faces().iter().any(flat)
+        || (0..mesh.corner_count()).any(irregular)
+        || (mesh.is_triangular() && (0..mesh.face_count()).any(pillow));
     if !needed {
         return Ok((mesh, Vec::new()));
     }
     let options = RepairOptions { weld: None, split: false, outward: false, ..RepairOptions::default() };
     let repaired = repair(&mesh, &options, context)?;
     let said = repaired.report.sentences();
-    Ok((repaired.mesh.triangulated()?, said))
+    Ok((repaired.mesh, said))
 }

@@ -4,6 +4,7 @@ use super::support::Support;
 use super::transfer;
 use crate::error::Result;
 use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, gather_columns};
+use glam::DVec3;
 
 /// What a method has made.
 pub struct Made<'a> {
@@ -12,6 +13,8 @@ pub struct Made<'a> {
     pub seat: &'a dyn Fn(u32) -> u32,
     /// Size at a vertex.
     pub size: &'a dyn Fn(u32) -> f64,
+    /// Stretch at every vertex; empty where sizes are isotropic.
+    pub stretch: &'a [DVec3],
 }
 
 /// The surface mesh of what was made of a source.
@@ -53,5 +56,9 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
     out.attributes.names = source.attributes.names.clone();
     let size = kept.iter().map(|&v| (made.size)(v)).collect();
     out.attributes.vertex.insert("size".into(), Column::Scalar(size));
+    if !made.stretch.is_empty() {
+        let stretch = kept.iter().map(|&v| made.stretch[v as usize].to_array()).collect();
+        out.attributes.vertex.insert("stretch".into(), Column::Vector3(stretch));
+    }
     Ok(out)
 }

@@ -4,16 +4,25 @@
 //! accepted if that rises. Of constraint (1) only the hard cap is left: it holds for the few, not for the mean.
 
 use super::curves::Rank;
-use super::size::length_quality;
+use super::size::{length_between, length_quality};
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{Keep, NONE};
+use glam::DVec3;
 
 /// Shapes and length qualities that are good enough.
 const GOOD_SHAPE: f64 = 0.7;
 const GOOD_LENGTH: f64 = 0.63;
+/// Triangles below this are worth a search among the neighbours, too.
+const POOR: f64 = 0.9;
 const SWEEPS: usize = 6;
+/// Judgements for every triangle of the mesh before the worst are left as they are.
+const EFFORT: usize = 500;
+/// Places that a vertex tries at most.
+const PLACES: usize = 40;
+/// Neighbours that are moved for the sake of one triangle.
+const LARGEST_RING: usize = 32;
 
 impl Work<'_> {
     /// Treats bad triangles and edges, the worst first, in a few sweeps.
@@ -25,6 +34,8 @@ impl Work<'_> {
     }
 
     fn polish_within_cap(&mut self, context: &Context) -> Result<()> {
+        // A vertex of many triangles costs as many judgements for every place that is tried.
+        let mut effort = EFFORT * self.mesh.triangle_count();
         for _ in 0..SWEEPS {
             let mut bad = self.bad_triangles();
             bad.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -32,6 +43,12 @@ impl Work<'_> {
             for (step, &(_, t)) in bad.iter().enumerate() {
                 context.check_every(16 * step)?;
                 if self.mesh.is_triangle(t) && self.triangle_goodness(t) < 1.0 {
+                    let valences = self.mesh.triangle(t).map(|v| self.mesh.around(v).count());
+                    let cost = PLACES * valences.iter().sum::<usize>();
+                    if cost > effort {
+                        return Ok(());
+                    }
+                    effort -= cost;
                     done += usize::from(self.better(t));
                 }
             }
@@ -64,8 +81,8 @@ impl Work<'_> {
     fn better(&mut self, t: u32) -> bool {
         let mut sides = [3 * t, 3 * t + 1, 3 * t + 2];
         sides.sort_by(|&a, &b| self.edge_length(b).total_cmp(&self.edge_length(a)));
-        let [long, middle, short] = sides;
-        if self.try_swap(long, 1.02) || self.try_swap(middle, 1.02) {
+        let [long, _, short] = sides;
+        if sides.iter().any(|&side| self.try_swap(side, 1.02)) {
             return true;
         }
         let corners = self.mesh.triangle(t);
@@ -79,7 +96,23 @@ impl Work<'_> {
         if self.collapse_if_better(short) {
             return true;
         }
+        if self.mesh.is_triangle(t) && self.triangle_goodness(t) < POOR {
+            moved |= self.search_around(corners);
+        }
         moved | (self.mesh.is_half_edge(long) && self.split_if_better(long))
+    }
+
+    /// Moves the neighbours of a bad triangle, too, then its own corners once more.
+    fn search_around(&mut self, corners: [u32; 3]) -> bool {
+        let mut ring = Vec::new();
+        for v in corners {
+            self.mesh.for_neighbours(v, |w| ring.push(w));
+        }
+        ring.sort_unstable();
+        ring.dedup();
+        ring.truncate(LARGEST_RING);
+        ring.extend(corners);
+        ring.into_iter().fold(false, |moved, v| moved | self.search_vertex(v))
     }
 
     /// Collapses an edge if the cavity gets better.
@@ -133,11 +166,13 @@ impl Work<'_> {
         };
         let p = self.point(a).lerp(self.point(b), t);
         let mut worst = f64::INFINITY;
-        let size = self.size[a as usize].max(self.size[b as usize]);
+        let metric = if self.size[a as usize] > self.size[b as usize] { self.metric(a) } else { self.metric(b) };
         for side in [h, o].into_iter().filter(|&s| s != NONE) {
             let c = self.mesh.apex(side);
-            let shape = |q| f64::from(self.judge([q, p, self.point(c)], [glam::DVec3::ZERO; 3]).shape) / GOOD_SHAPE;
-            let l = super::size::metric_length(p.distance(self.point(c)), size, self.size[c as usize]);
+            let stretches = self.stretches([a, b, c]);
+            let shape =
+                |q| f64::from(self.judge([q, p, self.point(c)], [DVec3::ZERO; 3], stretches).shape) / GOOD_SHAPE;
+            let l = length_between(self.point(c) - p, metric, self.metric(c));
             worst = worst.min(shape(self.point(a))).min(shape(self.point(b))).min(length_quality(l) / GOOD_LENGTH);
         }
         worst = worst.min(length_quality(0.5 * self.edge_length(h)) / GOOD_LENGTH);

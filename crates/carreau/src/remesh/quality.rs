@@ -1,13 +1,14 @@
 //! What was achieved: shapes, lengths, deviation, distance.
 
-use super::size::metric_length;
+use super::size::{Metric, length_between};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::normals::{angle_between, corner_normals, face_normals};
 use crate::geometry::quality::mean_ratio;
-use crate::mesh::{CornerId, SurfaceMesh, safe_length, triangle_area_vector};
+use crate::mesh::{Column, CornerId, SurfaceMesh, safe_length, triangle_area_vector};
+use glam::DVec3;
 use serde::Serialize;
 
 /// Edges above this angle have one normal per side where deviations are measured.
@@ -42,8 +43,13 @@ pub struct RemeshQuality {
     pub distance_rms: Option<f64>,
 }
 
-/// Measures a result. `size` is the size at every vertex.
-pub fn measure(mesh: &SurfaceMesh, size: &[f64]) -> Result<RemeshQuality> {
+/// Measures a result, in the metric of its vertex properties `size` and `stretch`.
+pub fn measure(mesh: &SurfaceMesh) -> Result<RemeshQuality> {
+    let column = |name: &str| mesh.attributes.vertex.get(name);
+    let metric = |v: usize| Metric {
+        size: if let Some(Column::Scalar(size)) = column("size") { size[v] } else { 1.0 },
+        stretch: if let Some(Column::Vector3(w)) = column("stretch") { DVec3::from(w[v]) } else { DVec3::ZERO },
+    };
     let p = |v: u32| mesh.points()[v as usize];
     let shapes: Vec<f64> = mesh.faces().iter().map(|f| mean_ratio(p(f[0]), p(f[1]), p(f[2]))).collect();
     let lengths: Vec<f64> = mesh
@@ -51,7 +57,7 @@ pub fn measure(mesh: &SurfaceMesh, size: &[f64]) -> Result<RemeshQuality> {
         .groups()
         .map(|e| {
             let [a, b] = e.ends;
-            metric_length(p(a).distance(p(b)), size[a as usize], size[b as usize])
+            length_between(p(b) - p(a), metric(a as usize), metric(b as usize))
         })
         .collect();
     let share = |low: f64, high: f64| {

@@ -10,7 +10,7 @@
 //! ```
 
 use super::curves::{Chain, Kind, Rank};
-use super::size::{length_quality, metric_length};
+use super::size::{Metric, length_between, length_quality};
 use super::work::{Face, Spot, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -21,6 +21,8 @@ use glam::DVec3;
 const GOOD: f32 = 0.75;
 /// Shapes and length qualities that a smoothing move must not fall below.
 const TOLERABLE: f32 = 0.6;
+
+const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
 
 /// When a move is accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +36,7 @@ pub enum Accept {
 /// Where a vertex would go.
 struct Move {
     point: DVec3,
-    size: f64,
+    metric: Metric,
     parameter: f64,
     /// Wedges with their new places.
     wedges: [(u32, Option<Spot>); 2],
@@ -86,7 +88,7 @@ impl<'a> Work<'a> {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         self.mesh.for_neighbours(v, |w| {
             let q = self.point(w);
-            let l = metric_length(p.distance(q), self.size[v as usize], self.size[w as usize]);
+            let l = length_between(q - p, self.metric(v), self.metric(w));
             sum += (p - q) * (l.recip() - 1.0);
             count += 1.0;
         });
@@ -107,11 +109,49 @@ impl<'a> Work<'a> {
         false
     }
 
+    /// Moves every free vertex to where the triangles around it are best shaped, if that makes their mean better.
+    pub fn reshape(&mut self, context: &Context) -> Result<usize> {
+        let mut done = 0;
+        for v in 0..self.mesh.vertex_slots() {
+            context.check_every(v as usize)?;
+            if self.mesh.is_vertex(v) && self.rank[v as usize] == Rank::Free {
+                done += usize::from(self.reshape_vertex(v));
+            }
+        }
+        Ok(done)
+    }
+
+    /// The proposal is the mean of the tips of equilateral triangles on the sides opposite to the vertex.
+    fn reshape_vertex(&mut self, v: u32) -> bool {
+        let Some(first) = self.mesh.around(v).next() else { return false };
+        let wedge = self.mesh.wedge(first);
+        let n = self.normal[wedge as usize];
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for h in self.mesh.around(v) {
+            let [b, c] = [next(h), previous(h)].map(|x| self.point(self.mesh.vertex(x)));
+            // Seen from outside the triangle lies on the left of b → c.
+            sum += 0.5 * (b + c) + HALF_SQRT_3 * n.cross(c - b);
+            count += 1.0;
+        }
+        let p = self.point(v);
+        let step = sum / count - p;
+        let step = step - n * n.dot(step);
+        if !step.is_finite() || step.length() < 0.01 * self.size[v as usize] {
+            return false;
+        }
+        let before = self.ball(v);
+        [1.0, 0.5].iter().any(|share| self.try_free(v, wedge, p + step * *share, &before, Accept::Better))
+    }
+
     /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
     fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> bool {
         let spot = self.spot(self.seat[wedge as usize], p);
-        let to =
-            Move { point: spot.point, size: spot.size, parameter: 0.0, wedges: [(wedge, Some(spot)), (NONE, None)] };
+        let to = Move {
+            point: spot.point,
+            metric: spot.metric,
+            parameter: 0.0,
+            wedges: [(wedge, Some(spot)), (NONE, None)],
+        };
         self.try_move(v, &to, before, accept)
     }
 
@@ -221,13 +261,14 @@ impl<'a> Work<'a> {
                 && let Some(spot) = spot
             {
                 wedges[k] = (self.mesh.wedge(h), Some(spot));
-                size = size.min(spot.size);
+                size = size.min(spot.metric.size);
             }
         }
         if !size.is_finite() {
             return false;
         }
-        let to = Move { point: chain.at(to).0, size, parameter: chain.wrapped(to), wedges };
+        let metric = Metric { size, stretch: DVec3::ZERO };
+        let to = Move { point: chain.at(to).0, metric, parameter: chain.wrapped(to), wedges };
         self.try_move(v, &to, before, accept)
     }
 
@@ -258,7 +299,8 @@ impl<'a> Work<'a> {
             let (b, c) = (next(h), previous(h));
             let corners = [to.point, self.point(mesh.vertex(b)), self.point(mesh.vertex(c))];
             let normals = [normal, self.normal[mesh.wedge(b) as usize], self.normal[mesh.wedge(c) as usize]];
-            let face = self.judge(corners, normals);
+            let [_, wb, wc] = self.stretches([v, mesh.vertex(b), mesh.vertex(c)]);
+            let face = self.judge(corners, normals, [to.metric.stretch, wb, wc]);
             if face.shape < least {
                 return false;
             }
@@ -267,7 +309,7 @@ impl<'a> Work<'a> {
         }
         after.mean /= count;
         mesh.for_neighbours(v, |w| {
-            let l = metric_length(to.point.distance(self.point(w)), to.size, self.size[w as usize]);
+            let l = length_between(self.point(w) - to.point, to.metric, self.metric(w));
             after.length = after.length.min(length_quality(l));
         });
         let accepted = match accept {
@@ -282,7 +324,7 @@ impl<'a> Work<'a> {
             return false;
         }
         self.mesh.points[v as usize] = to.point;
-        self.size[v as usize] = to.size;
+        self.set_metric(v, to.metric);
         self.parameter[v as usize] = to.parameter;
         for (wedge, spot) in &to.wedges {
             if let Some(spot) = spot {

@@ -13,6 +13,7 @@
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::EditMesh;
+use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -28,6 +29,33 @@ pub fn metric_length(d: f64, a: f64, b: f64) -> f64 {
         x.atanh() / x
     };
     2.0 * d / (a + b) * mean
+}
+
+/// The metric at a vertex: the size, and the stretch w that makes it h / √(1 − |w|²) in the direction of w (see
+/// `anisotropy`); zero where the size is the same in all directions.
+#[derive(Debug, Clone, Copy)]
+pub struct Metric {
+    pub size: f64,
+    pub stretch: DVec3,
+}
+
+impl Metric {
+    /// The size in the direction of a vector of length `d`.
+    #[inline]
+    fn along(&self, way: DVec3, d: f64) -> f64 {
+        if self.stretch == DVec3::ZERO {
+            return self.size;
+        }
+        let across = d * d - self.stretch.dot(way).powi(2);
+        self.size * d / across.max(f64::MIN_POSITIVE).sqrt()
+    }
+}
+
+/// Length of a vector between two vertices.
+#[inline]
+pub fn length_between(way: DVec3, a: Metric, b: Metric) -> f64 {
+    let d = way.length();
+    metric_length(d, a.along(way, d), b.along(way, d))
 }
 
 /// Size quality, equation (3): how close a length is to one.

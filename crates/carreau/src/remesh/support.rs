@@ -3,15 +3,22 @@
 //! Everything is one-sided: a vertex on a curve has one normal per wedge, and no step of a walk crosses a curve.
 
 use super::curves::Rank;
+use super::size::Metric;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{EditMesh, NONE, next, previous, triangle_area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::FRAC_PI_2;
 
 /// Steps of a walk before it stops where it is.
 const WALK: usize = 256;
 /// Points of a curvature fit; rings of needles can be larger.
 const FIT_POINTS: usize = 96;
+
+/// Radii are made steady where one ring of edges is within this share of the size.
+const STEADY_SHARE: f64 = 0.21;
+/// The quantile of the curvatures around a vertex that its own may have.
+const STEADY_QUANTILE: f64 = 0.68;
 
 /// The source surface.
 #[derive(Clone)]
@@ -24,6 +31,8 @@ pub struct Support {
     raw_normal: Vec<DVec3>,
     /// Size at every vertex.
     pub size: Vec<f64>,
+    /// Stretch at every vertex; empty where sizes are isotropic.
+    pub stretch: Vec<DVec3>,
     /// Position of every vertex with the noise taken out.
     pub fitted: Vec<DVec3>,
 }
@@ -37,6 +46,8 @@ pub struct Radius {
     far: f64,
     /// Mean length of the edges.
     spacing: f64,
+    /// The direction in which the surface bends less, as long as the root of one minus the ratio of curvatures.
+    pub bend: DVec3,
 }
 
 impl Radius {
@@ -82,8 +93,14 @@ impl Support {
                 mesh.set_wedge(h, wedge);
             }
         }
-        let mut out =
-            Support { normal: Vec::new(), raw_normal: Vec::new(), size: Vec::new(), fitted: mesh.points.clone(), mesh };
+        let mut out = Support {
+            normal: Vec::new(),
+            raw_normal: Vec::new(),
+            size: Vec::new(),
+            stretch: Vec::new(),
+            fitted: mesh.points.clone(),
+            mesh,
+        };
         out.normal = out.fan_normals(wedges as usize);
         out.raw_normal.clone_from(&out.normal);
         out
@@ -186,7 +203,7 @@ impl Support {
             .into_par_iter()
             .with_min_len(256)
             .map_init(Vec::new, |points, v| {
-                let mut radius = Radius { near: f64::INFINITY, far: f64::INFINITY, spacing: 1.0 };
+                let mut radius = Radius { near: f64::INFINITY, far: f64::INFINITY, spacing: 1.0, bend: DVec3::ZERO };
                 let (mut sum, mut count) = (0.0, 0.0);
                 let mut done = NONE;
                 for h in mesh.around(v) {
@@ -194,7 +211,8 @@ impl Support {
                     if wedge != done {
                         done = wedge;
                         self.two_rings(v, wedge, rank, points);
-                        let [near, far] = self.fitted_radii(v, wedge, points);
+                        let ([near, far], bend) = self.fitted_radii(v, wedge, points);
+                        radius.bend = bend;
                         (radius.near, radius.far) = (radius.near.min(near), radius.far.min(far));
                     }
                     sum += mesh.points[v as usize].distance(mesh.points[mesh.head(h) as usize]);
@@ -204,6 +222,30 @@ impl Support {
                 radius
             })
             .collect()
+    }
+
+    /// Radii without those that are small at single vertices, where sizes are many edges long: there they are noise, and
+    /// gradation would spread them. The curvature of a vertex comes down to an upper quantile of those around it.
+    pub fn steady_radii(&self, radius: Vec<f64>, rank: &[Rank], alpha: f64) -> Vec<f64> {
+        let mesh = &self.mesh;
+        let size: Vec<f64> = radius.iter().map(|r| (alpha * r).min(f64::MAX)).collect();
+        let coarse = rounds(mesh, &size, STEADY_SHARE, 1);
+        let of = |ring: &mut Vec<f64>, v: u32| {
+            let own = radius[v as usize];
+            if coarse[v as usize] == 0 || rank[v as usize] != Rank::Free {
+                return own;
+            }
+            ring.clear();
+            ring.push(own.recip());
+            mesh.for_neighbours(v, |w| {
+                if rank[w as usize] == Rank::Free {
+                    ring.push(radius[w as usize].recip());
+                }
+            });
+            ring.sort_unstable_by(f64::total_cmp);
+            quantile(ring, STEADY_QUANTILE).recip().max(own)
+        };
+        (0..mesh.vertex_slots()).into_par_iter().with_min_len(256).map_init(Vec::new, of).collect()
     }
 
     /// Vertices of the two rings around one wedge.
@@ -226,7 +268,8 @@ impl Support {
         }
     }
 
-    fn fitted_radii(&self, v: u32, wedge: u32, points: &[u32]) -> [f64; 2] {
+    /// The radii near by and farther away, and [`Radius::bend`] of the latter.
+    fn fitted_radii(&self, v: u32, wedge: u32, points: &[u32]) -> ([f64; 2], DVec3) {
         let n = self.normal[wedge as usize];
         let p = self.mesh.points[v as usize];
         let (x, y) = n.any_orthonormal_pair();
@@ -239,7 +282,7 @@ impl Support {
             sharpest = sharpest.max(2.0 * d.dot(n).abs() / squared.max(f64::MIN_POSITIVE));
         }
         if points.is_empty() || !(scale > 0.0) {
-            return [f64::INFINITY; 2];
+            return ([f64::INFINITY; 2], DVec3::ZERO);
         }
         let unit_length = scale.sqrt().recip();
         for &w in points {
@@ -257,18 +300,25 @@ impl Support {
                 }
             }
         }
-        systems.map(|m| {
+        let mut bend = DVec3::ZERO;
+        let radii = systems.map(|m| {
             let trace = m[0][0] + m[1][1] + m[2][2];
             match solve3(m, 1e-7 * trace).filter(|_| points.len() >= 5) {
                 Some([a, b, c]) => {
                     let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-                    let largest = mean.abs() + (half * half + b * b).sqrt();
+                    let spread = (half * half + b * b).sqrt();
+                    let largest = mean.abs() + spread;
+                    // The eigenvector of the smaller curvature stands across that of the larger one.
+                    let angle = 0.5 * b.atan2(half) + if mean >= 0.0 { FRAC_PI_2 } else { 0.0 };
+                    let ratio = (mean.abs() - spread).abs() / largest.max(f64::MIN_POSITIVE);
+                    bend = (x * angle.cos() + y * angle.sin()) * (1.0 - ratio).max(0.0).sqrt();
                     (largest * unit_length).recip()
                 }
                 // Too few points, or all on one conic: the sharpest circle through a neighbour.
                 None => sharpest.recip(),
             }
-        })
+        });
+        (radii, bend)
     }
 
     /// The closest point that a walk from a triangle finds without crossing a curve.
@@ -380,8 +430,30 @@ impl Support {
     }
 }
 
+impl Support {
+    /// Interpolated metric.
+    pub fn metric_at(&self, seat: Seat) -> Metric {
+        let size = self.size_at(seat);
+        if self.stretch.is_empty() {
+            return Metric { size, stretch: DVec3::ZERO };
+        }
+        let w = self.mesh.triangle(seat.triangle).map(|v| self.stretch[v as usize]);
+        // A stretch has no sense: all three look to the side of the longest.
+        let longest = w.into_iter().fold(w[0], |a, b| if b.length_squared() > a.length_squared() { b } else { a });
+        let sum = (0..3).map(|k| w[k] * seat.weights[k] * if w[k].dot(longest) < 0.0 { -1.0 } else { 1.0 }).sum();
+        Metric { size, stretch: sum }
+    }
+}
+
+/// A quantile of sorted values, interpolated.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let at = share * (sorted.len() - 1) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    sorted[low] + at.fract() * (sorted[high] - sorted[low])
+}
+
 /// Rounds of averaging over neighbours that make a kernel of about `share` sizes at every vertex, at most so many.
-fn rounds(mesh: &EditMesh, size: &[f64], share: f64, most: usize) -> Vec<u8> {
+pub fn rounds(mesh: &EditMesh, size: &[f64], share: f64, most: usize) -> Vec<u8> {
     let at = |v: u32| {
         let (mut sum, mut count) = (0.0, 0.0);
         if mesh.is_vertex(v) {

@@ -1,6 +1,6 @@
 //! Edges are flipped where that makes the worse of the two triangles better by one per cent, or repairs constraint (1).
 //!
-//! Departure: a triangle is worth q cos² of its deviation instead of q alone. Of two diagonals with about the same shapes
+//! Departure: a triangle is worth q cos⁴ of its deviation instead of q alone. Of two diagonals with about the same shapes
 //! the one that follows the surface wins, which costs nothing and lowers the mean deviation by several per cent.
 
 use super::work::{Face, Work};
@@ -17,7 +17,7 @@ const LONGEST: f64 = 1.6;
 
 /// What flips make better: the shape, and how well the triangle fits the surface.
 fn value(face: Face) -> f32 {
-    face.shape * face.cosine.max(0.0).powi(2)
+    face.shape * face.cosine.max(0.0).powi(4)
 }
 
 impl Work<'_> {
@@ -86,7 +86,12 @@ impl Work<'_> {
         let [na, nb, nc, nd] = [a, b, c, d].map(|x| self.normal[mesh.wedge(x) as usize]);
         let (old_f, old_g) = (self.face[h as usize / 3], self.face[o as usize / 3]);
         let before = old_f.worse(old_g);
-        let [f, g] = [self.judge([pc, pd, pb], [nc, nd, nb]), self.judge([pd, pc, pa], [nd, nc, na])];
+        let [wa, wb, wc] = self.stretches([a, b, c].map(|x| mesh.vertex(x)));
+        let wd = self.stretches([mesh.vertex(d); 3])[0];
+        let [f, g] = [
+            self.judge([pc, pd, pb], [nc, nd, nb], [wc, wd, wb]),
+            self.judge([pd, pc, pa], [nd, nc, na], [wd, wc, wa]),
+        ];
         let after = f.worse(g);
         let repairs = f64::from(before.cosine) < self.limits.cos_cap
             && after.cosine > before.cosine + 0.01

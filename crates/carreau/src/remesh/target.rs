@@ -4,10 +4,10 @@
 //! nearly as many, by a factor that hardly depends on anything. The integral gives the scale to begin with, the count that
 //! was reached corrects it.
 
-use super::Source;
 use super::decimate::Demand;
 use super::relocate::Accept;
-use super::work::Work;
+use super::source::Source;
+use super::work::{BALANCE, Work};
 use super::{RemeshOptions, support::Support};
 use crate::context::Context;
 use crate::error::Result;
@@ -23,7 +23,9 @@ fn predicted(support: &Support) -> f64 {
     let sum: f64 = (0..support.mesh.triangle_slots())
         .map(|t| {
             let [a, b, c] = support.mesh.positions(t);
-            let inverse = support.mesh.triangle(t).map(|v| support.size[v as usize].powi(-2));
+            let stretch = |v: u32| support.stretch.get(v as usize).map_or(0.0, |w| w.length_squared());
+            let inverse =
+                support.mesh.triangle(t).map(|v| (1.0 - stretch(v)).sqrt() * support.size[v as usize].powi(-2));
             triangle_area_vector(a, b, c).length() * (inverse[0] + inverse[1] + inverse[2]) / 3.0
         })
         .sum();
@@ -45,18 +47,40 @@ pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f
 }
 
 impl Work<'_> {
-    /// Collapses the shortest or splits the longest edges until the number of triangles is within 1 %.
-    pub fn trim(&mut self, wanted: usize, context: &Context) -> Result<()> {
-        let most = ((1.0 + WITHIN) * wanted as f64).floor() as usize;
-        let least = ((1.0 - WITHIN) * wanted as f64).ceil() as usize;
+    /// Scales the sizes so that edges have the mean length one when there are as many triangles as wanted.
+    pub fn steer(&mut self, wanted: f64) {
+        let shrink = (self.mesh.triangle_count() as f64 / wanted).sqrt();
+        self.rescale(BALANCE * self.mean_length() * shrink);
+    }
+
+    /// Scales the sizes.
+    fn rescale(&mut self, factor: f64) {
+        self.scale *= factor;
+        self.size.iter_mut().for_each(|h| *h *= factor);
+    }
+
+    /// Mean length of the edges in the metric.
+    pub fn mean_length(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for h in self.mesh.edges() {
+            sum += self.edge_length(h);
+            count += 1.0;
+        }
+        sum / f64::max(count, 1.0)
+    }
+
+    /// Collapses the shortest or splits the longest edges until the number of triangles is wanted but for a share.
+    pub fn trim(&mut self, wanted: usize, within: f64, context: &Context) -> Result<()> {
+        let most = ((1.0 + within) * wanted as f64).floor() as usize;
+        let least = ((1.0 - within) * wanted as f64).ceil() as usize;
         for limit in [0.8, 0.9, 1.0, 1.2, 1.5] {
             if self.mesh.triangle_count() <= most {
                 break;
             }
             let demand = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55 };
-            self.decimate_to(limit, &demand, most, context)?;
+            self.decimate(limit, &demand, most, context)?;
             self.swap(2, context)?;
-            self.polish(context)?;
+            self.relocate(Accept::Better, context)?;
         }
         for limit in [1.3, 1.2, 1.1, 1.0] {
             if self.mesh.triangle_count() >= least {

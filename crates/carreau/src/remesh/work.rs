@@ -3,7 +3,7 @@
 
 use super::creases::Dihedral;
 use super::curves::{Chain, Curves, Kind, Rank};
-use super::size::{length_quality, metric_length};
+use super::size::{Metric, length_between, length_quality, metric_length};
 use super::support::{Seat, Support};
 use crate::mesh::{EditMesh, NONE};
 use glam::DVec3;
@@ -12,7 +12,7 @@ const SHAPE_SCALE: f64 = 2.0 * 1.732_050_807_568_877_2;
 
 /// Splits, collapses and relocation settle at a mean length a little below one: the mesh at work has sizes larger by this
 /// factor, so that the mean is one in those asked for.
-pub const BALANCE: f64 = 1.02;
+pub const BALANCE: f64 = 1.028;
 
 /// What new triangles and edges must respect.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +27,8 @@ pub struct Limits {
     pub ridge_sag: f64,
     /// Sag of a border edge, absolute.
     pub border_sag: f64,
+    /// Weight of the tilt of edges against that of the gap where vertices are fitted.
+    pub tilt_weight: f64,
     /// Dihedral angles, on models without noise.
     pub dihedral: Option<Dihedral>,
 }
@@ -55,6 +57,8 @@ pub struct Work<'a> {
     pub limits: Limits,
     /// Size at every vertex.
     pub size: Vec<f64>,
+    /// Stretch at every vertex; empty where sizes are isotropic.
+    pub stretch: Vec<DVec3>,
     pub rank: Vec<Rank>,
     /// Parameter on its chain of every vertex of rank [`Rank::Curve`].
     pub parameter: Vec<f64>,
@@ -75,7 +79,7 @@ pub struct Work<'a> {
 pub struct Spot {
     pub point: DVec3,
     pub normal: DVec3,
-    pub size: f64,
+    pub metric: Metric,
     pub seat: u32,
 }
 
@@ -87,6 +91,17 @@ pub fn shape_and_normal(a: DVec3, b: DVec3, c: DVec3) -> (f64, DVec3, f64) {
     let area = n.length();
     let squares = u.length_squared() + v.length_squared() + w.length_squared();
     (SHAPE_SCALE * area / squares.max(f64::MIN_POSITIVE), n, area)
+}
+
+/// Shape of a triangle of twice the given area in the mean metric of its corners: 4 √3 √det(M) A / Σ l²_M. With
+/// M = I − S, S = ⅓ Σ w wᵀ in the tangent plane, det(M) = 1 − tr S + det S and 2 det S = (tr S)² − tr S².
+fn stretched_shape([a, b, c]: [DVec3; 3], area: f64, w: [DVec3; 3]) -> f64 {
+    let squared = |u: DVec3| u.length_squared() - w.iter().map(|w| w.dot(u).powi(2)).sum::<f64>() / 3.0;
+    let trace = w.iter().map(|w| w.length_squared()).sum::<f64>() / 3.0;
+    let of_square = w.iter().flat_map(|v| w.iter().map(|u| u.dot(*v).powi(2))).sum::<f64>() / 9.0;
+    let determinant = (1.0 - trace + 0.5 * (trace * trace - of_square)).max(0.0);
+    let squares = squared(b - a) + squared(c - b) + squared(a - c);
+    SHAPE_SCALE * area * determinant.sqrt() / squares.max(f64::MIN_POSITIVE)
 }
 
 impl<'a> Work<'a> {
@@ -103,6 +118,7 @@ impl<'a> Work<'a> {
             curves,
             limits,
             size: support.size.iter().map(|h| BALANCE * h).collect(),
+            stretch: support.stretch.clone(),
             rank: curves.rank.clone(),
             parameter: curves.parameter.clone(),
             normal: support.normal.clone(),
@@ -124,7 +140,26 @@ impl<'a> Work<'a> {
     /// Length of an edge in the metric.
     #[inline]
     pub fn length(&self, a: u32, b: u32) -> f64 {
-        metric_length(self.point(a).distance(self.point(b)), self.size[a as usize], self.size[b as usize])
+        let way = self.point(b) - self.point(a);
+        if self.stretch.is_empty() {
+            return metric_length(way.length(), self.size[a as usize], self.size[b as usize]);
+        }
+        length_between(way, self.metric(a), self.metric(b))
+    }
+
+    /// The metric at a vertex.
+    #[inline]
+    pub fn metric(&self, v: u32) -> Metric {
+        let stretch = self.stretch.get(v as usize).copied().unwrap_or(DVec3::ZERO);
+        Metric { size: self.size[v as usize], stretch }
+    }
+
+    /// Puts the metric of a place to a vertex.
+    pub fn set_metric(&mut self, v: u32, metric: Metric) {
+        self.size[v as usize] = metric.size;
+        if let Some(stretch) = self.stretch.get_mut(v as usize) {
+            *stretch = metric.stretch;
+        }
     }
 
     /// Length of the edge of a half-edge.
@@ -133,15 +168,22 @@ impl<'a> Work<'a> {
         self.length(self.mesh.vertex(h), self.mesh.head(h))
     }
 
-    /// A triangle with given corners and corner normals; a face without area has the worst of everything.
+    /// A triangle with given corners, corner normals and stretches; a face without area has the worst of everything.
     #[inline]
-    pub fn judge(&self, [a, b, c]: [DVec3; 3], normals: [DVec3; 3]) -> Face {
+    pub fn judge(&self, [a, b, c]: [DVec3; 3], normals: [DVec3; 3], stretches: [DVec3; 3]) -> Face {
         let (shape, n, area) = shape_and_normal(a, b, c);
         if !(area > 0.0) {
             return Face { shape: 0.0, cosine: -1.0 };
         }
+        let shape = if self.stretch.is_empty() { shape } else { stretched_shape([a, b, c], area, stretches) };
         let cosine = normals.iter().map(|m| m.dot(n)).fold(f64::INFINITY, f64::min) / area;
         Face { shape: shape as f32, cosine: cosine as f32 }
+    }
+
+    /// Stretches of three vertices.
+    #[inline]
+    pub fn stretches(&self, vertices: [u32; 3]) -> [DVec3; 3] {
+        if self.stretch.is_empty() { [DVec3::ZERO; 3] } else { vertices.map(|v| self.stretch[v as usize]) }
     }
 
     /// Computes what is known of a triangle anew.
@@ -151,7 +193,7 @@ impl<'a> Work<'a> {
             return;
         }
         let normals = [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.normal[self.mesh.wedge(h) as usize]);
-        let face = self.judge(self.mesh.positions(t), normals);
+        let face = self.judge(self.mesh.positions(t), normals, self.stretches(self.mesh.triangle(t)));
         if self.face.len() <= t as usize {
             self.face.resize(t as usize + 1, Face { shape: 0.0, cosine: -1.0 });
         }
@@ -235,7 +277,10 @@ impl<'a> Work<'a> {
             return false;
         }
         let chord = chain.at(span[0]).0.distance(chain.at(span[1]).0);
-        let absolute = if chain.kind == Kind::Ridge { self.limits.ridge_sag } else { self.limits.border_sag };
+        let absolute = match chain.kind {
+            Kind::Ridge | Kind::Crease => self.limits.ridge_sag,
+            Kind::Border | Kind::Seam => self.limits.border_sag,
+        };
         let allowed = (self.limits.curve_sag_share * chord).min(absolute).max(before);
         chain.sag(span) <= allowed
     }
@@ -251,7 +296,8 @@ impl<'a> Work<'a> {
     #[inline]
     pub fn spot_at(&self, seat: Seat, point: DVec3) -> Spot {
         let normal = self.support.normal_at(seat);
-        Spot { point, normal, size: self.scale * self.support.size_at(seat), seat: seat.triangle }
+        let Metric { size, stretch } = self.support.metric_at(seat);
+        Spot { point, normal, metric: Metric { size: self.scale * size, stretch }, seat: seat.triangle }
     }
 
     /// The places on both sides of a chain at a parameter: on the left of its direction and on the right.
@@ -268,9 +314,12 @@ impl<'a> Work<'a> {
     }
 
     /// A new vertex at a place; its wedges are added by the caller.
-    pub fn add_vertex(&mut self, rank: Rank, size: f64, parameter: f64) {
+    pub fn add_vertex(&mut self, rank: Rank, metric: Metric, parameter: f64) {
         self.rank.push(rank);
-        self.size.push(size);
+        self.size.push(metric.size);
+        if !self.support.stretch.is_empty() {
+            self.stretch.push(metric.stretch);
+        }
         self.parameter.push(parameter);
     }
 

@@ -4,8 +4,11 @@
 //! |---|---|
 //! | `picture` | a mesh drawn to a PNG file, without GPU or display |
 //! | `figure` | the usual picture of a mesh |
+//! | `field` | the picture of a frame field |
 
+mod field;
 mod figure;
 pub mod picture;
 
+pub use field::field_figure;
 pub use figure::{curvature_figure, figure, hex_figure};

@@ -1,10 +1,10 @@
 //! Collects the points, triangles and labels of a model.
 
 use super::Model;
-use super::planar;
 use super::shape::{Measure, Shape};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::planar;
 use crate::mesh::{Column, SurfaceMesh};
 use glam::{DVec2, DVec3};
 

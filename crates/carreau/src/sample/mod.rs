@@ -14,7 +14,6 @@
 //! | `bracket`, `wedge` | parts swept from a profile by `extrude` |
 //! | `tube_tree` | a blended union of tubes, polygonised by `surface_nets` |
 //! | `builder` | points, triangles and labels under construction |
-//! | `planar` | fills a flat face with nearly equilateral triangles |
 //! | `shape` | what is known about a model |
 
 mod bracket;
@@ -23,7 +22,6 @@ mod cube_cylinders;
 mod cylinder;
 mod extrude;
 mod limits;
-mod planar;
 mod random;
 mod rounded_box;
 mod saddle;

@@ -7,9 +7,11 @@
 //! f = tr(JᵀJ) / χ^⅔ (shape), g = (D² + 1) / χ (volume), φ = (1 − θ) f / 3 + θ g / 2, θ = 1/128, E = mean of φᵖ.
 //!
 //! φ is 1 for the target and grows without limit as the cell folds. At corners alone the energy does not see cells that
-//! are twisted with positive corners, hence the middles of edges and faces and the centre. A power p above 1 makes the
-//! worst places count more.
+//! are twisted with positive corners, hence the middles of edges and faces and the centre. Between 27 positive values a
+//! long twisted cell may still fold: D stands for the Bernstein coefficients of the determinant, which are its values at the
+//! corners and bound it from below everywhere. A power p above 1 makes the worst places count more.
 
+use crate::geometry::hexes::along_axes;
 use crate::mesh::HEX_EDGES;
 use glam::DVec3;
 
@@ -18,9 +20,9 @@ const THETA: f64 = 1.0 / 128.0;
 /// Weights of the two ends of an edge grid at the three places of an axis.
 const AT: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
 
-/// Energy of one cell, its gradient at the corners, and the least determinant of the 27.
+/// Energy of one cell, its gradient at the corners, and the least of the 27 coefficients.
 pub struct CellEnergy {
-    /// Mean of φᵖ; infinite where ε is zero and a determinant is not positive.
+    /// Mean of φᵖ; infinite where ε is zero and a coefficient is not positive.
     pub value: f64,
     /// By the positions of the corners.
     pub gradient: [DVec3; 8],
@@ -43,36 +45,52 @@ pub fn cell_energy(p: &[DVec3; 8], inverse: [f64; 3], epsilon: f64, power: i32) 
             column[3 * s + 2] = high[s];
         }
     }
+    let place = |n: usize| {
+        let (i, j, k) = (n / 9, n / 3 % 3, n % 3);
+        [3 * j + k, 3 * i + k, 3 * i + j]
+    };
+    let vectors = |n: usize| {
+        let at = place(n);
+        [columns[0][at[0]], columns[1][at[1]], columns[2][at[2]]]
+    };
+    let mut bounds: [f64; 27] = std::array::from_fn(|n| {
+        let [a, b, c] = vectors(n);
+        a.dot(b.cross(c))
+    });
+    along_axes(&mut bounds, |[a, b, d]| [a, 2.0 * b - 0.5 * (a + d), d]);
     let mut slopes = [[DVec3::ZERO; 9]; 3];
+    let mut by_bound = [0.0; 27];
     let (mut value, mut least) = (0.0, f64::INFINITY);
-    for i in 0..3 {
-        for j in 0..3 {
-            for k in 0..3 {
-                let at = [3 * j + k, 3 * i + k, 3 * i + j];
-                let [a, b, c] = [columns[0][at[0]], columns[1][at[1]], columns[2][at[2]]];
-                let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
-                let d = a.dot(bc);
-                least = least.min(d);
-                let root = (epsilon * epsilon + d * d).sqrt();
-                let chi = if d > 0.0 { 0.5 * (d + root) } else { 0.5 * epsilon * epsilon / (root - d) };
-                if !(chi > 0.0) {
-                    value = f64::INFINITY;
-                    continue;
-                }
-                let trace = a.length_squared() + b.length_squared() + c.length_squared();
-                let third = chi.cbrt();
-                let shape = (1.0 - THETA) / 3.0 / (third * third);
-                let volume = 0.5 * THETA * (d * d + 1.0) / chi;
-                let phi = shape * trace + volume;
-                // dχ/dD = χ / √(ε² + D²).
-                let by_det = (-2.0 / 3.0 * shape * trace - volume) / root + THETA * d / chi;
-                let (energy, factor) = raise(phi, power);
-                value += energy;
-                slopes[0][at[0]] += (a * (2.0 * shape) + bc * by_det) * factor;
-                slopes[1][at[1]] += (b * (2.0 * shape) + ca * by_det) * factor;
-                slopes[2][at[2]] += (c * (2.0 * shape) + ab * by_det) * factor;
-            }
+    for (n, &d) in bounds.iter().enumerate() {
+        least = least.min(d);
+        let root = (epsilon * epsilon + d * d).sqrt();
+        let chi = if d > 0.0 { 0.5 * (d + root) } else { 0.5 * epsilon * epsilon / (root - d) };
+        if !(chi > 0.0) {
+            value = f64::INFINITY;
+            continue;
         }
+        let [a, b, c] = vectors(n);
+        let trace = a.length_squared() + b.length_squared() + c.length_squared();
+        let third = chi.cbrt();
+        let shape = (1.0 - THETA) / 3.0 / (third * third);
+        let volume = 0.5 * THETA * (d * d + 1.0) / chi;
+        let phi = shape * trace + volume;
+        let (energy, factor) = raise(phi, power);
+        value += energy;
+        // dχ/dD = χ / √(ε² + D²).
+        by_bound[n] = factor * ((-2.0 / 3.0 * shape * trace - volume) / root + THETA * d / chi);
+        let at = place(n);
+        for (axis, vector) in [a, b, c].into_iter().enumerate() {
+            slopes[axis][at[axis]] += vector * (2.0 * shape * factor);
+        }
+    }
+    // From the slopes by the coefficients to those by the values: the transpose of the change above.
+    along_axes(&mut by_bound, |[a, b, d]| [a - 0.5 * b, 2.0 * b, d - 0.5 * b]);
+    for (n, &slope) in by_bound.iter().enumerate() {
+        let (at, [a, b, c]) = (place(n), vectors(n));
+        slopes[0][at[0]] += b.cross(c) * slope;
+        slopes[1][at[1]] += c.cross(a) * slope;
+        slopes[2][at[2]] += a.cross(b) * slope;
     }
     let mut gradient = [DVec3::ZERO; 8];
     for axis in 0..3 {

@@ -60,6 +60,9 @@ pub const COARSE: Effort = Effort {
 pub const FINE: Effort =
     Effort { powers: &[(1, 40), (2, 40), (4, 60), (8, 80)], attempts: &[(0.15, 0.02), (0.4, 1e-4)] };
 
+/// Targets stay within this factor of the first ones.
+const DRIFT: f64 = 2.0;
+
 /// Determinants above this share of the target count as positive.
 const VALID: f64 = 1e-6;
 
@@ -76,6 +79,8 @@ pub struct Optimiser<'a> {
     offsets: Vec<u32>,
     corners: Vec<u32>,
     inverse: Vec<[f64; 3]>,
+    /// The first targets.
+    first: Vec<[f64; 3]>,
     weight: Vec<f64>,
     scale: Vec<f64>,
     springs: Vec<Spring>,
@@ -96,9 +101,18 @@ impl<'a> Optimiser<'a> {
             next[v as usize] += 1;
         }
         let weight = vec![1.0; hexes.len()];
-        let mut all =
-            Optimiser { hexes, offsets, corners, inverse: Vec::new(), weight, scale: Vec::new(), springs: Vec::new() };
+        let mut all = Optimiser {
+            hexes,
+            offsets,
+            corners,
+            inverse: Vec::new(),
+            first: Vec::new(),
+            weight,
+            scale: Vec::new(),
+            springs: Vec::new(),
+        };
         all.retarget(points);
+        all.first.clone_from(&all.inverse);
         all
     }
 
@@ -108,18 +122,22 @@ impl<'a> Optimiser<'a> {
     }
 
     /// Target lengths: the mean length of the four edges along each axis, lengths far below that of the other axes
-    /// raised to a share of them.
+    /// raised to a share of them; within a factor of the first targets, or cells would shrink from round to round.
     pub fn retarget(&mut self, points: &[DVec3]) {
         let length = |h: &[u32; 8], k: usize| {
             let [a, b] = HEX_EDGES[k].map(|c| points[h[c] as usize]);
             a.distance(b)
         };
-        let targets = |h: &[u32; 8]| {
+        let targets = |(k, h): (usize, &[u32; 8])| {
             let mean: [f64; 3] = std::array::from_fn(|axis| (0..4).map(|k| length(h, 4 * axis + k)).sum::<f64>() / 4.0);
             let longest = mean.iter().copied().fold(1e-300, f64::max);
-            mean.map(|l| 1.0 / l.max(0.02 * longest))
+            let inverse = mean.map(|l| 1.0 / l.max(0.02 * longest));
+            match self.first.get(k) {
+                Some(f) => std::array::from_fn(|axis| inverse[axis].clamp(f[axis] / DRIFT, f[axis] * DRIFT)),
+                None => inverse,
+            }
         };
-        self.inverse = self.hexes.par_iter().map(targets).collect();
+        self.inverse = self.hexes.par_iter().enumerate().map(targets).collect();
         let inverse = &self.inverse;
         let scale = |v: usize| {
             let at = &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize];
@@ -138,6 +156,11 @@ impl<'a> Optimiser<'a> {
     pub fn least(&self, points: &[DVec3]) -> f64 {
         let of = |h: usize| cell_energy(&self.cell(points, h), self.inverse[h], 1.0, 1).least;
         (0..self.hexes.len()).into_par_iter().with_min_len(MIN_CELLS).map(of).reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// Whether all determinants are positive.
+    pub fn is_valid(&self, points: &[DVec3]) -> bool {
+        self.least(points) > VALID
     }
 
     /// Energy of cells and springs, with its gradient; also the least determinant.
@@ -232,8 +255,8 @@ impl<'a> Optimiser<'a> {
     fn improve(&mut self, points: &mut Vec<DVec3>, powers: &[(i32, usize)], context: &Context) -> Result<()> {
         let share = (MANY_CELLS / self.hexes.len() as f64).clamp(0.3, 1.0);
         for &(power, iterations) in powers {
-            self.retarget(points);
             self.descend(points, 0.0, power, (share * iterations as f64) as usize, context)?;
+            self.retarget(points);
         }
         Ok(())
     }
@@ -248,7 +271,11 @@ impl<'a> Optimiser<'a> {
 
     /// All steps; returns the cells without a certificate.
     pub fn run(&mut self, points: &mut Vec<DVec3>, effort: &Effort, context: &Context) -> Result<Vec<u32>> {
-        let valid = self.untangle(points, effort, context)?;
+        let mut valid = self.is_valid(points);
+        if !valid {
+            valid = self.untangle(points, effort, context)?;
+            self.retarget(points);
+        }
         if valid {
             self.improve(points, effort.powers, context)?;
         }

@@ -17,6 +17,7 @@
 mod degenerate;
 mod duplicates;
 mod orient;
+mod sound;
 mod soup;
 mod split;
 mod weld;
@@ -28,6 +29,8 @@ use crate::error::{Error, Result};
 use crate::length::Length;
 use serde::{Deserialize, Serialize};
 use soup::Soup;
+
+pub use sound::sound;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

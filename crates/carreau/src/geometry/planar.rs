@@ -19,16 +19,16 @@ const ROUNDS: usize = 2;
 const MOVES: usize = 3;
 
 /// The triangles of a region.
-pub(super) struct Filled {
+pub(crate) struct Filled {
     /// Points added inside the region.
-    pub(super) inner: Vec<DVec2>,
+    pub(crate) inner: Vec<DVec2>,
     /// Counter-clockwise triangles; indices count the border points, loop by loop, then `inner`.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 /// Fills the region bounded by closed loops; a point belongs to it when a ray from it crosses them an odd number of
 /// times, so their sense does not matter. The loops must not touch each other or themselves.
-pub(super) fn fill(loops: &[Vec<DVec2>], edge: f64, context: &Context) -> Result<Filled> {
+pub(crate) fn fill(loops: &[Vec<DVec2>], edge: f64, context: &Context) -> Result<Filled> {
     let border: Vec<DVec2> = loops.concat();
     let constraints = loop_edges(loops);
     let mut points = border.clone();

@@ -1,0 +1,208 @@
+//! `field`: a frame field along the features of a part.
+
+use super::edges::read_edges;
+use crate::choice::choice;
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::field::{self, FieldOptions, Pin, Propagation};
+use carreau::geometry::features::FeatureOptions;
+use carreau::io::WriteOptions;
+use carreau::mesh::{Column, RawMesh, VertexId};
+use carreau::report::field_figure;
+use carreau::{DVec3, Error};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Frame field aligned with features, with room for a quad in every corner
+///
+/// Writes the mesh that carries the field (the input with a few splits) with the face vectors u and v; PLY, VTU, VTP and
+/// VTK keep them. Features are sharp edges, borders, edges tagged in the file and those of --features.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau field part.stl -o field.vtu --picture field.png\n  \
+    carreau field part.obj --layout field.json --json -\n  \
+    carreau field part.obj --pin none --orthogonal --json - | jq .poles")]
+pub struct Field {
+    /// The surface; polygons are divided
+    input: PathBuf,
+    /// The file to write; PLY, VTU, VTP and VTK keep the frames
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Writes mesh, frames, matchings and the quads of every corner (JSON)
+    #[arg(long, value_name = "FILE.json")]
+    layout: Option<PathBuf>,
+    /// The two directions stay orthogonal
+    #[arg(long)]
+    orthogonal: bool,
+    /// Corners below this angle get one quad; none: the classic field, without any repair [default: 90]
+    #[arg(long, value_name = "ANGLE", value_parser = choice::<Pin>(&["none", "45", "90"]))]
+    pin: Option<Pin>,
+    /// How far the turn that pinned corners ask for spreads [default: local]
+    #[arg(long, value_name = "HOW", value_parser = choice::<Propagation>(&["none", "local", "global"]))]
+    propagation: Option<Propagation>,
+    /// Largest angle by which the two directions lean towards each other, in degrees [default: 60]
+    #[arg(long, value_name = "DEG")]
+    lean: Option<f64>,
+    /// Edges with a larger angle between their faces are features, in degrees; 180: none is sharp [default: 35]
+    #[arg(long, value_name = "DEG")]
+    feature_angle: Option<f64>,
+    /// Further features: a file with two vertex ids per line
+    #[arg(long, value_name = "FILE")]
+    features: Option<PathBuf>,
+    /// Edges tagged in the file are not special
+    #[arg(long)]
+    ignore_tags: bool,
+    /// Counts the corners without room and the singularities of the classic field, too
+    #[arg(long)]
+    classic: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    field: FieldOptions,
+    feature_angle: f64,
+    features: Option<PathBuf>,
+    ignore_tags: bool,
+    classic: bool,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            field: FieldOptions::default(),
+            feature_angle: 35.0,
+            features: None,
+            ignore_tags: false,
+            classic: false,
+            common: CommonValues::default(),
+        }
+    }
+}
+
+impl Field {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("field", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.field(session, &options)
+        })
+    }
+
+    /// Defaults, then options file, then flags.
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "field", &all)?;
+        }
+        let o = &mut all.field;
+        o.orthogonal |= self.orthogonal;
+        o.pin = self.pin.unwrap_or(o.pin);
+        o.propagation = self.propagation.unwrap_or(o.propagation);
+        o.lean_deg = self.lean.unwrap_or(o.lean_deg);
+        all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
+        all.features = self.features.clone().or(all.features);
+        all.ignore_tags |= self.ignore_tags;
+        all.classic |= self.classic;
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn field(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read(&self.input)?.into_surface()?;
+        let context = session.context.clone();
+        let mut wanted = options.field.clone();
+        wanted.features = feature_options(options.feature_angle, options.ignore_tags, options.features.as_ref())?;
+        let found = context.install(|| field::field(&mesh, &wanted, &context))?;
+        found.repaired.iter().for_each(|what| session.warn(what.clone()));
+        warn_missing(&found.missing, session);
+        describe(session, &found);
+        if options.classic {
+            let classic = context.install(|| {
+                let _stage = context.stage("classic field");
+                field::field(&mesh, &wanted.classic(), &context)
+            })?;
+            let ([sectors, inner], singular) = (classic.poles(), classic.singularities());
+            session.say(format!(
+                "classic field: {sectors} corners without a quad, {inner} tips, {singular} singularities"
+            ));
+            let counts = json!({ "sectors": sectors, "inner": inner, "singularities": singular });
+            session.record.set("classic", counts);
+        }
+        self.write(session, found)
+    }
+
+    fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
+        session.draw_as(|| field_figure(&found))?;
+        if let Some(file) = &self.layout {
+            session.write_bytes(file, &found.layout())?;
+        }
+        let mut counts = json!({
+            "vertices": found.mesh.vertex_count(),
+            "faces": found.mesh.face_count(),
+            "features": found.features.len(),
+            "singularities": found.singularities(),
+        });
+        if let Some(file) = &self.output {
+            counts["file"] = json!(file.to_string_lossy());
+            let mut out = RawMesh::from(found.mesh);
+            let vectors = |v: Vec<DVec3>| Column::Vector3(v.into_iter().map(|d| d.to_array()).collect());
+            let columns = [("u", vectors(found.u)), ("v", vectors(found.v))];
+            out.attributes.face.extend(columns.map(|(name, column)| (name.to_string(), column)));
+            (out.edge_tags, out.edges) = (vec![1; found.features.len()], found.features);
+            session.write_mesh(file, &out, &WriteOptions::default())?;
+        }
+        session.record.set("output", counts);
+        Ok(())
+    }
+}
+
+/// Features by angle, borders, tags and a list.
+pub fn feature_options(angle: f64, ignore_tags: bool, list: Option<&PathBuf>) -> Result<FeatureOptions, Error> {
+    let edges = list.map(|file| read_edges(file)).transpose()?.unwrap_or_default();
+    Ok(FeatureOptions { angle_deg: Some(angle), borders: true, tags: !ignore_tags, edges })
+}
+
+/// Tells of features that were asked for and do not exist.
+pub fn warn_missing(missing: &[[VertexId; 2]], session: &mut Session) {
+    if let Some([a, b]) = missing.first() {
+        let count = missing.len();
+        session.warn(format!("{count} tagged or listed edges are no edges of the mesh, the first is {} {}", a.0, b.0));
+    }
+}
+
+/// The record's figures and the summary.
+fn describe(session: &mut Session, found: &field::Field) {
+    let ([sectors, inner], singular) = (found.poles(), found.singularities());
+    let [before, after] = found.energy;
+    let count = |quads: i32| found.corners.iter().filter(|c| c.closed && c.quads == quads).count();
+    session.say(format!(
+        "{} triangles, {singular} singularities ({} of three quads, {} of five)",
+        found.mesh.face_count(),
+        count(3),
+        count(5)
+    ));
+    session.say(format!("{sectors} corners without a quad, {inner} tips with fewer than three"));
+    let drop = 100.0 * (1.0 - after / before.max(f64::MIN_POSITIVE));
+    session.say(format!("energy {after:.4}, {drop:.1} % below the orthogonal field's {before:.4}"));
+    let quality = json!({
+        "energy_orthogonal": before,
+        "energy": after,
+        "lean_max_deg": found.lean_deg(),
+        "rounds": found.rounds,
+        "moved": found.moved,
+    });
+    session.record.set("quality", quality);
+    session.record.set("singularities", singular);
+    session.record.set("poles", json!({ "sectors": sectors, "inner": inner }));
+}

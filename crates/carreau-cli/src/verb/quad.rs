@@ -1,0 +1,139 @@
+//! `quad`: an all-quad mesh that keeps every feature.
+
+use super::field::{feature_options, warn_missing};
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::io::WriteOptions;
+use carreau::mesh::RawMesh;
+use carreau::quad::{self, QuadOptions, Quads};
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// All-quad mesh that keeps every feature
+///
+/// Features (sharp edges, borders, edges tagged in the file and those of --features) are paths of edges of the result, and
+/// written as tagged edges where the format has them. The face property region numbers the regions between features.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau quad part.stl -o quads.obj\n  \
+    carreau quad part.obj -o quads.mesh --quads 10000 --json quads.json --picture quads.png\n  \
+    carreau quad scan.ply -o quads.vtu --edge-length 0.5% --feature-angle 180")]
+pub struct Quad {
+    /// The surface; polygons are divided
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Number of quads, met within 10 % where the features allow it [default: 3000]
+    #[arg(long, value_name = "N", conflicts_with = "edge_length")]
+    quads: Option<usize>,
+    /// Length of the edges instead
+    #[arg(long, value_name = "LENGTH")]
+    edge_length: Option<Length>,
+    /// Edges with a larger angle between their faces stay, in degrees; 180: none but borders and tags [default: 35]
+    #[arg(long, value_name = "DEG")]
+    feature_angle: Option<f64>,
+    /// Further edges that stay: a file with two vertex ids per line
+    #[arg(long, value_name = "FILE")]
+    features: Option<PathBuf>,
+    /// Edges tagged in the file are not special
+    #[arg(long)]
+    ignore_tags: bool,
+    /// The first rung of the ladder that is tried, 1 to 4: the last one always gives a mesh [default: 1]
+    #[arg(long, value_name = "N")]
+    rung: Option<u32>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    quad: QuadOptions,
+    edge_length: Option<Length>,
+    feature_angle: f64,
+    features: Option<PathBuf>,
+    ignore_tags: bool,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let (quad, common) = (QuadOptions::default(), CommonValues::default());
+        Options { quad, edge_length: None, feature_angle: 35.0, features: None, ignore_tags: false, common }
+    }
+}
+
+impl Quad {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("quad", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.quad(session, &options)
+        })
+    }
+
+    /// Defaults, then options file, then flags.
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "quad", &all)?;
+        }
+        all.quad.quads = self.quads.unwrap_or(all.quad.quads);
+        all.quad.rung = self.rung.unwrap_or(all.quad.rung);
+        all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
+        all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
+        all.features = self.features.clone().or(all.features);
+        all.ignore_tags |= self.ignore_tags;
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn quad(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read(&self.input)?.into_surface()?;
+        let context = session.context.clone();
+        let mut wanted = options.quad.clone();
+        wanted.features = feature_options(options.feature_angle, options.ignore_tags, options.features.as_ref())?;
+        wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
+        let result = context.install(|| quad::quads(&mesh, &wanted, &context))?;
+        result.warnings.iter().for_each(|what| session.warn(what.clone()));
+        warn_missing(&result.missing, session);
+        describe(session, &result);
+        let out = RawMesh::from(result.mesh);
+        session.draw(&out)?;
+        let mut counts = json!({ "vertices": out.points.len(), "faces": out.faces.len() });
+        if let Some(file) = &self.output {
+            counts["file"] = json!(file.to_string_lossy());
+            session.write_mesh(file, &out, &WriteOptions::default())?;
+        }
+        session.record.set("output", counts);
+        Ok(())
+    }
+}
+
+/// The record's figures and the summary.
+fn describe(session: &mut Session, result: &Quads) {
+    let q = &result.quality;
+    let count = result.mesh.face_count();
+    session.say(format!("{count} quads, {} regions, rung {}", result.rungs.len(), result.rung()));
+    session.say(format!(
+        "scaled Jacobian: min {:.3}, mean {:.3}; {} irregular vertices, {} inverted quads",
+        q.scaled_jacobian_min, q.scaled_jacobian_mean, q.irregular, q.inverted
+    ));
+    session.say(format!("features kept: {:.3} %", 100.0 * q.feature_recall));
+    if let Some(distance) = q.distance_max {
+        session.say(format!("distance: at most {:.4} % of the diagonal", 100.0 * distance));
+    }
+    session.record.set("quality", q);
+    session.record.set("quads", count);
+    session.record.set("rung", result.rung());
+    session.record.set("rungs", &result.rungs);
+}

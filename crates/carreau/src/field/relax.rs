@@ -1,0 +1,123 @@
+//! Relaxation of orthogonality, equations 4 and 5: the second branch may lean by ρ. The matchings stay as they are, so the
+//! numbers of quads do, too.
+//!
+//! The paper clips |ρ| afterwards, which can raise the energy. Here a ρ beyond the limit is held there and the others are
+//! solved for again, until next to none is beyond it; what would still be dearer than the orthogonal field is not taken.
+
+use super::dual::Dual;
+use super::matching::rotation;
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::NONE;
+use crate::numeric::sparse::{LeastSquares, Plan};
+use std::f64::consts::FRAC_PI_2;
+
+/// ε of the term that favours orthogonality.
+const EPSILON: f64 = 1e-2;
+const MOST_ROUNDS: usize = 12;
+/// From this round on, fewer new ones than one in so many triangles are clipped as in the paper, if that is cheaper.
+const PATIENCE: usize = 2;
+const FEW: usize = 500;
+/// Weight that holds a ρ at the limit. So the matrix has its entries in the same places in every round.
+const HOLD: f64 = 1e6;
+
+/// A field whose second branch is at α + π/2 + ρ.
+pub struct Relaxed {
+    pub alpha: Vec<f64>,
+    pub rho: Vec<f64>,
+}
+
+/// Σ w (r⁰² + r¹²).
+pub fn energy(dual: &Dual<'_>, alpha: &[f64], rho: &[f64], p: &[i32]) -> f64 {
+    let of = |e: u32| {
+        let [i, j] = dual.ends(e as usize).map(|t| rho[t as usize]);
+        let r = rotation(dual, alpha, p, e);
+        let (r0, r1) = if p[e as usize] % 2 == 0 { (r, r - i + j) } else { (r + j, r - i) };
+        dual.weight[e as usize] * (r0 * r0 + r1 * r1)
+    };
+    (0..dual.edges.len() as u32).map(of).sum()
+}
+
+/// The relaxed field, |ρ| ≤ `most` (radians).
+pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Context) -> Result<Relaxed> {
+    let n = dual.triangles.len();
+    let orthogonal = Relaxed { alpha: alpha.to_vec(), rho: vec![0.0; n] };
+    let before = energy(dual, alpha, &orthogonal.rho, p);
+    let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut plan = None;
+    for round in 1..=MOST_ROUNDS {
+        context.check()?;
+        let mut found = solve(dual, alpha, p, &held, &mut plan)?;
+        let mut beyond = 0;
+        for (held, rho) in held.iter_mut().zip(&mut found.rho) {
+            if held.is_none() && rho.abs() > most {
+                *held = Some(most.copysign(*rho));
+                beyond += 1;
+            }
+            *rho = rho.clamp(-most, most);
+        }
+        let is_settled = beyond == 0 || (round >= PATIENCE && beyond * FEW <= n);
+        if is_settled && energy(dual, &found.alpha, &found.rho, p) <= before {
+            return Ok(found);
+        }
+        if beyond == 0 {
+            break;
+        }
+    }
+    Ok(orthogonal)
+}
+
+/// The best field with some ρ held.
+fn solve(dual: &Dual<'_>, alpha: &[f64], p: &[i32], held: &[Option<f64>], plan: &mut Option<Plan>) -> Result<Relaxed> {
+    let n = dual.triangles.len();
+    let mut alpha_of = vec![NONE; n];
+    let anchored = dual.constrained.contains(&true);
+    // ρ_i is unknown i, the α follow.
+    let mut count = n as u32;
+    for i in 0..n {
+        if !dual.constrained[i] && (anchored || i > 0) {
+            alpha_of[i] = count;
+            count += 1;
+        }
+    }
+    let mut system = LeastSquares::new(count as usize);
+    for e in 0..dual.edges.len() {
+        let [i, j] = dual.ends(e);
+        let (mut terms, mut constant) = ([(0, 0.0); 4], dual.turn[e] + f64::from(p[e]) * FRAC_PI_2);
+        let mut len = 0;
+        for (t, factor) in [(i, -1.0), (j, 1.0)] {
+            match alpha_of[t as usize] {
+                NONE => constant += factor * alpha[t as usize],
+                number => {
+                    terms[len] = (number, factor);
+                    len += 1;
+                }
+            }
+        }
+        // Equation 4: the branch that leans in j is the second of i, or, after an odd number of quarter turns, the first.
+        let mut add = |more: &[(u32, f64)]| {
+            terms[len..len + more.len()].copy_from_slice(more);
+            system.add(dual.weight[e], &terms[..len + more.len()], constant);
+        };
+        if p[e] % 2 == 0 {
+            add(&[]);
+            add(&[(i, -1.0), (j, 1.0)]);
+        } else {
+            add(&[(j, 1.0)]);
+            add(&[(i, -1.0)]);
+        }
+    }
+    for (i, held) in (0u32..).zip(held) {
+        match held {
+            Some(rho) => system.add(HOLD, &[(i, 1.0)], -rho),
+            None => system.add(EPSILON, &[(i, 1.0)], 0.0),
+        }
+    }
+    // A triangle among features alone has no edge to say what its direction is.
+    for (i, &number) in alpha_of.iter().enumerate().filter(|(_, number)| **number != NONE) {
+        system.add(1e-9, &[(number, 1.0)], -alpha[i]);
+    }
+    let x = system.solve(plan)?;
+    let alpha_found = |(&number, &before): (&u32, &f64)| if number == NONE { before } else { x[number as usize] };
+    Ok(Relaxed { alpha: alpha_of.iter().zip(alpha).map(alpha_found).collect(), rho: x[..n].to_vec() })
+}

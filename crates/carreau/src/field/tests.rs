@@ -1,0 +1,218 @@
+//! Properties of whole fields on made models.
+
+use super::*;
+use crate::mesh::test_models::{moved, strip, triangles};
+use crate::sample;
+use glam::DQuat;
+use proptest::prelude::*;
+
+fn of(mesh: &SurfaceMesh, options: &FieldOptions) -> Field {
+    let field = field(mesh, options, &Context::new()).unwrap();
+    check(&field);
+    field
+}
+
+fn part(name: &str) -> SurfaceMesh {
+    sample::make(name, None, &Context::new()).unwrap()
+}
+
+/// What every field promises; the sums of the indices per region are those of its Euler number.
+fn check(field: &Field) {
+    let conditioned = Conditioned {
+        mesh: field.mesh.clone(),
+        feature: {
+            let is_feature = |c: usize| {
+                let c = CornerId::new(c);
+                let (a, b) = (field.mesh.vertex(c).0, field.mesh.vertex(field.mesh.next(c)).0);
+                field.features.binary_search(&[a.min(b), a.max(b)]).is_ok()
+            };
+            (0..field.mesh.corner_count()).map(is_feature).collect()
+        },
+        source: field.source.clone(),
+    };
+    let dual = Dual::new(&conditioned).unwrap();
+    let t = dual.triangles;
+    // One constraint per triangle, which its frame follows; one end on features per free edge.
+    let mut on_feature = vec![false; t.points().len()];
+    field.features.iter().flatten().for_each(|&v| on_feature[v as usize] = true);
+    for i in 0..t.len() as u32 {
+        let own: Vec<u32> = (3 * i..3 * i + 3).filter(|&c| conditioned.feature[c as usize]).collect();
+        assert!(own.len() < 2);
+        let (u, v) = (field.u[i as usize], field.v[i as usize]);
+        for c in own {
+            let along = (t.point(t.next(c)) - t.point(c)).normalize();
+            assert!(along.cross(u).length().min(along.cross(v).length()) < 1e-9);
+        }
+    }
+    assert!(
+        dual.edges.iter().all(|&c| !(on_feature[t.vertex(c) as usize] && on_feature[t.vertex(t.next(c)) as usize]))
+    );
+    // Quads as the matchings and the frames say.
+    let p: Vec<i32> = field.matchings.iter().map(|m| m.p).collect();
+    let alpha: Vec<f64> = (0..t.len()).map(|i| field.u[i].dot(dual.y[i]).atan2(field.u[i].dot(dual.x[i]))).collect();
+    for (fan, corner) in dual.fans.iter().zip(&field.corners) {
+        let k = matching::exact_quads(&dual, &alpha, &p, fan);
+        // α is known up to whole turns, which are four quarter turns each.
+        assert!((k - k.round()).abs() < 1e-9 && (k.round() as i32 - corner.quads).rem_euclid(4) == 0, "{k} {corner:?}");
+    }
+    // Four times the index of every fan, summed over the regions that features divide.
+    let mut region: Vec<u32> = (0..t.len() as u32).collect();
+    let root = |region: &[u32], mut i: u32| {
+        while region[i as usize] != i {
+            i = region[i as usize];
+        }
+        i
+    };
+    for m in &field.matchings {
+        let [a, b] = m.triangles.map(|i| root(&region, i));
+        region[a.max(b) as usize] = a.min(b);
+    }
+    let mut sum = vec![0; t.len()];
+    for (fan, corner) in dual.fans.iter().zip(&field.corners) {
+        let own = root(&region, dual.corners(fan)[0] / 3) as usize;
+        // A vertex counts for the Euler number, a quarter turn for the index.
+        sum[own] += 4 - if corner.closed { 4 } else { 2 } + corner.quads;
+    }
+    for m in &field.matchings {
+        sum[root(&region, m.triangles[0]) as usize] -= 4;
+    }
+    (0..3 * t.len() as u32)
+        .filter(|&c| conditioned.feature[c as usize])
+        .for_each(|c| sum[root(&region, c / 3) as usize] -= 4);
+    (0..t.len() as u32).for_each(|i| sum[root(&region, i) as usize] += 4);
+    assert!(sum.iter().all(|&s| s == 0), "index sums: {:?}", sum.iter().filter(|&&s| s != 0).collect::<Vec<_>>());
+}
+
+/// Separate triangles, each divided into n² ones, with a corner of each angle.
+fn corners(angles: &[f64], n: u32, skew: f64) -> SurfaceMesh {
+    let mut points = Vec::new();
+    let mut faces = Vec::new();
+    for (k, angle) in angles.iter().enumerate() {
+        let origin = DVec3::new(3.0 * k as f64, 0.0, 0.0);
+        let arm = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0) * (1.0 + skew);
+        let base = points.len() as u32;
+        let row = |i: u32| base + i * (2 * n + 3 - i) / 2;
+        for i in 0..=n {
+            for j in 0..=n - i {
+                points.push(origin + (DVec3::X * f64::from(j) + arm * f64::from(i)) / f64::from(n));
+            }
+        }
+        for i in 0..n {
+            for j in 0..n - i {
+                faces.push([row(i) + j, row(i) + j + 1, row(i + 1) + j]);
+                if j + 1 < n - i {
+                    faces.push([row(i) + j + 1, row(i + 1) + j + 1, row(i + 1) + j]);
+                }
+            }
+        }
+    }
+    triangles(&points, &faces)
+}
+
+#[test]
+fn ten_thousand_corners_from_half_a_degree_have_room_for_a_quad() {
+    let mut classic_poles = 0;
+    for round in 0..50u32 {
+        let angle = |k: u32| 0.5 + 89.0 * f64::from(200 * (k % 50) + 4 * (k / 50) + round) / 9999.0;
+        let angles: Vec<f64> = (0..200).map(angle).collect();
+        let mesh = corners(&angles, 2 + round % 4, f64::from(round % 7) / 6.0);
+        let options = FieldOptions::default();
+        let found = field(&mesh, &options, &Context::new()).unwrap();
+        assert_eq!(found.poles(), [0, 0]);
+        assert!(found.energy[1] <= found.energy[0]);
+        if round == 0 {
+            check(&found);
+            classic_poles = of(&mesh, &options.classic()).poles()[0];
+        }
+    }
+    // That is what the pins are for.
+    assert!(classic_poles >= 50, "{classic_poles}");
+}
+
+#[test]
+fn parts_have_fields_without_poles() {
+    for name in ["bracket", "cube-cylinders", "rounded-box", "open-cylinder", "wedge", "torus"] {
+        let mesh = part(name);
+        for propagation in [Propagation::None, Propagation::Local, Propagation::Global] {
+            let found = of(&mesh, &FieldOptions { propagation, ..FieldOptions::default() });
+            assert_eq!(found.poles(), [0, 0], "{name}");
+            assert!(found.energy[1] <= found.energy[0], "{name}");
+            assert!(found.lean_deg() <= 60.0 + 1e-9);
+        }
+        let options = FieldOptions { orthogonal: true, ..FieldOptions::default() };
+        let orthogonal = of(&mesh, &options);
+        assert!(orthogonal.lean_deg() < 1e-9 && orthogonal.energy[0] == orthogonal.energy[1]);
+    }
+}
+
+#[test]
+fn the_same_for_any_number_of_threads_and_in_any_position() {
+    let mesh = part("bracket");
+    let options = FieldOptions::default();
+    let found = of(&mesh, &options);
+    for threads in [1, 2] {
+        let context = Context::new().with_threads(threads).unwrap();
+        let again = context.install(|| field(&mesh, &options, &context)).unwrap();
+        assert!(again.layout() == found.layout());
+    }
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 1.1);
+    let elsewhere = of(&moved(&mesh, |p| turn * p * 20.0 + DVec3::new(5.0, -3.0, 9.0)), &options);
+    let quads = |f: &Field| f.corners.iter().map(|c| (c.vertex, c.quads)).collect::<Vec<_>>();
+    assert_eq!(quads(&elsewhere), quads(&found));
+    assert!((elsewhere.energy[1] / found.energy[1] - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn layouts_hold_the_whole_field() {
+    let found = of(&part("wedge"), &FieldOptions::default());
+    let json: serde_json::Value = serde_json::from_slice(&found.layout()).unwrap();
+    let count = |name: &str| json[name].as_array().unwrap().len();
+    assert_eq!(count("vertices"), found.mesh.vertex_count());
+    assert_eq!([count("triangles"), count("u"), count("v")], [found.mesh.face_count(); 3]);
+    assert_eq!((count("features"), count("edges")), (found.features.len(), found.matchings.len()));
+    assert_eq!(count("singularities"), found.singularities());
+    assert_eq!(json["vertices"][1][2].as_f64(), Some(found.mesh.points()[1].z));
+}
+
+#[test]
+fn what_cannot_carry_a_field_is_refused_or_repaired() {
+    let (options, context) = (FieldOptions::default(), Context::new());
+    let refused = |mesh: &SurfaceMesh| matches!(field(mesh, &options, &context), Err(Error::Input { .. }));
+    assert!(refused(&triangles(&[DVec3::ZERO], &[])));
+    assert!(refused(&strip(9, 1)));
+    for lean_deg in [-1.0, 90.0, f64::NAN] {
+        let wrong = FieldOptions { lean_deg, ..FieldOptions::default() };
+        assert!(matches!(field(&part("torus"), &wrong, &context), Err(Error::Options(_))));
+    }
+    let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    assert!(matches!(field(&part("torus"), &options, &Context::new().with_cancel(flag)), Err(Error::Cancelled)));
+    let repaired = of(&crate::mesh::test_models::cubes_sharing_an_edge(), &options);
+    assert!(!repaired.repaired.is_empty());
+    // A single triangle, all of whose sides are features.
+    let one = of(&triangles(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]]), &options);
+    assert_eq!(one.poles(), [0, 0]);
+}
+
+#[test]
+fn diagonals_of_polygons_are_no_features() {
+    let cube = crate::mesh::test_models::cube(DVec3::ZERO, 1.0);
+    let found = of(&cube, &FieldOptions::default());
+    assert_eq!(found.features.len(), 12);
+    assert!(found.corners.iter().all(|c| if c.closed { c.quads == 4 } else { c.quads == 1 }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn any_triangles_have_a_field(coordinates in prop::collection::vec(-1.0f64..1.0, 24), limit in 10.0f64..180.0) {
+        // An octahedron's connectivity on any eight places, two of them between others.
+        let p: Vec<DVec3> = coordinates.chunks(3).map(DVec3::from_slice).collect();
+        let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]];
+        let mesh = triangles(&p[..6], &faces);
+        let mut options = FieldOptions::default();
+        options.features.angle_deg = Some(limit);
+        let found = of(&mesh, &options);
+        prop_assert_eq!(found.poles()[0], 0);
+        prop_assert!(found.energy[1] <= found.energy[0]);
+    }
+}

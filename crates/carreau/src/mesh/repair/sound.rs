@@ -1,0 +1,135 @@
+//! Triangles that methods can rely on: repaired only where that is needed.
+
+use super::{RepairOptions, repair};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{CornerId, NONE, Polygons, Side, SurfaceMesh, Triangles, area_vector, safe_length};
+use rustc_hash::FxHashSet;
+
+/// Faces with less area, relative to the squared diagonal, count as flat.
+const FLAT: f64 = 1e-14;
+
+/// A triangulated mesh (without attributes, if it had polygons) without flat or repeated faces, consistently oriented, cut into sheets where it is not manifold; and
+/// a sentence for everything that was done. A sound mesh is only triangulated.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Deadline`].
+pub fn sound(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
+    let mesh = divided(mesh)?;
+    if !needs_repair(&mesh) {
+        return Ok((mesh, Vec::new()));
+    }
+    let repaired = repair(&mesh, &RepairOptions { weld: None, outward: false, ..RepairOptions::default() }, context)?;
+    let said = repaired.report.sentences();
+    Ok((repaired.mesh.triangulated()?, said))
+}
+
+/// Fans the polygons from their first corner, or, where that would repeat an edge (two quads that share three vertices),
+/// from the next one that does not.
+fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
+    if mesh.is_triangular() {
+        return Ok(mesh.clone());
+    }
+    let key = |a: u32, b: u32| (a.min(b), a.max(b));
+    let sides = |face: &[u32]| (0..face.len()).map(|k| key(face[k], face[(k + 1) % face.len()])).collect::<Vec<_>>();
+    let mut edges: FxHashSet<(u32, u32)> = mesh.faces().iter().flat_map(sides).collect();
+    let mut faces = Polygons::new();
+    for face in mesh.faces().iter() {
+        let n = face.len();
+        let diagonals = |from: usize| (2..n - 1).map(move |k| key(face[from], face[(from + k) % n]));
+        let from = (0..n).find(|&from| diagonals(from).all(|d| !edges.contains(&d))).unwrap_or(0);
+        edges.extend(diagonals(from));
+        faces.push_iter((0..n).map(|k| face[(from + k) % n]));
+    }
+    let mut turned = SurfaceMesh::new(mesh.points().to_vec(), faces)?;
+    turned.tagged_edges = mesh.tagged_edges.clone();
+    turned.triangulated()
+}
+
+fn needs_repair(mesh: &SurfaceMesh) -> bool {
+    let flat = FLAT * mesh.diagonal().powi(2);
+    let is_flat = |f: &[u32]| safe_length(area_vector(mesh.points(), f)) <= flat;
+    let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
+    let pillow = |f: usize| {
+        let across = |k: usize| mesh.opposite(CornerId::new(3 * f + k)).map(|o| mesh.face_of(o));
+        across(0).is_some() && across(0) == across(1) && across(1) == across(2)
+    };
+    mesh.faces().iter().any(is_flat)
+        || (0..mesh.corner_count()).any(irregular)
+        || (0..mesh.face_count()).any(pillow)
+        || !is_umbrella(mesh)
+}
+
+/// Whether the faces around every vertex are one fan.
+fn is_umbrella(mesh: &SurfaceMesh) -> bool {
+    let Some(t) = Triangles::of(mesh) else { return false };
+    let mut fans = vec![0u8; mesh.vertex_count()];
+    let mut seen = vec![false; mesh.corner_count()];
+    for corner in 0..mesh.corner_count() as u32 {
+        if seen[corner as usize] {
+            continue;
+        }
+        let v = t.vertex(corner) as usize;
+        fans[v] = fans[v].saturating_add(1);
+        // Both ways around, until a border or back.
+        for turn in [true, false] {
+            let mut c = corner;
+            loop {
+                seen[c as usize] = true;
+                c = match turn {
+                    true => t.opposite(t.previous(c)),
+                    false => match t.opposite(c) {
+                        NONE => NONE,
+                        o => t.next(o),
+                    },
+                };
+                if c == NONE || seen[c as usize] {
+                    break;
+                }
+            }
+        }
+    }
+    fans.iter().all(|&n| n < 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_models::*;
+    use glam::DVec3;
+
+    fn sentences(mesh: &SurfaceMesh) -> (SurfaceMesh, usize) {
+        let (mesh, said) = sound(mesh, &Context::new()).unwrap();
+        assert!(!needs_repair(&mesh));
+        (mesh, said.len())
+    }
+
+    #[test]
+    fn sound_meshes_stay_as_they_are() {
+        for mesh in [grid(4), cube(DVec3::ZERO, 1.0)] {
+            let (out, said) = sentences(&mesh);
+            assert_eq!((out.points(), said), (mesh.points(), 0));
+        }
+    }
+
+    #[test]
+    fn quads_that_share_three_vertices_are_divided_apart() {
+        let p = [DVec3::ZERO, DVec3::X, DVec3::new(1., 1., 0.), DVec3::Y, DVec3::new(0.6, 0.4, 0.0)];
+        // Around vertex 1 and its two edges, both with the diagonal 0 2 if fanned from their first corners.
+        let mut faces = Polygons::new();
+        faces.push(&[0, 4, 2, 3]);
+        faces.push(&[0, 1, 2, 4]);
+        let mesh = SurfaceMesh::new(p.to_vec(), faces).unwrap();
+        let (out, said) = sentences(&mesh);
+        assert_eq!((out.face_count(), out.vertex_count(), said), (4, 5, 0));
+    }
+
+    #[test]
+    fn what_is_not_manifold_is_cut_and_reported() {
+        assert!(sentences(&cubes_sharing_an_edge()).1 > 0);
+        // Two triangles that touch in a vertex.
+        let p = [DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
+        let (out, said) = sentences(&triangles(&p, &[[0, 1, 2], [0, 3, 4]]));
+        assert!(out.vertex_count() == 6 && said > 0);
+    }
+}

@@ -1,0 +1,232 @@
+//! Polygons cut into triangles: ears, the best shaped first (Meisters, "Polygons have ears", 1975).
+//!
+//! ```text
+//! 3───2        3───2
+//! │   │   →    │ ╱ │    an ear: three corners in a row, cut off by the diagonal between the outer two
+//! 0───1        0───1
+//! ```
+//!
+//! An ear is better the better its shape is. It is bad where it is turned against the polygon, or where another corner lies
+//! within, and worse still where its diagonal is an edge already: a third triangle on an edge makes a surface something
+//! else. With four corners left both triangles count, so that a quad gets its shorter diagonal if that is allowed. Between
+//! equals, as in a rectangle, the cut is that of a fan from the first corner.
+
+use super::area::{area_vector, mean_ratio, triangle_area_vector};
+use super::half_edges::HalfEdges;
+use super::polygons::Polygons;
+use glam::DVec3;
+use std::collections::HashSet;
+
+/// Larger polygons are fanned: ears take quadratic time, or cubic where many corners are reflex.
+const MOST_CORNERS: usize = 1000;
+/// What a diagonal that is an edge already costs, more than any shape is worth.
+const EDGE_PENALTY: f64 = 4.0;
+/// What another corner within costs.
+const INSIDE_PENALTY: f64 = 2.0;
+/// An ear must be better by more than this to be preferred to an earlier one: rounding shall not choose.
+const MARGIN: f64 = 1e-9;
+
+/// Triangles, the corner of the polygons that each of their corners is, and the polygon of each.
+pub struct Cut {
+    pub triangles: Vec<[u32; 3]>,
+    pub corners: Vec<u32>,
+    pub parent: Vec<u32>,
+}
+
+/// Cuts all polygons, in their order.
+pub fn triangulate(points: &[DVec3], faces: &Polygons) -> Cut {
+    let mut cutter = Cutter {
+        points,
+        edges: HalfEdges::new(faces, points.len()),
+        diagonals: HashSet::new(),
+        cut: Cut { triangles: Vec::new(), corners: Vec::new(), parent: Vec::new() },
+        rest: Vec::new(),
+        scores: Vec::new(),
+    };
+    for (f, face) in faces.iter().enumerate() {
+        cutter.add(f as u32, face, faces.offsets()[f]);
+    }
+    cutter.cut
+}
+
+struct Cutter<'a> {
+    points: &'a [DVec3],
+    edges: HalfEdges,
+    /// Diagonals so far, the smaller vertex first.
+    diagonals: HashSet<[u32; 2]>,
+    cut: Cut,
+    /// What is left of a polygon: positions in it.
+    rest: Vec<u32>,
+    /// How good the ear at each of them is.
+    scores: Vec<f64>,
+}
+
+impl Cutter<'_> {
+    fn add(&mut self, parent: u32, face: &[u32], first: u32) {
+        let push = |cut: &mut Cut, ear: [u32; 3]| {
+            cut.triangles.push(ear.map(|k| face[k as usize]));
+            cut.corners.extend(ear.map(|k| first + k));
+            cut.parent.push(parent);
+        };
+        if face.len() > MOST_CORNERS {
+            (1..face.len() as u32 - 1).for_each(|k| push(&mut self.cut, [0, k, k + 1]));
+            return;
+        }
+        let normal = area_vector(self.points, face);
+        self.rest.clear();
+        self.rest.extend(0..face.len() as u32);
+        self.scores.clear();
+        self.scores.resize(if face.len() > 3 { face.len() } else { 0 }, 0.0);
+        for k in 0..self.scores.len() {
+            self.scores[k] = self.score(face, normal, k);
+        }
+        while self.rest.len() > 3 {
+            let n = self.rest.len();
+            // From the second corner on, as a fan has it.
+            let best =
+                (1..=n).map(|k| k % n).reduce(|a, b| if self.scores[b] > self.scores[a] + MARGIN { b } else { a });
+            let Some(k) = best else { return };
+            let ear = self.ear(k);
+            push(&mut self.cut, ear);
+            self.diagonals.insert(sorted(face[ear[0] as usize], face[ear[2] as usize]));
+            self.rest.remove(k);
+            self.scores.remove(k);
+            let n = n - 1;
+            // With four corners left the ears are judged anew, by both triangles.
+            let changed = if n == 4 { 0..n } else { 0..2 };
+            for j in changed.map(|j| if n == 4 { j } else { (k + n - 1 + j) % n }) {
+                self.scores[j] = self.score(face, normal, j);
+            }
+        }
+        push(&mut self.cut, [self.rest[0], self.rest[1], self.rest[2]]);
+    }
+
+    /// The ear at the `k`-th of the corners left, in ascending order for those in the midst.
+    fn ear(&self, k: usize) -> [u32; 3] {
+        let n = self.rest.len();
+        [self.rest[(k + n - 1) % n], self.rest[k], self.rest[(k + 1) % n]]
+    }
+
+    fn score(&self, face: &[u32], normal: DVec3, k: usize) -> f64 {
+        let ear = self.ear(k);
+        let mut score = self.shape(face, normal, ear);
+        if self.rest.len() == 4 {
+            score = score.min(self.shape(face, normal, self.ear((k + 2) % 4)));
+        }
+        let [a, b] = [ear[0], ear[2]].map(|k| face[k as usize]);
+        if a == b || self.edges.find(a, b).is_some() || self.diagonals.contains(&sorted(a, b)) {
+            score -= EDGE_PENALTY;
+        }
+        if self.rest.len() > 4 && self.rest.iter().any(|&other| self.is_inside(face, normal, ear, other)) {
+            score -= INSIDE_PENALTY;
+        }
+        score
+    }
+
+    /// The shape of a triangle of the polygon, negative where it is turned.
+    fn shape(&self, face: &[u32], normal: DVec3, triangle: [u32; 3]) -> f64 {
+        let [a, b, c] = triangle.map(|k| self.points[face[k as usize] as usize]);
+        let turned = triangle_area_vector(a, b, c).dot(normal) < 0.0;
+        if turned { -mean_ratio(a, b, c) } else { mean_ratio(a, b, c) }
+    }
+
+    /// Whether a corner lies within an ear or on its rim, seen along the normal.
+    fn is_inside(&self, face: &[u32], normal: DVec3, ear: [u32; 3], other: u32) -> bool {
+        let vertex = face[other as usize];
+        if ear.iter().any(|&k| face[k as usize] == vertex) {
+            return false;
+        }
+        let p = self.points[vertex as usize];
+        let [a, b, c] = ear.map(|k| self.points[face[k as usize] as usize]);
+        [[a, b], [b, c], [c, a]].iter().all(|&[a, b]| triangle_area_vector(a, b, p).dot(normal) >= 0.0)
+    }
+}
+
+fn sorted(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::TAU;
+
+    fn cut(points: &[DVec3], faces: &[&[u32]]) -> Cut {
+        triangulate(points, &faces.iter().copied().collect())
+    }
+
+    fn flat(points: &[(f64, f64)]) -> Vec<DVec3> {
+        points.iter().map(|&(x, y)| DVec3::new(x, y, 0.0)).collect()
+    }
+
+    #[test]
+    fn a_quad_gets_its_shorter_diagonal_and_a_square_the_first() {
+        let rhombus = flat(&[(-2.0, 0.0), (0.0, -1.0), (2.0, 0.0), (0.0, 1.0)]);
+        let found = cut(&rhombus, &[&[0, 1, 2, 3]]);
+        assert!(found.triangles.iter().all(|t| t.contains(&1) && t.contains(&3)), "{:?}", found.triangles);
+        let square = flat(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
+        assert_eq!(cut(&square, &[&[0, 1, 2, 3]]).triangles, [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn a_dart_is_cut_at_its_reflex_corner_wherever_that_is() {
+        let dart = flat(&[(0.0, 0.0), (2.0, -1.0), (0.5, 0.0), (2.0, 1.0)]);
+        for turn in 0..4 {
+            let face: Vec<u32> = (0..4).map(|k| (k + turn) % 4).collect();
+            let found = cut(&dart, &[&face]);
+            assert!(found.triangles.iter().all(|t| t.contains(&0) && t.contains(&2)));
+        }
+    }
+
+    /// Two quads that share three vertices: the middle one has no other face, and both shorter diagonals are the same.
+    #[test]
+    fn quads_that_share_three_vertices_do_not_share_a_diagonal() {
+        let points = flat(&[(0.0, 0.0), (3.0, -1.0), (3.0, 1.0), (1.0, 0.0), (6.0, 0.0)]);
+        let (left, right) = ([0, 1, 3, 2], [1, 4, 2, 3]);
+        let found = cut(&points, &[&left, &right]);
+        let faces = Polygons::from_triangles(&found.triangles);
+        assert!(HalfEdges::new(&faces, points.len()).groups().all(|e| e.len() <= 2), "{:?}", found.triangles);
+    }
+
+    #[test]
+    fn corners_and_parents_are_those_of_the_polygons() {
+        let points: Vec<DVec3> = (0..9).map(|k| DVec3::new(f64::from(k).cos(), f64::from(k).sin(), 0.0)).collect();
+        let faces: Polygons = [&[0, 1, 2][..], &[3, 4, 5, 6, 7], &[8, 0, 2, 4]].into_iter().collect();
+        let found = triangulate(&points, &faces);
+        assert_eq!(found.parent, [0, 1, 1, 1, 2, 2]);
+        for (k, &c) in found.corners.iter().enumerate() {
+            assert_eq!(found.triangles.as_flattened()[k], faces.corners()[c as usize]);
+            let f = found.parent[k / 3] as usize;
+            assert!((faces.offsets()[f]..faces.offsets()[f + 1]).contains(&c));
+        }
+    }
+
+    #[test]
+    fn large_and_degenerate_polygons_end() {
+        let n = MOST_CORNERS as u32 + 5;
+        let points: Vec<DVec3> = (0..n).map(|k| DVec3::new(f64::from(k), f64::from(k % 2), 0.0)).collect();
+        let large: Vec<u32> = (0..n).collect();
+        assert_eq!(cut(&points, &[&large]).triangles.len(), n as usize - 2);
+        assert_eq!(cut(&points, &[&[0, 0, 0, 0, 0], &[1, 2, 1, 2]]).triangles.len(), 5);
+        let folded: Vec<DVec3> = [0.0, 2.0, 1.0, 3.0, 1.5].map(|x| DVec3::new(x, 0.0, 0.0)).to_vec();
+        assert_eq!(cut(&folded, &[&[0, 1, 2, 3, 4]]).triangles.len(), 3);
+    }
+
+    proptest! {
+        /// Star-shaped polygons, reflex corners and all: no triangle is turned, and the areas add up.
+        #[test]
+        fn no_triangle_is_turned(radii in prop::collection::vec(0.2f64..1.0, 4..24)) {
+            let n = radii.len();
+            let at = |k: usize| { let s = TAU * k as f64 / n as f64; DVec3::new(radii[k] * s.cos(), radii[k] * s.sin(), 3.0) };
+            let points: Vec<DVec3> = (0..n).map(at).collect();
+            let face: Vec<u32> = (0..n as u32).collect();
+            let area = |t: &[u32]| area_vector(&points, t).z;
+            let triangles = cut(&points, &[&face]).triangles;
+            prop_assert_eq!(triangles.len(), n - 2);
+            prop_assert!(triangles.iter().all(|t| area(t) > -1e-12));
+            let sum: f64 = triangles.iter().map(|t| area(t).abs()).sum();
+            prop_assert!((sum - area(&face)).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Room 4: all-quad meshes that keep every feature, for any surface.
+//!
+//! A ladder of methods, the best first; a validator between the rungs decides whether a result is shown.
+//!
+//! | rung | file | method |
+//! |---|---|---|
+//! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids in its patches |
+//! | 2 | `regular` | the same at twice the size; triangles, paired, in patches that take no grid; all halved |
+//! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
+//! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
+//!
+//! | stages of rung 1 | file |
+//! |---|---|
+//! | triangles that tracks are drawn into | `sheet` |
+//! | the motorcycle graph | `trace` |
+//! | patches, sides, numbers of quads | `layout` |
+//! | grids | `fill` |
+//!
+//! | shared | file |
+//! |---|---|
+//! | regions and feature curves of the source | `source` |
+//! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
+//! | the validator, figures | `validate`, `quality` |
+
+mod fill;
+mod halve;
+mod layout;
+mod pair;
+mod quality;
+mod regular;
+mod sheet;
+mod smooth;
+mod source;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod validate;
+mod work;
+
+pub use quality::QuadQuality;
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::features::FeatureOptions;
+use crate::mesh::{Column, Polygons, SurfaceMesh, VertexId};
+use halve::{Middle, halve};
+use serde::{Deserialize, Serialize};
+use source::Source;
+use work::{Place, Work};
+
+/// Options of [`quads`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct QuadOptions {
+    /// What has to stay.
+    #[serde(skip)]
+    pub features: FeatureOptions,
+    /// Number of quads, met within 10 % where the features allow it.
+    pub quads: usize,
+    /// Length of the edges instead, in the unit of the file.
+    #[serde(skip)]
+    pub edge_length: Option<f64>,
+    /// The first rung that is tried, 1 to 4.
+    pub rung: u32,
+}
+
+impl Default for QuadOptions {
+    fn default() -> Self {
+        QuadOptions { features: FeatureOptions::default(), quads: 3000, edge_length: None, rung: 1 }
+    }
+}
+
+/// The rung that a region between features was made on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct RegionRung {
+    /// Number of the region: the face column `region` of the mesh.
+    pub region: u32,
+    /// The rung.
+    pub rung: u32,
+    /// Its quads.
+    pub quads: usize,
+}
+
+/// An all-quad mesh.
+#[derive(Debug, Clone)]
+pub struct Quads {
+    /// The quads, with the face column `region`; the features are its tagged edges.
+    pub mesh: SurfaceMesh,
+    /// What was achieved.
+    pub quality: QuadQuality,
+    /// How.
+    pub rungs: Vec<RegionRung>,
+    /// What was repaired before, and what could not be reached, one sentence each.
+    pub warnings: Vec<String>,
+    /// Tagged and listed edges that the mesh does not have.
+    pub missing: Vec<[VertexId; 2]>,
+}
+
+impl Quads {
+    /// The worst rung.
+    pub fn rung(&self) -> u32 {
+        self.rungs.iter().map(|r| r.rung).max().unwrap_or(0)
+    }
+}
+
+/// Numbers of quads are met within this share.
+const WITHIN: f64 = 0.1;
+/// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
+const RUNS: usize = 4;
+const SHORTER: f64 = 0.7;
+
+/// Makes an all-quad mesh in which every feature is a path of edges.
+///
+/// ```
+/// use carreau::{Context, quad, sample};
+/// let context = Context::new();
+/// let mesh = sample::make("bracket", None, &context)?;
+/// let result = quad::quads(&mesh, &quad::QuadOptions::default(), &context)?;
+/// assert!(result.mesh.faces().iter().all(|f| f.len() == 4));
+/// assert_eq!(result.quality.inverted, 0);
+/// # Ok::<(), carreau::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Cancelled`],
+/// [`Error::Deadline`].
+pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
+    check(options)?;
+    let source = Source::new(mesh, &options.features, context)?;
+    let mut warnings = source.surface.repaired.clone();
+    let (work, rung) = match first(&source, options, &mut warnings, context)? {
+        Some(made) => made,
+        None => match third(&source, options, &mut warnings, context)? {
+            Some(work) => (work, 3),
+            None => (fourth(&source), 4),
+        },
+    };
+    let count = work.faces.len();
+    if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
+        warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
+    }
+    let mut quality = quality::measure(&work, &source);
+    quality.distance_max = Some(quality::distance(&work, &source, context)?);
+    finish(&source, work, rung, quality, warnings)
+}
+
+fn check(options: &QuadOptions) -> Result<()> {
+    if options.quads == 0 || options.quads > 100_000_000 {
+        return Err(Error::Options(format!("{} quads: a number from 1 to 100 million is expected", options.quads)));
+    }
+    if options.edge_length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
+        return Err(Error::Options("the edge length must be above 0".into()));
+    }
+    if !(1..=4).contains(&options.rung) {
+        return Err(Error::Options(format!("there is no rung {}: 1 to 4", options.rung)));
+    }
+    Ok(())
+}
+
+fn off(count: usize, wanted: usize) -> f64 {
+    (count as f64 / wanted as f64 - 1.0).abs()
+}
+
+/// Rungs 1 and 2; `None` where they do not come to an end or the validator refuses.
+fn first(
+    source: &Source,
+    options: &QuadOptions,
+    warnings: &mut Vec<String>,
+    context: &Context,
+) -> Result<Option<(Work, u32)>> {
+    if options.rung > 2 {
+        return Ok(None);
+    }
+    let feature_deg = options.features.angle_deg.unwrap_or(180.0);
+    let (length, wanted) = match options.edge_length {
+        Some(length) => (length, None),
+        None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
+    };
+    let outcome = match regular::regular(source, length, wanted, feature_deg, options.rung == 1, context) {
+        Err(Error::Numeric(why)) => Err(why),
+        other => other?,
+    };
+    let refused = match outcome {
+        Ok((mut work, rung)) => {
+            smooth::smooth(&mut work, source, context)?;
+            match validate::refusal(&work, &work.to_mesh()?, source)? {
+                None => return Ok(Some((work, rung))),
+                Some(why) => why,
+            }
+        }
+        Err(why) => why,
+    };
+    warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
+    Ok(None)
+}
+
+/// Rung 3, with the number of quads met as nearly as it goes; `None` where the validator refuses.
+fn third(
+    source: &Source,
+    options: &QuadOptions,
+    warnings: &mut Vec<String>,
+    context: &Context,
+) -> Result<Option<Work>> {
+    if options.rung > 3 {
+        return Ok(None);
+    }
+    let feature_deg = options.features.angle_deg.unwrap_or(180.0);
+    // A triangle of the coarse mesh becomes two quads, about.
+    let triangles = options.quads as f64 / 2.0;
+    let mut length = match options.edge_length {
+        Some(length) => 2.0 * length,
+        None => (source.area / triangles * 4.0 / 3f64.sqrt()).sqrt(),
+    };
+    let mut best: Option<Work> = None;
+    let mut refused = String::new();
+    for _ in 0..RUNS {
+        let Some(coarse) = attempt(pair::paired(source, length, feature_deg, context))? else {
+            length *= SHORTER;
+            continue;
+        };
+        let mut work = halve(&coarse, source, Middle::OnSurface);
+        smooth::smooth(&mut work, source, context)?;
+        if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
+            refused = why;
+            length *= SHORTER;
+            continue;
+        }
+        let count = work.faces.len();
+        if best.as_ref().is_none_or(|b| off(count, options.quads) < off(b.faces.len(), options.quads)) {
+            best = Some(work);
+        }
+        if options.edge_length.is_some() || off(count, options.quads) < 0.5 * WITHIN {
+            break;
+        }
+        length *= (count as f64 / options.quads as f64).sqrt();
+    }
+    if best.is_none() {
+        warnings.push(format!("rung 3 was refused ({refused}): every triangle becomes three quads"));
+    }
+    Ok(best)
+}
+
+/// What a rung cannot do is for the next one; a deadline, a cancellation or a defect is not.
+fn attempt<T>(result: Result<Option<T>>) -> Result<Option<T>> {
+    match result {
+        Err(Error::Numeric(_) | Error::Input { .. }) => Ok(None),
+        other => other,
+    }
+}
+
+/// Rung 4: always.
+fn fourth(source: &Source) -> Work {
+    let mesh = &source.surface.mesh;
+    let mut place = vec![Place::Fixed; mesh.vertex_count()];
+    for (c, &v) in mesh.faces().corners().iter().enumerate() {
+        place[v as usize] = Place::Region(source.region[c / 3]);
+    }
+    let features: Vec<([u32; 2], u32)> = source.edges.iter().copied().zip(source.curve.iter().copied()).collect();
+    features.iter().flat_map(|f| f.0).for_each(|v| place[v as usize] = Place::Fixed);
+    let coarse = Work {
+        points: mesh.points().to_vec(),
+        place,
+        faces: mesh.faces().clone(),
+        region: source.region.clone(),
+        features,
+    };
+    halve(&coarse, source, Middle::Straight)
+}
+
+fn finish(source: &Source, mut work: Work, rung: u32, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
+    drop_unused(&mut work);
+    let mut mesh = work.to_mesh()?;
+    let mut counts = vec![0; source.regions];
+    work.region.iter().for_each(|&r| counts[r as usize] += 1);
+    let rungs = counts
+        .into_iter()
+        .zip(0u32..)
+        .filter(|&(quads, _)| quads > 0)
+        .map(|(quads, region)| RegionRung { region, rung, quads })
+        .collect();
+    let labels = work.region.iter().map(|&r| r as i32).collect();
+    mesh.attributes.face.insert("region".into(), Column::Label(labels));
+    Ok(Quads { mesh, quality, rungs, warnings, missing: source.surface.missing.clone() })
+}
+
+/// Drops vertices without a face.
+fn drop_unused(work: &mut Work) {
+    let mut number = vec![u32::MAX; work.points.len()];
+    work.faces.corners().iter().for_each(|&v| number[v as usize] = 0);
+    if !number.contains(&u32::MAX) {
+        return;
+    }
+    for (count, n) in (0..).zip(number.iter_mut().filter(|n| **n == 0)) {
+        *n = count;
+    }
+    let used = |v: usize| number[v] != u32::MAX;
+    work.points = (0..work.points.len()).filter(|&v| used(v)).map(|v| work.points[v]).collect();
+    work.place = (0..work.place.len()).filter(|&v| used(v)).map(|v| work.place[v]).collect();
+    let mut faces = Polygons::new();
+    work.faces.iter().for_each(|f| faces.push_iter(f.iter().map(|&v| number[v as usize])));
+    work.faces = faces;
+    work.features.iter_mut().for_each(|(ends, _)| *ends = ends.map(|v| number[v as usize]));
+}

@@ -1,0 +1,245 @@
+//! Rung 3: triangles of twice the size, paired to quads along a frame field, and halved.
+
+use super::source::Source;
+use super::work::{Place, Work};
+use crate::context::Context;
+use crate::error::Result;
+use crate::field::{self, FieldOptions};
+use crate::geometry::features::FeatureOptions;
+use crate::geometry::quality::scaled_jacobian;
+use crate::mesh::{Column, CornerId, NONE, Polygons, SurfaceMesh, Triangles, VertexId};
+use crate::numeric::matching::{Edge, minimum_cost_matching};
+use crate::remesh::{RemeshOptions, simplify};
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Sizes where the surface bends, as a share of the largest.
+const SMALLEST: f64 = 0.12;
+/// Angle between the surface and edges, in degrees.
+const DEVIATION: f64 = 16.0;
+/// How far features may move before their new vertices go back to them, as a share of the diagonal.
+const RIDGE_TOLERANCE: f64 = 8e-4;
+/// Features are recognised within this share of the diagonal and this angle.
+const NEAR: f64 = 1.5e-3;
+const ALONG_DEG: f64 = 20.0;
+/// Vertices on features are as near as this share of the diagonal.
+const ON: f64 = 1e-5;
+/// Prices: of a pair, of a single triangle, of a corner off a right angle, of edges off the frames, of a fold.
+const PAIR: f64 = 6.0;
+const SINGLE: f64 = 5.0;
+const SHAPE: f64 = 1.5;
+const ALIGNMENT: f64 = 1.0;
+const STEPS: f64 = 1e6;
+/// Quads have a better scaled Jacobian, and less of a fold (radians).
+const LEAST_JACOBIAN: f64 = 0.15;
+const MOST_FOLD: f64 = 0.6;
+
+/// Triangles with sides up to a length that keep the features, paired. `None` where features could not be found again.
+pub fn paired(source: &Source, length: f64, feature_deg: f64, context: &Context) -> Result<Option<Work>> {
+    let Some(coarse) = coarse(source, length, feature_deg, context)? else { return Ok(None) };
+    let frames = frames(&coarse, context)?;
+    let _stage = context.stage("pairs");
+    let Some(t) = Triangles::of(&coarse.mesh) else { return Ok(None) };
+    let faces = pairs(t, |c| coarse.is_feature[c as usize], &frames, context)?;
+    let mut region = FxHashMap::default();
+    (0..t.len() as u32).for_each(|i| {
+        region.insert(sorted(t.triangle(i)), coarse.region[i as usize]);
+    });
+    let of = |f: &[u32]| {
+        let parts = (0..f.len()).map(|k| sorted([f[k], f[(k + 1) % f.len()], f[(k + 2) % f.len()]]));
+        parts.into_iter().find_map(|part| region.get(&part).copied()).unwrap_or(0)
+    };
+    let mut work = Work {
+        points: coarse.mesh.points().to_vec(),
+        place: coarse.place,
+        features: coarse.features,
+        ..Work::default()
+    };
+    work.region = faces.iter().map(of).collect();
+    work.faces = faces;
+    Ok(Some(work))
+}
+
+fn sorted(mut t: [u32; 3]) -> [u32; 3] {
+    t.sort_unstable();
+    t
+}
+
+/// Triangles and the quads that the best of them make in pairs, by shape alone.
+pub fn paired_triangles(points: &[DVec3], triangles: &[[u32; 3]], context: &Context) -> Result<Polygons> {
+    let mesh = SurfaceMesh::from_triangles(points.to_vec(), triangles)?;
+    let Some(t) = Triangles::of(&mesh) else { return Ok(Polygons::from_triangles(triangles)) };
+    let frames = vec![[DVec3::ZERO; 2]; t.len()];
+    pairs(t, |_| false, &frames, context)
+}
+
+/// The best pairs.
+fn pairs(
+    t: Triangles<'_>,
+    is_feature: impl Fn(u32) -> bool,
+    frames: &[[DVec3; 2]],
+    context: &Context,
+) -> Result<Polygons> {
+    let mut edges = Vec::new();
+    let mut halves = Vec::new();
+    for c in 0..3 * t.len() as u32 {
+        let o = t.opposite(c);
+        if o == NONE || o < c || is_feature(c) {
+            continue;
+        }
+        if let Some(cost) = cost(t, c, frames) {
+            edges.push(Edge { ends: [c / 3, o / 3], cost: (STEPS * (PAIR + cost)).round() as i64 });
+            halves.push(c);
+        }
+    }
+    let single = vec![(STEPS * SINGLE).round() as i64; t.len()];
+    let matching = minimum_cost_matching(&edges, &single, context)?;
+    let mut faces = Polygons::new();
+    for i in 0..t.len() as u32 {
+        let mate = matching.mate[i as usize];
+        if mate >= t.len() as u32 {
+            faces.push(&t.triangle(i));
+        } else if i < mate {
+            faces.push(&quad(t, halves[matching.matched_edge[i as usize] as usize]));
+        }
+    }
+    Ok(faces)
+}
+
+/// The quad of the two triangles at a half-edge.
+fn quad(t: Triangles<'_>, c: u32) -> [u32; 4] {
+    [t.vertex(c), t.apex(t.opposite(c)), t.vertex(t.next(c)), t.apex(c)]
+}
+
+/// What is wrong with a quad; `None` where it is no good at all.
+fn cost(t: Triangles<'_>, c: u32, frames: &[[DVec3; 2]]) -> Option<f64> {
+    let p = quad(t, c).map(|v| t.points()[v as usize]);
+    let normal = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).normalize_or_zero();
+    let fold = normal(p[0], p[1], p[2]).dot(normal(p[0], p[2], p[3])).clamp(-1.0, 1.0).acos();
+    if scaled_jacobian(p) < LEAST_JACOBIAN || fold > MOST_FOLD {
+        return None;
+    }
+    let (mut shape, mut turn) = (0f64, 0.0);
+    for k in 0..4 {
+        let (next, before) = (p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k]);
+        shape = shape.max((next.angle_between(before) - FRAC_PI_2).abs() / FRAC_PI_2);
+        // The sides between corners 0 and 2 by way of 1 are those of the opposite triangle.
+        let own = if k < 2 { t.opposite(c) / 3 } else { c / 3 };
+        let off = frames[own as usize].map(|d| d.dot(next.normalize_or_zero()).abs().clamp(0.0, 1.0).acos());
+        turn += off[0].min(off[1]) / FRAC_PI_4 / 4.0;
+    }
+    Some(SHAPE * shape + ALIGNMENT * turn + 0.5 * fold)
+}
+
+/// Coarse triangles that know the source.
+pub struct Coarse {
+    pub mesh: SurfaceMesh,
+    /// Whether a half-edge is on a feature.
+    is_feature: Vec<bool>,
+    /// The edges on features, with the curve of each.
+    pub features: Vec<([u32; 2], u32)>,
+    pub place: Vec<Place>,
+    /// Region of every triangle.
+    pub region: Vec<u32>,
+}
+
+/// Triangles with sides up to a length that keep the features; `None` where these could not be found again.
+pub fn coarse(source: &Source, length: f64, feature_deg: f64, context: &Context) -> Result<Option<Coarse>> {
+    let mut mesh = source.surface.mesh.clone();
+    mesh.attributes = Default::default();
+    mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
+    let largest = length / source.diagonal;
+    let options = RemeshOptions {
+        deviation: DEVIATION,
+        feature_angle: feature_deg,
+        labels: Some("region".into()),
+        min_size: SMALLEST * largest,
+        max_size: largest,
+        ridge_tolerance: RIDGE_TOLERANCE,
+        ..RemeshOptions::default()
+    };
+    let made = simplify(&mesh, &options, context)?.mesh;
+    let Some(Column::Label(labels)) = made.attributes.face.get("region") else { return Ok(None) };
+    let region: Vec<u32> = labels.iter().map(|&r| r as u32).collect();
+    Ok(features(source, made, region, feature_deg))
+}
+
+/// Finds the features again.
+fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f64) -> Option<Coarse> {
+    let cos_along = ALONG_DEG.to_radians().cos();
+    let cos_fold = (0.5 * feature_deg).to_radians().cos();
+    let normal = |t: usize| {
+        let [a, b, c] = [0, 1, 2].map(|k| mesh.point(mesh.vertex(CornerId::new(3 * t + k))));
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let mut is_feature = vec![false; mesh.corner_count()];
+    let mut found = Vec::new();
+    for c in (0..mesh.corner_count()).map(CornerId::new) {
+        let o = mesh.opposite(c);
+        if o.is_some_and(|o| o < c) {
+            continue;
+        }
+        let (a, b) = (mesh.point(mesh.vertex(c)), mesh.point(mesh.vertex(mesh.next(c))));
+        let along = (b - a).normalize_or_zero();
+        let near = || source.feature_along((a + b) / 2.0, along, NEAR * source.diagonal, cos_along);
+        let [f, g] = [Some(c), o].map(|c| c.map(|c| mesh.face_of(c).index()));
+        let must = match (f, g) {
+            (Some(f), Some(g)) => region[f] != region[g],
+            _ => true,
+        };
+        let folded = || f.zip(g).is_some_and(|(f, g)| normal(f).dot(normal(g)) < cos_fold);
+        let on = |p: DVec3| source.feature_along(p, along, ON * source.diagonal, -1.0).is_some();
+        let is_seam = |a: DVec3, b: DVec3| {
+            near().is_some_and(|e| source.is_seam[source.curve[e as usize] as usize]) && on(a) && on(b)
+        };
+        let edge = match must {
+            true => Some(near().or_else(|| source.feature_along((a + b) / 2.0, along, source.diagonal, -1.0))?),
+            false if folded() => near(),
+            false if is_seam(a, b) => near(),
+            false => None,
+        };
+        if let Some(edge) = edge {
+            is_feature[c.index()] = true;
+            o.into_iter().for_each(|o| is_feature[o.index()] = true);
+            found.push(([mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0], source.curve[edge as usize]));
+        }
+    }
+    let mut place: Vec<Option<Place>> = vec![None; mesh.vertex_count()];
+    let mut degree = vec![0u32; mesh.vertex_count()];
+    for (ends, curve) in &found {
+        for &v in ends {
+            degree[v as usize] += 1;
+            place[v as usize] = match place[v as usize] {
+                None => Some(Place::Curve(*curve)),
+                Some(Place::Curve(other)) if other == *curve => Some(Place::Curve(other)),
+                _ => Some(Place::Fixed),
+            };
+        }
+    }
+    for (c, &v) in mesh.faces().corners().iter().enumerate() {
+        place[v as usize].get_or_insert(Place::Region(region[c / 3]));
+    }
+    let settle = |(place, degree): (Option<Place>, u32)| match place {
+        Some(Place::Curve(curve)) if degree == 2 => Place::Curve(curve),
+        Some(Place::Region(region)) => Place::Region(region),
+        _ => Place::Fixed,
+    };
+    let place = place.into_iter().zip(degree).map(settle).collect();
+    Some(Coarse { mesh, is_feature, features: found, place, region })
+}
+
+/// The frames of the coarse triangles.
+fn frames(coarse: &Coarse, context: &Context) -> Result<Vec<[DVec3; 2]>> {
+    let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
+    let features = FeatureOptions { angle_deg: None, borders: true, tags: false, edges };
+    let field = field::field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)?;
+    let mut frames = vec![[DVec3::ZERO; 2]; coarse.mesh.face_count()];
+    // Parts of a triangle come in any order: the last one decides.
+    for (k, &t) in field.source.iter().enumerate() {
+        if let Some(frame) = frames.get_mut(t as usize) {
+            *frame = [field.u[k], field.v[k]];
+        }
+    }
+    Ok(frames)
+}

@@ -1,0 +1,76 @@
+//! The figures of a quad mesh.
+
+use super::source::Source;
+use super::validate::recall;
+use super::work::Work;
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::distance::{DistanceOptions, compare};
+use crate::geometry::quality::scaled_jacobian;
+use crate::mesh::{HalfEdges, SurfaceMesh};
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
+
+/// Figures of a quad mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct QuadQuality {
+    /// Inner vertices without four quads, and border vertices whose quads do not fit their angle.
+    pub irregular: usize,
+    /// Worst scaled Jacobian.
+    pub scaled_jacobian_min: f64,
+    /// Mean of the quads' worst corners.
+    pub scaled_jacobian_mean: f64,
+    /// Quads with a scaled Jacobian of zero or less.
+    pub inverted: usize,
+    /// Share of the features that have an edge near and parallel.
+    pub feature_recall: f64,
+    /// Two-sided distance as a share of the diagonal: a bound, no sample.
+    pub distance_max: Option<f64>,
+}
+
+pub fn measure(work: &Work, source: &Source) -> QuadQuality {
+    let corner = |f: &[u32]| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
+    let jacobians: Vec<f64> = work.faces.iter().map(|f| scaled_jacobian(corner(f))).collect();
+    QuadQuality {
+        irregular: irregular(work),
+        scaled_jacobian_min: jacobians.iter().copied().fold(f64::INFINITY, f64::min),
+        scaled_jacobian_mean: jacobians.iter().sum::<f64>() / jacobians.len().max(1) as f64,
+        inverted: jacobians.iter().filter(|&&j| !(j > 0.0)).count(),
+        feature_recall: recall(work, source).0,
+        distance_max: None,
+    }
+}
+
+/// The distance from the source; quads are taken as two triangles along their shorter diagonal.
+pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> {
+    let mut triangles = Vec::with_capacity(2 * work.faces.len());
+    for f in work.faces.iter() {
+        let p = [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
+        let shift = usize::from(p[1].distance_squared(p[3]) < p[0].distance_squared(p[2]));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| f[(k + shift) % 4]);
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    let mesh = SurfaceMesh::from_triangles(work.points.clone(), &triangles)?;
+    let options = DistanceOptions { samples: 40_000, refinements: 20_000 };
+    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
+}
+
+fn irregular(work: &Work) -> usize {
+    let n = work.points.len();
+    let (mut valence, mut angle, mut on_border) = (vec![0u32; n], vec![0.0; n], vec![false; n]);
+    for f in work.faces.iter() {
+        for k in 0..4 {
+            let p = |k: usize| work.points[f[k % 4] as usize];
+            valence[f[k] as usize] += 1;
+            angle[f[k] as usize] += (p(k + 1) - p(k)).angle_between(p(k + 3) - p(k));
+        }
+    }
+    for edge in HalfEdges::new(&work.faces, n).groups().filter(|e| e.len() == 1) {
+        edge.ends.iter().for_each(|&v| on_border[v as usize] = true);
+    }
+    let fits = |v: usize| match on_border[v] {
+        true => f64::from(valence[v]) == (angle[v] / FRAC_PI_2).round().max(1.0),
+        false => valence[v] == 4,
+    };
+    (0..n).filter(|&v| valence[v] > 0 && !fits(v)).count()
+}

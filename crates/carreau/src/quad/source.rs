@@ -1,0 +1,178 @@
+//! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::features::{FeatureOptions, FeaturedSurface};
+use crate::geometry::normals::face_normals;
+use crate::geometry::search_tree::TriangleTree;
+use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
+use glam::DVec3;
+
+/// A curve bends more than this at a corner, in degrees.
+const CORNER_DEG: f64 = 35.0;
+
+/// The surface, its regions and its feature curves.
+pub struct Source {
+    pub surface: FeaturedSurface,
+    pub diagonal: f64,
+    pub area: f64,
+    /// Region of every triangle.
+    pub region: Vec<u32>,
+    pub regions: usize,
+    normals: Vec<DVec3>,
+    /// For every region its triangles, and the tree over them.
+    trees: Vec<(Vec<u32>, TriangleTree)>,
+    /// The feature edges, by their ends, and the curve of each.
+    pub edges: Vec<[u32; 2]>,
+    pub curve: Vec<u32>,
+    /// All feature edges, and those of every curve, as flat triangles.
+    all_curves: TriangleTree,
+    curves: Vec<(Vec<u32>, TriangleTree)>,
+    /// Curves with the same region on both sides.
+    pub is_seam: Vec<bool>,
+}
+
+impl Source {
+    pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
+        let surface = FeaturedSurface::new(mesh, options, context)?;
+        let mesh = &surface.mesh;
+        if mesh.face_count() == 0 {
+            return Err(Error::input("the mesh has no faces", "", ""));
+        }
+        let edges: Vec<[u32; 2]> = surface.features.edges(mesh).map(|c| ends(mesh, c)).collect();
+        let is_corner = corners(mesh, &edges);
+        let curve = curves(mesh, &edges, &is_corner);
+        let (region, regions) = regions(&surface);
+        let of = |t: u32| [0, 1, 2].map(|k| mesh.faces().corners()[3 * t as usize + k]);
+        let in_regions = members(&region, regions);
+        context.check()?;
+        let tree = |list: Vec<u32>| {
+            let faces: Vec<[u32; 3]> = list.iter().map(|&t| of(t)).collect();
+            let tree = TriangleTree::new(mesh.points(), &faces);
+            (list, tree)
+        };
+        let trees = in_regions.into_iter().map(tree).collect();
+        let flat = |e: &u32| {
+            let [a, b] = edges[*e as usize];
+            [a, b, b]
+        };
+        let mut is_seam = vec![false; curve.len()];
+        for (c, &curve) in surface.features.edges(mesh).zip(&curve) {
+            let other = mesh.opposite(c).map(|o| region[mesh.face_of(o).index()]);
+            is_seam[curve as usize] |= other == Some(region[mesh.face_of(c).index()]);
+        }
+        let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
+        let line = |list: Vec<u32>| {
+            let faces: Vec<[u32; 3]> = list.iter().map(flat).collect();
+            let tree = TriangleTree::new(mesh.points(), &faces);
+            (list, tree)
+        };
+        let lines = members(&curve, curve_count).into_iter().map(line).collect();
+        let every: Vec<u32> = (0..edges.len() as u32).collect();
+        Ok(Source {
+            diagonal: mesh.diagonal(),
+            area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
+            normals: face_normals(mesh),
+            all_curves: line(every).1,
+            curves: lines,
+            trees,
+            region,
+            regions,
+            edges,
+            curve,
+            is_seam,
+            surface,
+        })
+    }
+
+    /// The closest point of a region, and the triangle that it is in.
+    pub fn on_region(&self, region: u32, p: DVec3) -> Option<(DVec3, u32)> {
+        let (triangles, tree) = self.trees.get(region as usize)?;
+        let found = tree.closest(p)?;
+        Some((found.point, triangles[found.triangle as usize]))
+    }
+
+    /// Unit normal of a triangle.
+    pub fn normal(&self, triangle: u32) -> DVec3 {
+        self.normals[triangle as usize]
+    }
+
+    /// The closest point of a curve.
+    pub fn on_curve(&self, curve: u32, p: DVec3) -> Option<DVec3> {
+        Some(self.curves.get(curve as usize)?.1.closest(p)?.point)
+    }
+
+    /// The closest feature edge whose direction differs by no more than an angle, within a distance.
+    pub fn feature_along(&self, p: DVec3, along: DVec3, distance: f64, cos: f64) -> Option<u32> {
+        let mut best: Option<(f64, u32)> = None;
+        self.all_curves.within(p, distance, |found| {
+            let [a, b] = self.edges[found.triangle as usize].map(|v| self.surface.mesh.points()[v as usize]);
+            let is_along = (b - a).normalize_or_zero().dot(along).abs() >= cos;
+            let key = (found.distance_squared, found.triangle);
+            if is_along && best.is_none_or(|b| key < b) {
+                best = Some(key);
+            }
+        });
+        best.map(|b| b.1)
+    }
+}
+
+fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
+    [mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0]
+}
+
+fn area(mesh: &SurfaceMesh, t: [u32; 3]) -> f64 {
+    let [a, b, c] = t.map(|v| mesh.points()[v as usize]);
+    (b - a).cross(c - a).length() / 2.0
+}
+
+/// The members of every class.
+fn members(class: &[u32], count: usize) -> Vec<Vec<u32>> {
+    let mut lists = vec![Vec::new(); count];
+    class.iter().zip(0u32..).for_each(|(&c, k)| lists[c as usize].push(k));
+    lists
+}
+
+/// The vertices where feature curves end, branch or bend.
+fn corners(mesh: &SurfaceMesh, edges: &[[u32; 2]]) -> Vec<bool> {
+    let mut arms = vec![Vec::new(); mesh.vertex_count()];
+    for &[a, b] in edges {
+        let along = (mesh.points()[b as usize] - mesh.points()[a as usize]).normalize_or_zero();
+        arms[a as usize].push(along);
+        arms[b as usize].push(-along);
+    }
+    let cos = CORNER_DEG.to_radians().cos();
+    let is_corner = |arms: &Vec<DVec3>| match arms[..] {
+        [] => false,
+        [a, b] => -a.dot(b) < cos,
+        _ => true,
+    };
+    arms.iter().map(is_corner).collect()
+}
+
+/// Curve of every feature edge: they run from corner to corner.
+fn curves(mesh: &SurfaceMesh, edges: &[[u32; 2]], is_corner: &[bool]) -> Vec<u32> {
+    let mut sets = DisjointSets::new(edges.len());
+    let mut last = vec![u32::MAX; mesh.vertex_count()];
+    for (e, ends) in (0u32..).zip(edges) {
+        for &v in ends.iter().filter(|&&v| !is_corner[v as usize]) {
+            if last[v as usize] != u32::MAX {
+                sets.union(last[v as usize], e);
+            }
+            last[v as usize] = e;
+        }
+    }
+    sets.labels().0
+}
+
+/// Region of every triangle: features divide them.
+fn regions(surface: &FeaturedSurface) -> (Vec<u32>, usize) {
+    let mesh = &surface.mesh;
+    let mut sets = DisjointSets::new(mesh.face_count());
+    for c in (0..mesh.corner_count()).map(CornerId::new).filter(|&c| !surface.features.contains(c)) {
+        if let Some(o) = mesh.opposite(c) {
+            sets.union(mesh.face_of(c).0, mesh.face_of(o).0);
+        }
+    }
+    sets.labels()
+}

@@ -1,0 +1,120 @@
+//! Properties of whole quad meshes on made models, rung by rung.
+
+use super::*;
+use crate::geometry::distance::{DistanceOptions, compare};
+use crate::mesh::Topology;
+use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, triangles};
+use crate::sample;
+use glam::DVec3;
+
+fn part(name: &str) -> SurfaceMesh {
+    sample::make(name, None, &Context::new()).unwrap()
+}
+
+/// What every quad mesh promises.
+fn check(mesh: &SurfaceMesh, result: &Quads) {
+    let out = &result.mesh;
+    assert!(out.faces().iter().all(|f| f.len() == 4));
+    let (had, has) = (Topology::of(mesh), Topology::of(out));
+    assert_eq!((had.components, had.euler, had.boundary_loops), (has.components, has.euler, has.boundary_loops));
+    assert_eq!(
+        has.nonmanifold_edges + has.nonmanifold_vertices + has.inconsistent_edges + has.unreferenced_vertices,
+        0
+    );
+    assert!(result.quality.inverted == 0 && result.quality.scaled_jacobian_min > 0.0);
+    assert!(result.quality.feature_recall > 0.9995);
+    assert_eq!(result.rungs.iter().map(|r| r.quads).sum::<usize>(), out.face_count());
+    // Tagged edges are edges.
+    let half_edges = out.half_edges();
+    assert!(out.tagged_edges.iter().all(|e| half_edges.find(e.ends[0].0, e.ends[1].0).is_some()));
+}
+
+#[test]
+fn every_rung_gives_quads_that_keep_the_features() {
+    for name in ["bracket", "wedge", "open-cylinder", "torus"] {
+        let mesh = part(name);
+        for rung in 1..=4 {
+            let options = QuadOptions { quads: 1500, rung, ..QuadOptions::default() };
+            let result = quads(&mesh, &options, &Context::new()).unwrap();
+            check(&mesh, &result);
+            assert!(result.rung() >= rung, "{name}");
+            match result.rung() {
+                4 => assert_eq!(result.mesh.face_count(), 3 * mesh.face_count()),
+                _ => assert!(off(result.mesh.face_count(), 1500) <= WITHIN || !result.warnings.is_empty(), "{name}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn the_last_rung_keeps_the_input_to_the_bit() {
+    let mesh = part("wedge");
+    let context = Context::new();
+    let result = quads(&mesh, &QuadOptions { rung: 4, ..QuadOptions::default() }, &context).unwrap();
+    assert_eq!(&result.mesh.points()[..mesh.vertex_count()], mesh.points());
+    // The record holds a bound of the distance, which is not as sharp as the distance found.
+    let found = compare(&mesh, &result.mesh.triangulated().unwrap(), &DistanceOptions::default(), &context).unwrap();
+    assert!(found.distance.max < 1e-9 && result.quality.distance_max.unwrap() < 0.01, "{:?}", found.distance);
+}
+
+#[test]
+fn edges_have_the_length_that_was_asked_for() {
+    let mesh = part("torus");
+    let options = QuadOptions { edge_length: Some(0.12), ..QuadOptions::default() };
+    let result = quads(&mesh, &options, &Context::new()).unwrap();
+    check(&mesh, &result);
+    let out = &result.mesh;
+    let lengths: Vec<f64> = out
+        .half_edges()
+        .groups()
+        .map(|e| e.ends.map(|v| out.points()[v as usize]))
+        .map(|[a, b]| a.distance(b))
+        .collect();
+    let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+    assert!((0.6..1.5).contains(&(mean / 0.12)), "{mean}");
+}
+
+#[test]
+fn the_same_for_any_number_of_threads() {
+    let mesh = part("bracket");
+    let of = |threads: usize| {
+        let context = Context::new().with_threads(threads).unwrap();
+        let options = QuadOptions { quads: 800, ..QuadOptions::default() };
+        context.install(|| quads(&mesh, &options, &context)).unwrap().mesh
+    };
+    let (one, two) = (of(1), of(2));
+    assert!(one.points() == two.points() && one.faces() == two.faces());
+}
+
+#[test]
+fn polygons_soups_and_pieces_are_taken_as_they_come() {
+    let options = QuadOptions { quads: 200, ..QuadOptions::default() };
+    for mesh in [cube(DVec3::ZERO, 1.0), grid(3)] {
+        check(&mesh, &quads(&mesh, &options, &Context::new()).unwrap());
+    }
+    let result = quads(&cubes_sharing_an_edge(), &options, &Context::new()).unwrap();
+    assert!(!result.warnings.is_empty() && result.mesh.faces().iter().all(|f| f.len() == 4));
+    let one = triangles(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE], &[[0, 1, 2]]);
+    let result = quads(&one, &QuadOptions { quads: 3, ..options }, &Context::new()).unwrap();
+    assert_eq!(Topology::of(&result.mesh).unreferenced_vertices, 0);
+}
+
+#[test]
+fn wrong_options_are_refused() {
+    let mesh = part("torus");
+    let wrong = |options: QuadOptions| matches!(quads(&mesh, &options, &Context::new()), Err(Error::Options(_)));
+    assert!(wrong(QuadOptions { quads: 0, ..QuadOptions::default() }));
+    assert!(wrong(QuadOptions { rung: 5, ..QuadOptions::default() }));
+    assert!(wrong(QuadOptions { edge_length: Some(f64::NAN), ..QuadOptions::default() }));
+    let empty = triangles(&[DVec3::ZERO], &[]);
+    assert!(matches!(quads(&empty, &QuadOptions::default(), &Context::new()), Err(Error::Input { .. })));
+}
+
+#[test]
+fn a_box_has_eight_irregular_vertices_and_grids() {
+    let mesh = cube(DVec3::ZERO, 2.0);
+    let result = quads(&mesh, &QuadOptions { quads: 600, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&mesh, &result);
+    assert_eq!((result.rung(), result.quality.irregular), (1, 8));
+    assert!(result.quality.scaled_jacobian_mean > 0.999 && result.mesh.face_count().is_multiple_of(2));
+}

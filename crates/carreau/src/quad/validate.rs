@@ -1,0 +1,109 @@
+//! The validator between the rungs: what a quad mesh has to be before anyone sees it.
+
+use super::source::Source;
+use super::work::Work;
+use crate::error::Result;
+use crate::geometry::quality::scaled_jacobian;
+use crate::geometry::search_tree::TriangleTree;
+use crate::mesh::{HalfEdges, SurfaceMesh, Topology};
+use glam::DVec3;
+
+/// A feature is kept where an edge is as near as this share of the diagonal and as parallel as this angle.
+const NEAR: f64 = 0.002;
+const ALONG_DEG: f64 = 15.0;
+/// Samples along the diagonal.
+const SAMPLES: f64 = 1000.0;
+/// Borders are as near as this to features; vertices and edges touch at this distance.
+const BORDER: f64 = 0.0018;
+const TOUCH: f64 = 1e-6;
+/// All but rounding of the features has to be kept.
+const RECALL: f64 = 0.9995;
+
+/// Why a mesh is refused; `None`: it is accepted.
+pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Option<String>> {
+    if work.faces.iter().any(|f| f.len() != 4) {
+        return Ok(Some("a face is no quad".into()));
+    }
+    let (had, has) = (Topology::of(&source.surface.mesh), Topology::of(mesh));
+    if has.nonmanifold_edges + has.nonmanifold_vertices + has.inconsistent_edges + has.duplicate_faces > 0 {
+        return Ok(Some("it is not manifold".into()));
+    }
+    let counts = |t: &Topology| (t.components, t.euler, t.boundary_loops);
+    if counts(&had) != counts(&has) {
+        return Ok(Some("its topology is another".into()));
+    }
+    for (q, face) in work.faces.iter().enumerate() {
+        let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
+        if !(scaled_jacobian(p) > 0.0) {
+            return Ok(Some(format!("quad {q} is inverted")));
+        }
+        let normal = (p[2] - p[0]).cross(p[3] - p[1]);
+        let below = source.on_region(work.region[q], p.iter().sum::<DVec3>() / 4.0);
+        if below.is_some_and(|(_, t)| normal.dot(source.normal(t)) <= 0.0) {
+            return Ok(Some(format!("quad {q} looks the wrong way")));
+        }
+    }
+    if let Some(why) = border_refusal(work, source) {
+        return Ok(Some(why.into()));
+    }
+    let (kept, lost) = recall(work, source);
+    let place =
+        lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
+    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+}
+
+/// Borders stay on features; where two lie on each other, as in a surface that was cut, their vertices do, too.
+fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
+    let half_edges = HalfEdges::new(&work.faces, work.points.len());
+    let edges: Vec<[u32; 3]> =
+        half_edges.groups().filter(|e| e.len() == 1).map(|e| [e.ends[0], e.ends[1], e.ends[1]]).collect();
+    let near = BORDER * source.diagonal;
+    let is_far = |e: &[u32; 3]| {
+        let [a, b, _] = e.map(|v| work.points[v as usize]);
+        [0.25, 0.5, 0.75].iter().any(|&s| source.feature_along(a + (b - a) * s, DVec3::X, near, -1.0).is_none())
+    };
+    if edges.iter().any(is_far) {
+        return Some("a border is off the borders of the surface");
+    }
+    let tree = TriangleTree::new(&work.points, &edges);
+    let touch = TOUCH * source.diagonal;
+    let is_inside = |v: u32| {
+        let p = work.points[v as usize];
+        let mut inside = false;
+        tree.within(p, touch, |found| {
+            let [a, b, _] = edges[found.triangle as usize];
+            let far = |w: u32| work.points[w as usize].distance(p) > touch;
+            inside |= far(a) && far(b);
+        });
+        inside
+    };
+    edges.iter().flat_map(|e| [e[0], e[1]]).any(is_inside).then_some("a border vertex is inside another border edge")
+}
+
+/// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
+pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
+    let edges: Vec<[u32; 3]> = work.features.iter().map(|([a, b], _)| [*a, *b, *b]).collect();
+    let tree = TriangleTree::new(&work.points, &edges);
+    let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
+    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
+    for ends in &source.edges {
+        let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
+        let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
+        let n = (length / source.diagonal * SAMPLES).ceil().max(1.0);
+        for k in 0..n as usize {
+            let p = a + (b - a) * ((k as f64 + 0.5) / n);
+            let mut found = false;
+            tree.within(p, near, |closest| {
+                let [a, b, _] = edges[closest.triangle as usize].map(|v| work.points[v as usize]);
+                found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
+            });
+            total += length / n;
+            if found {
+                kept += length / n;
+            } else {
+                lost = lost.or(Some(p));
+            }
+        }
+    }
+    (if total > 0.0 { kept / total } else { 1.0 }, lost)
+}

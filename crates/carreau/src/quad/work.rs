@@ -1,0 +1,48 @@
+//! An all-quad mesh at work: its vertices know where they belong on the source.
+
+use super::source::Source;
+use crate::error::Result;
+use crate::mesh::{Polygons, SurfaceMesh, TaggedEdge, VertexId};
+use glam::DVec3;
+
+/// Where a vertex belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// It stays where it is.
+    Fixed,
+    /// On a feature curve of the source.
+    Curve(u32),
+    /// In a region of the source.
+    Region(u32),
+}
+
+/// Polygons on their way to quads.
+#[derive(Debug, Clone, Default)]
+pub struct Work {
+    pub points: Vec<DVec3>,
+    pub place: Vec<Place>,
+    pub faces: Polygons,
+    /// Region of every face.
+    pub region: Vec<u32>,
+    /// Edges on features, by their ends, with the curve of each.
+    pub features: Vec<([u32; 2], u32)>,
+}
+
+impl Work {
+    /// The nearest point of where a vertex belongs.
+    pub fn put_back(&self, source: &Source, v: u32, p: DVec3) -> DVec3 {
+        match self.place[v as usize] {
+            Place::Fixed => self.points[v as usize],
+            Place::Curve(curve) => source.on_curve(curve, p).unwrap_or(p),
+            Place::Region(region) => source.on_region(region, p).map_or(p, |found| found.0),
+        }
+    }
+
+    /// The quads as a mesh whose tagged edges are the features.
+    pub fn to_mesh(&self) -> Result<SurfaceMesh> {
+        let mut mesh = SurfaceMesh::new(self.points.clone(), self.faces.clone())?;
+        let tagged = |(ends, _): &([u32; 2], u32)| TaggedEdge { ends: ends.map(VertexId), tag: 1 };
+        mesh.tagged_edges = self.features.iter().map(tagged).collect();
+        Ok(mesh)
+    }
+}

@@ -1,0 +1,170 @@
+//! The source with its size map: what an angle, a gradation and given sizes ask for.
+
+use super::creases::Dihedral;
+use super::curves::{Curves, Kind};
+use super::output::{self, Made};
+use super::support::{Radius, Support};
+use super::work::{self, Limits, Work};
+use super::{RemeshOptions, anisotropy, features, size};
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{Column, EditMesh, SurfaceMesh};
+use glam::DVec3;
+
+/// Ridges get edges whose sag is this share of what they are allowed: there is room to move along the curve.
+const SAG_SHARE: f64 = 0.7;
+/// Sag of curve edges over their length.
+const CURVE_SAG: f64 = 0.3;
+/// On clean models edges of the surface sag by no more than this many tolerances of the ridges.
+const SURFACE_SAG: f64 = 3.0;
+/// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
+const BORDER_RADIUS: f64 = 0.07;
+/// Corners of a ragged border are turns over so many sizes.
+const BORDER_SCALE: f64 = 2.0;
+/// Weight of the tilt of edges in the fit, where sin θ = 1: noise counts less the larger the sags are.
+const TILT: f64 = 0.3;
+/// The same for stretched edges: along them normals change little, and the gap is what counts.
+const STRETCHED_TILT: f64 = 0.1;
+
+/// The source with everything that does not depend on the angle.
+pub struct Source {
+    pub support: Support,
+    pub curves: Curves,
+    /// Smallest principal radius at every vertex.
+    radius: Vec<Radius>,
+    /// Radius of the curves at every vertex of rank curve.
+    curve_radius: Vec<f64>,
+    diagonal: f64,
+    /// There is noise to take out.
+    noisy: bool,
+    /// Largest size at every vertex, where that was given.
+    given: Option<Vec<f64>>,
+}
+
+impl Source {
+    pub fn new(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Self> {
+        let _stage = context.stage("support");
+        if mesh.faces().is_empty() {
+            return Err(Error::input("the mesh has no faces", "", ""));
+        }
+        let features::Reading { marks, noisy } = features::read(mesh, options)?;
+        let mut edit = EditMesh::new(mesh).ok_or_else(|| Error::Bug("polygons in a triangulated mesh".into()))?;
+        // Ragged borders are read at the scale of the size map, which is known only roughly before the curves are.
+        let scale = vec![0.01 * mesh.diagonal(); edit.vertex_slots() as usize];
+        let mut curves = Curves::trace(&mut edit, &marks, &scale);
+        let sharp = options.feature_angle.to_radians().cos();
+        curves.find_sharp(&edit, sharp);
+        let support = Support::new(edit);
+        let radius = support.radii(&curves.rank);
+        let curve_radius = curves.radii(0.0);
+        let given = given_sizes(mesh, &support.mesh, options)?;
+        let mut source = Source { support, curves, radius, curve_radius, diagonal: mesh.diagonal(), noisy, given };
+        if noisy && marks.contains(&Some(Kind::Border)) {
+            source.set_size_map(options, context)?;
+            let scale: Vec<f64> = source.support.size.iter().map(|h| BORDER_SCALE * h).collect();
+            source.curves = Curves::trace(&mut source.support.mesh, &marks, &scale);
+            source.curves.find_sharp(&source.support.mesh, sharp);
+        }
+        Ok(source)
+    }
+
+    /// The size map of the options, graded; normals and points fitted at its scale.
+    pub fn set_sizes(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
+        self.support.stretch.clear();
+        self.set_size_map(options, context)?;
+        self.support.fit_normals(0.5, 6);
+        if self.noisy {
+            self.support.fit_points(&self.curves.rank, 1.0, 0.1);
+        }
+        Ok(())
+    }
+
+    /// The size map alone.
+    pub fn set_size_map(&mut self, options: &RemeshOptions, context: &Context) -> Result<()> {
+        let _stage = context.stage("size map");
+        let alpha = 2.0 * options.deviation.to_radians().sin() * options.scale;
+        let (low, high) = (options.min_size * self.diagonal, options.max_size * self.diagonal);
+        let tolerance = options.ridge_tolerance * self.diagonal;
+        self.curve_radius = self.curves.radii(alpha);
+        // Where a clean model is nearly flat an angle allows much: sizes follow the sag there.
+        let sag = if self.noisy { f64::INFINITY } else { SURFACE_SAG * tolerance };
+        let size = |v: usize, radius: f64| {
+            let r = self.curve_radius[v];
+            // The sag of an arc is its squared chord over eight radii.
+            let on_curve = (alpha * r).min((8.0 * SAG_SHARE * r * tolerance).sqrt());
+            let on_surface = (alpha * radius).min(options.scale * (8.0 * radius * sag).sqrt());
+            let given = self.given.as_ref().map_or(f64::INFINITY, |given| options.scale * given[v]);
+            on_surface.min(on_curve).min(given).clamp(low, high)
+        };
+        let mut radius: Vec<f64> = self.radius.iter().map(|r| r.at_scale(alpha)).collect();
+        if self.noisy {
+            radius = self.support.steady_radii(radius, &self.curves.rank, alpha);
+        }
+        self.support.size = radius.iter().enumerate().map(|(v, &r)| size(v, r)).collect();
+        if let Some(beta) = options.gradation {
+            size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
+        }
+        // A search for a scale does with those of its first step.
+        if options.anisotropic && self.support.stretch.is_empty() {
+            let rank = &self.curves.rank;
+            let bend: Vec<DVec3> = self.radius.iter().map(|r| r.bend).collect();
+            self.support.stretch = anisotropy::stretches(&self.support, &bend, rank, options.gradation);
+        }
+        Ok(())
+    }
+
+    /// The source adapted to its size map.
+    pub fn adapted(
+        &self,
+        mesh: &SurfaceMesh,
+        options: &RemeshOptions,
+        curved: bool,
+        context: &Context,
+    ) -> Result<SurfaceMesh> {
+        let mut work = Work::new(&self.support, &self.curves, self.limits(options));
+        work.curved = curved;
+        work.adapt(options.triangles, context)?;
+        self.finish(mesh, &work)
+    }
+
+    /// What was adapted, as a surface mesh.
+    fn finish(&self, mesh: &SurfaceMesh, work: &Work) -> Result<SurfaceMesh> {
+        let seat = |corner: u32| work.seat[work.mesh.wedge(corner) as usize];
+        let size = |v: u32| work.size[v as usize] / work::BALANCE;
+        output::assemble(
+            mesh,
+            &self.support,
+            &Made { mesh: &work.mesh, seat: &seat, size: &size, stretch: &work.stretch },
+        )
+    }
+
+    fn limits(&self, options: &RemeshOptions) -> Limits {
+        // The angle that the scaled sizes stand for.
+        let theta = (options.deviation.to_radians().sin() * options.scale).min(0.9).asin();
+        let on_sphere = (2.0 * theta.sin() / 3f64.sqrt()).min(0.95).asin();
+        // Noise needs room; clean models do without.
+        let (least, most, cap) = if self.noisy { (45.0, 60.0, 60.0) } else { (10.0, 20.0, 25.0) };
+        let allowed = (1.25 * on_sphere).clamp(f64::to_radians(least), f64::to_radians(most));
+        Limits {
+            cos_allowed: allowed.cos(),
+            cos_cap: f64::to_radians(cap).cos(),
+            curve_sag_share: CURVE_SAG,
+            ridge_sag: options.ridge_tolerance * self.diagonal,
+            border_sag: BORDER_RADIUS * self.diagonal * (1.0 - theta.cos()),
+            tilt_weight: if options.anisotropic { STRETCHED_TILT } else { (TILT / theta.sin()).min(1.0) },
+            dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),
+        }
+    }
+}
+
+/// The sizes that a vertex property asks for, at the vertices of the mesh at work.
+fn given_sizes(mesh: &SurfaceMesh, edit: &EditMesh, options: &RemeshOptions) -> Result<Option<Vec<f64>>> {
+    let Some(name) = &options.sizes else { return Ok(None) };
+    let Some(Column::Scalar(given)) = mesh.attributes.vertex.get(name) else {
+        return Err(Error::Options(format!("the mesh has no vertex property '{name}' of numbers")));
+    };
+    if let Some(v) = given.iter().position(|h| !(h.is_finite() && *h > 0.0)) {
+        return Err(Error::Options(format!("'{name}' is {} at vertex {v}, sizes must be above 0", given[v])));
+    }
+    Ok(Some((0..edit.vertex_slots()).map(|v| given[edit.origin[v as usize] as usize]).collect()))
+}
