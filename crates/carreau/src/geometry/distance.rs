@@ -147,7 +147,6 @@ struct Target<'a> {
     points: &'a [DVec3],
     /// Vertices of the triangles, neighbours close to each other.
     used: Vec<u32>,
-    /// Neighbours close to each other.
     triangles: Vec<[u32; 3]>,
     /// Normal of every triangle: that of the face it belongs to.
     normals: Vec<DVec3>,
@@ -159,16 +158,14 @@ impl<'a> Target<'a> {
     fn new(mesh: &'a SurfaceMesh) -> Self {
         let (triangles, parent) = mesh.faces().fan();
         let of_face = face_normals(mesh);
-        let mut tree = TriangleTree::new(mesh.points(), &triangles);
-        let order = tree.renumber();
-        let triangles: Vec<[u32; 3]> = order.iter().map(|&t| triangles[t as usize]).collect();
+        let tree = TriangleTree::new(mesh.points(), &triangles);
         let mut is_new = vec![true; mesh.vertex_count()];
         let first = |v: &u32| std::mem::take(&mut is_new[*v as usize]);
         Target {
             points: mesh.points(),
-            used: triangles.as_flattened().iter().copied().filter(first).collect(),
+            used: tree.order().iter().flat_map(|&t| triangles[t as usize]).filter(first).collect(),
             tree,
-            normals: order.into_iter().map(|t| of_face[parent[t as usize] as usize]).collect(),
+            normals: parent.into_iter().map(|f| of_face[f as usize]).collect(),
             triangles,
             diagonal: mesh.diagonal(),
         }

@@ -132,7 +132,8 @@ impl TriangleTree {
     /// The closest point, sooner: with the corners of one of the triangles that is thought to be near.
     pub fn closest_near(&self, p: DVec3, corners: [DVec3; 3]) -> Option<Closest> {
         // A box may seem farther than what is in it, by rounding.
-        self.closest_below(p, p.distance_squared(closest_on_triangle(p, corners)) * (1.0 + 1e-9))
+        let limit = p.distance_squared(closest_on_triangle(p, corners)) * (1.0 + 1e-9);
+        self.closest_below(p, limit).or_else(|| self.closest(p))
     }
 
     /// The closest point whose squared distance is not above a limit.
@@ -207,13 +208,12 @@ impl TriangleTree {
         first
     }
 
-    /// Numbers the triangles in the order of the leaves, in which neighbours follow each other; returns their old ids.
-    pub(super) fn renumber(&mut self) -> Vec<u32> {
-        let positions = (0..self.ids.len() as u32).collect();
-        std::mem::replace(&mut self.ids, positions)
+    /// Ids of all triangles in the order of the leaves: neighbours in it are neighbours in space.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.ids
     }
 
-    /// Corners of all triangles in the order of the leaves: neighbours in it are neighbours in space.
+    /// Corners of all triangles in the same order.
     pub(super) fn corners_in_order(&self) -> &[[DVec3; 3]] {
         &self.corners
     }

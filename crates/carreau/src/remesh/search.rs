@@ -44,6 +44,8 @@ pub(super) const CLOSE_LOOK: DistanceOptions =
     DistanceOptions { samples: 20_000, refinements: 200_000, normals: false };
 /// Runs of [`within_distance`] before it gives up.
 const DISTANCE_RUNS: usize = 8;
+/// A distance that takes so many times the triangles of the input is out of reach.
+const MOST_GROWTH: f64 = 8.0;
 
 /// The coarsest mesh of a few whose two-sided distance from the input is certainly below a limit.
 pub(super) fn within_distance(
@@ -60,6 +62,9 @@ pub(super) fn within_distance(
     for _ in 0..DISTANCE_RUNS {
         let options = RemeshOptions { scale, triangles: None, ..options.clone() };
         source.set_sizes(&options, context)?;
+        if target::predicted(&source.support) > MOST_GROWTH * mesh.face_count() as f64 + 1e4 {
+            break;
+        }
         let out = source.adapted(mesh, &options, false, context)?;
         let distance = compare(input, &out, &CLOSE_LOOK, context)?.distance.max_upper;
         if distance <= limit {

@@ -21,7 +21,7 @@ const NEARLY: f64 = 0.1;
 pub const WITHIN: f64 = 0.009;
 
 /// The number of triangles that a size map asks for.
-fn predicted(support: &Support) -> f64 {
+pub(super) fn predicted(support: &Support) -> f64 {
     let sum: f64 = (0..support.mesh.triangle_slots())
         .map(|t| {
             let [a, b, c] = support.mesh.positions(t);
