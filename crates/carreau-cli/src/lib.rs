@@ -31,8 +31,8 @@ use std::ffi::OsString;
     name = "carreau",
     version,
     about = "From triangle surfaces to structured models",
-    long_about = "carreau turns triangle surfaces into structured models: quad patches and CAD faces today; regions, graded \
-        meshes, quads and hexes in the rooms to come. Angles are in degrees; lengths are numbers in the unit of the file \
+    long_about = "carreau turns triangle surfaces into structured models: regions, graded meshes, quad patches \
+        and CAD faces, hexes on skeletons; quads are to come. Angles are in degrees; lengths are numbers in the unit of the file \
         (2.5) or shares of the bounding-box diagonal (1%).",
     after_help = "Exit codes: 0 done, 2 wrong usage, 3 input not acceptable, 4 method did not reach what was asked, \
         5 file not read or written, 70 a bug, 124 deadline, 130 cancelled.",

@@ -4,7 +4,7 @@ use crate::common::{Common, CommonValues};
 use crate::progress::Bar;
 use crate::record::Record;
 use crate::timings::Timings;
-use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::figure;
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
@@ -155,6 +155,24 @@ impl Session {
         self.record.set("input", input);
         std::mem::take(&mut mesh.notes).into_iter().for_each(|note| self.warn(note));
         Ok(mesh)
+    }
+
+    /// Reads a skeleton; what the reader mended stands in its notes.
+    pub fn read_skeleton(&mut self, file: &Path) -> Result<CurveNet, Error> {
+        let net = {
+            let _stage = self.context.stage("read");
+            io::read_skeleton(file)?
+        };
+        self.context.check()?;
+        let input = Input {
+            file: file.to_string_lossy().into_owned(),
+            vertices: net.points.len(),
+            faces: 0,
+            edges: net.edges.len(),
+            cells: 0,
+        };
+        self.record.set("input", input);
+        Ok(net)
     }
 
     /// Reads a surface; polygons are fanned from their first corner.

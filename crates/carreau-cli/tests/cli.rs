@@ -42,6 +42,7 @@ fn help_names_every_verb_and_each_has_an_example() {
         "patch",
         "field",
         "quad",
+        "hex",
         "completions",
         "man",
     ] {
@@ -460,4 +461,60 @@ fn quad_writes_quads_alone_and_replays() {
     for wrong in [["--quads", "0"], ["--rung", "9"], ["--edge-length", "-1"]] {
         carreau().args(["quad", text(&model)]).args(wrong).assert().code(2);
     }
+}
+
+/// A fork of three tubes.
+const FORK: &str = "# D:3 NV:4 NE:3\nv 0 0 0 1\nv 0 0 6 1\nv 5 0 -5 .8\nv -5 1 -5 .7\ne 0 1\ne 0 2\ne 0 3\n";
+
+#[test]
+fn hex_writes_cells_boundary_picture_and_record() {
+    let folder = TempDir::new().unwrap();
+    let (graph, png) = (folder.path().join("fork.cgr"), folder.path().join("fork.png"));
+    fs::write(&graph, FORK).unwrap();
+    for extension in ["mesh", "vtu", "vtk", "msh"] {
+        let out = folder.path().join(format!("fork.{extension}"));
+        let rec = record(&["hex", text(&graph), "-o", text(&out), "--picture", text(&png)]);
+        assert_eq!(rec["certified"], true);
+        assert_eq!(rec["uncertified"].as_array().map(Vec::len), Some(0));
+        assert!(rec["scaled_jacobian_min"].as_f64() > Some(0.4), "{rec}");
+        let info = record(&["info", text(&out)]);
+        assert_eq!(info["cells"]["hexahedra"], rec["hexes"]);
+        let boundary = folder.path().join(format!("skin-{extension}.ply"));
+        carreau().args(["convert", "--boundary", text(&out), "-o", text(&boundary)]).assert().success();
+        assert_eq!(record(&["info", text(&boundary)])["topology"]["genus"], 0);
+    }
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn hex_base_mesh_has_the_counts_of_the_paper_and_replays() {
+    let folder = TempDir::new().unwrap();
+    let (graph, out) = (folder.path().join("fork.cgr"), folder.path().join("fork.mesh"));
+    fs::write(&graph, FORK).unwrap();
+    let (rec, again) = (folder.path().join("rec.json"), folder.path().join("again.mesh"));
+    let line = ["hex", text(&graph), "--stage", "base", "--padding", "sides", "--refine-across", "1"];
+    carreau().args(line).args(["-o", text(&out), "--json", text(&rec)]).assert().success();
+    assert_eq!(layout(&rec)["hexes"], 12 * 3 * 4);
+    carreau().args(["hex", text(&graph), "--options", text(&rec), "-o", text(&again)]).assert().success();
+    assert_eq!(fs::read(&out).unwrap(), fs::read(&again).unwrap());
+}
+
+#[test]
+fn hex_refuses_what_is_no_skeleton() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("bad.cgr");
+    let out = folder.path().join("bad.mesh");
+    for (graph, code, says) in [
+        ("v 0 0 0 1\nv 1 0 0 1\ne 0 7\n", 3, "no node 7"),
+        ("v 0 0 0 1\nv nan 0 0 1\ne 0 1\n", 3, "not a finite number"),
+        ("v 0 0 0 1\nv x 0 0 1\ne 0 1\n", 5, "a number is expected"),
+        ("", 3, "the skeleton is empty"),
+    ] {
+        fs::write(&path, graph).unwrap();
+        let line = ["hex", text(&path), "-o", text(&out)];
+        carreau().args(line).assert().code(code).stderr(contains(says).and(contains("bad.cgr")));
+        assert!(!out.exists());
+    }
+    let (_folder, surface) = with_model("torus", "m.ply");
+    carreau().args(["hex", text(&surface), "-o", text(&out)]).assert().code(3).stderr(contains("skeleton"));
 }

@@ -4,6 +4,7 @@ pub mod context;
 pub mod error;
 pub mod field;
 pub mod geometry;
+pub mod hex;
 pub mod io;
 pub mod length;
 pub mod mesh;

@@ -10,6 +10,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("mesh", &[]),
     ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
+    ("hex", &["mesh", "geometry", "numeric"]),
     ("patch", &["mesh", "geometry", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),

@@ -6,14 +6,16 @@ use super::segment::labelled;
 use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions};
+use carreau::hex::{self, HexOptions};
 use carreau::io::WriteOptions;
 use carreau::io::cad::{CadOptions, write_cad};
-use carreau::mesh::{Column, RawMesh, SurfaceMesh};
+use carreau::io::write_skeleton;
+use carreau::mesh::{Column, CurveNet, RawMesh, SurfaceMesh};
 use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
 use carreau::quad::{self, QuadOptions};
 use carreau::remesh::{RemeshOptions, simplify};
-use carreau::report::{field_figure, figure};
+use carreau::report::{field_figure, figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
 use carreau::{Error, sample};
 use clap::Args;
@@ -89,7 +91,12 @@ impl Demo {
             fields.figures.push(self.field(session, name, &mesh, &input)?);
             quads.figures.push(self.quads(session, name, &mesh, &input)?);
         }
-        Ok(vec![regions, graded, patches, fields, quads])
+        let hexes = Section {
+            title: "Hexes on a skeleton",
+            about: "Hexahedra along the branches of a skeleton, every one certified; right: a cut, by scaled Jacobian.",
+            figures: vec![self.hex(session)?],
+        };
+        Ok(vec![regions, graded, patches, fields, quads, hexes])
     }
 
     /// Triangles to regions.
@@ -185,6 +192,34 @@ impl Demo {
             q.irregular
         );
         self.figure(session, name, caption, picture, &[("triangles", input), ("quads", &file)])
+    }
+
+    /// The skeleton of the sample tube-tree to hexes.
+    fn hex(&self, session: &mut Session) -> Result<Figure, Error> {
+        let name = "tube-tree";
+        let tubes = sample::tree();
+        let net = CurveNet::new(
+            tubes.iter().flat_map(|t| t.ends).collect(),
+            tubes.iter().flat_map(|t| t.radii).collect(),
+            (0..tubes.len() as u32).map(|k| [2 * k, 2 * k + 1]).collect(),
+        );
+        // Each tube brings its own ends: one node for all at one place.
+        let net = net.repaired(None)?.net;
+        let skeleton = format!("{name}.cgr");
+        write_skeleton(&self.output.join(&skeleton), &net)?;
+        let result = hex::from_net(&net, &HexOptions::default(), &session.context)?;
+        let picture = format!("{name}-hexes.png");
+        session.write_bytes(&self.output.join(&picture), &hex_figure(&result.mesh).to_png()?)?;
+        let (f, file) = (&result.figures, format!("{name}-hexes.vtu"));
+        session.write_mesh(&self.output.join(&file), &RawMesh::from(result.mesh), &WriteOptions::default())?;
+        let caption = format!(
+            "{} nodes → {} hexes; scaled Jacobian {:.2} at least, {:.2} on average",
+            net.points.len(),
+            f.hexes,
+            f.scaled_jacobian_min,
+            f.scaled_jacobian_mean
+        );
+        self.figure(session, name, caption, picture, &[("skeleton", &skeleton), ("hexes", &file)])
     }
 
     /// Writes a mesh; returns the name of the file in the folder.

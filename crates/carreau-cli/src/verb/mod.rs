@@ -6,6 +6,7 @@ mod curvature;
 mod demo;
 mod features;
 mod field;
+mod hex;
 mod info;
 mod patch;
 mod quad;
@@ -32,6 +33,7 @@ pub enum Verb {
     Segment(segment::Segment),
     Field(field::Field),
     Quad(quad::Quad),
+    Hex(hex::Hex),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
     Completions(shell::Completions),
@@ -53,6 +55,7 @@ impl Verb {
             Verb::Segment(verb) => verb.run(),
             Verb::Field(verb) => verb.run(),
             Verb::Quad(verb) => verb.run(),
+            Verb::Hex(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

@@ -11,6 +11,7 @@
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
 //! | `summary` | minimum, mean, percentiles, histogram |
 //! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
+//! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
@@ -20,6 +21,7 @@ pub mod bspline;
 pub mod curvature;
 pub mod distance;
 pub mod features;
+pub mod hexes;
 pub mod normals;
 pub(crate) mod planar;
 pub mod primitive;

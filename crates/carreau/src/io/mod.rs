@@ -21,6 +21,7 @@ mod percent;
 mod ply;
 #[cfg(test)]
 mod round_trips;
+mod skeleton;
 mod small_faces;
 pub mod step;
 mod stl;
@@ -38,6 +39,7 @@ use std::path::Path;
 
 pub use atomic::write_atomically;
 pub use cad::{CAD_EXTENSIONS, CadOptions, StepSchema, Unit, write_cad};
+pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
 /// The content of a file and where it came from.
 pub struct Source<'a> {

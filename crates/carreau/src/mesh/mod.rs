@@ -5,6 +5,7 @@
 //! | `id` | typed ids |
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
+//! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
 //! | `triangulate` | polygons cut into triangles |
@@ -14,6 +15,7 @@
 //! | `area` | area vectors of faces |
 //! | `weld` | vertices at one place, exactly or within a tolerance |
 //! | `duplicates` | faces on the same vertices |
+//! | `curve_net` | [`CurveNet`]: skeletons with radii |
 //! | `disjoint_sets` | union-find |
 //! | `edit` | [`EditMesh`]: collapse, flip, split, relocate |
 //! | `connectivity` | components, irregular edges, which faces to turn, umbrellas |
@@ -25,10 +27,12 @@ mod area;
 mod attributes;
 mod boundary;
 mod connectivity;
+mod curve_net;
 mod disjoint_sets;
 mod duplicates;
 mod edit;
 mod half_edges;
+mod hex_mesh;
 mod id;
 mod nesting;
 mod polygons;
@@ -46,9 +50,11 @@ mod weld;
 pub(crate) use area::unit_sized;
 pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, Column, Columns, gather_columns};
+pub use curve_net::{CurveNet, Incidence, NetBuilder, RepairedNet};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
+pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};

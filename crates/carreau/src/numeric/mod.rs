@@ -6,6 +6,7 @@
 //! | `eigen3` | eigenvalues and eigenvectors of symmetric 3 × 3 matrices |
 //! | `flow` | minimum cut of an undirected graph |
 //! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
+//! | `lbfgs` | limited-memory BFGS over points in space, within a set |
 //! | `levenberg` | Levenberg–Marquardt least squares for few parameters |
 //! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
 //! | `sparse` | sparse positive definite systems, real and complex |
@@ -14,6 +15,7 @@ pub mod banded;
 pub mod eigen3;
 pub mod flow;
 pub(crate) mod hopcroft_karp;
+pub mod lbfgs;
 pub mod levenberg;
 pub mod matching;
 pub mod sparse;

@@ -1,8 +1,12 @@
 //! The usual figure of a mesh: faces coloured by label where there are labels, edges faint, borders of labels bold.
 
-use super::picture::{Colors, Image, Lines, Path, Picture, Scale, crease_edges, label_borders, mesh_edges, render};
+use super::picture::{
+    Colors, Image, Lines, Path, Picture, Scale, View, crease_edges, label_borders, mesh_edges, render,
+};
+use crate::geometry::hexes::scaled_jacobian;
 use crate::geometry::summary::Summary;
-use crate::mesh::{Column, RawMesh};
+use crate::mesh::{Column, HexMesh, Polygons, RawMesh, boundary_faces};
+use glam::DVec3;
 
 /// Face labels that a figure shows, the first one that a mesh has.
 const LABELS: &[&str] = &["patch", "region", "truth", "ref", "group"];
@@ -43,4 +47,32 @@ pub fn curvature_figure(mesh: &RawMesh, values: &[f64]) -> Image {
     picture.colors = Colors::VertexScalars(values, Scale::Diverging(Some(if bound > 0.0 { bound } else { 1.0 })));
     picture.lines.push(Lines { width: 1.2, ..Lines::bold(Path::Edges(&bold)) });
     render(&picture)
+}
+
+/// Draws a hexahedral mesh: its boundary, and beside it the cells behind a plane through its middle, across its
+/// thinnest extent. Colours are scaled Jacobians, dark blue at 0 to yellow at 1.
+pub fn hex_figure(mesh: &HexMesh) -> Image {
+    let low = mesh.points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = mesh.points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let size = high - low;
+    let axis = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().min_by(|a, b| a.dot(size).total_cmp(&b.dot(size)));
+    let axis = axis.unwrap_or(DVec3::Z);
+    let centre = |h: &[u32; 8]| h.iter().map(|&v| mesh.points[v as usize]).sum::<DVec3>() / 8.0;
+    let middle = 0.5 * (low + high);
+    let behind: Vec<[u32; 8]> = mesh.hexes.iter().filter(|h| (centre(h) - middle).dot(axis) <= 0.0).copied().collect();
+    let view = View::automatic(&mesh.points, &mesh.quads.iter().map(|q| &q[..]).collect());
+    let draw = |hexes: &[[u32; 8]]| {
+        let outer = boundary_faces(hexes);
+        let faces: Polygons = outer.iter().map(|(q, _)| &q[..]).collect();
+        let quality: Vec<f64> =
+            outer.iter().map(|&(_, h)| scaled_jacobian(&hexes[h as usize].map(|v| mesh.points[v as usize]))).collect();
+        let edges =
+            if faces.len() <= MOST_FACES_WITH_EDGES { mesh_edges(mesh.points.len(), &faces) } else { Vec::new() };
+        let mut picture = Picture::new(&mesh.points, &faces);
+        picture.colors = Colors::FaceScalars(&quality, Scale::Sequential(Some([0.0, 1.0])));
+        picture.lines.push(Lines::fine(Path::Edges(&edges)));
+        picture.view = view;
+        render(&picture)
+    };
+    Image::beside(&[draw(&mesh.hexes), draw(&behind)], [255; 3])
 }

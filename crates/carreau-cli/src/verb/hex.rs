@@ -1,0 +1,152 @@
+//! `hex`: a hexahedral mesh of a skeleton.
+
+use crate::choice::choice;
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
+use carreau::io::{SKELETON_EXTENSIONS, WriteOptions, extension};
+use carreau::mesh::RawMesh;
+use carreau::report::hex_figure;
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Meshes the tubes around a skeleton with hexahedra
+///
+/// The skeleton is a graph with radii: .cgr, .cg, .skel, .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches,
+/// and every cell is certified to have a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the
+/// ends.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau hex tree.cgr -o tree.vtu --picture tree.png\n  \
+    carreau hex neuron.swc -o neuron.mesh --hexes 20000 --json neuron.json\n  \
+    carreau hex vessel.vtp -o vessel.msh --padding all --refine-across 1")]
+pub struct Hex {
+    /// The skeleton
+    input: PathBuf,
+    /// The file to write: .mesh, .vtu, .vtk, .msh …
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Layer of hexes on the boundary [default: all]
+    #[arg(long, value_name = "WHERE", value_parser = choice::<Padding>(&["none", "sides", "all"]))]
+    padding: Option<Padding>,
+    /// Halves every cell across its axis this many times, the layer included [default: 0]
+    #[arg(long, value_name = "N")]
+    refine_across: Option<u32>,
+    /// Halves every cell along its axis this many times [default: 0]
+    #[arg(long, value_name = "N")]
+    refine_along: Option<u32>,
+    /// About this many hexes, at most: sets the steps along the branches
+    #[arg(long, value_name = "N", conflicts_with = "edge_length")]
+    hexes: Option<usize>,
+    /// Length of the steps along the branches
+    #[arg(long, value_name = "LENGTH")]
+    edge_length: Option<Length>,
+    /// One radius for all nodes
+    #[arg(long, value_name = "LENGTH")]
+    radius: Option<Length>,
+    /// base: the graph as given, without clean-up and resampling [default: full]
+    #[arg(long, value_name = "STAGE", value_parser = choice::<Stage>(&["base", "full"]))]
+    stage: Option<Stage>,
+    /// Writes cells without a certificate too; the record lists them
+    #[arg(long)]
+    allow_invalid: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// All options of a run.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    padding: Padding,
+    refine_across: u32,
+    refine_along: u32,
+    hexes: Option<usize>,
+    edge_length: Option<Length>,
+    radius: Option<Length>,
+    stage: Stage,
+    allow_invalid: bool,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Hex {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("hex", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.hex(session, &options)
+        })
+    }
+
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "hex", &all)?;
+        }
+        all.padding = self.padding.unwrap_or(all.padding);
+        all.refine_across = self.refine_across.unwrap_or(all.refine_across);
+        all.refine_along = self.refine_along.unwrap_or(all.refine_along);
+        all.hexes = self.hexes.or(all.hexes);
+        all.edge_length = self.edge_length.or(all.edge_length);
+        all.radius = self.radius.or(all.radius);
+        all.stage = self.stage.unwrap_or(all.stage);
+        all.allow_invalid |= self.allow_invalid;
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn hex(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        self.require_skeleton()?;
+        let net = session.read_skeleton(&self.input)?;
+        let diagonal = net.diagonal();
+        let wanted = HexOptions {
+            padding: options.padding,
+            refine_across: options.refine_across,
+            refine_along: options.refine_along,
+            stage: options.stage,
+            hexes: options.hexes,
+            edge_length: options.edge_length.map(|l| l.resolve(diagonal)),
+            radius: options.radius.map(|l| l.resolve(diagonal)),
+            allow_invalid: options.allow_invalid,
+        };
+        let context = session.context.clone();
+        let HexResult { mesh, figures, warnings, .. } = context.install(|| hex::from_net(&net, &wanted, &context))?;
+        warnings.into_iter().for_each(|w| session.warn(w));
+        session.draw_as(|| hex_figure(&mesh))?;
+        session.record.set_all(&figures);
+        session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
+        session.say(format!(
+            "{} hexes on {} segments, scaled Jacobian {:.3} at least, {:.3} on average",
+            figures.hexes, figures.segments, figures.scaled_jacobian_min, figures.scaled_jacobian_mean
+        ));
+        session.say(match figures.uncertified.len() {
+            0 => "every cell is certified".into(),
+            n => format!("{n} cells are not certified"),
+        });
+        match &self.output {
+            Some(file) => session.write_mesh(file, &RawMesh::from(mesh), &WriteOptions::default()),
+            None => Ok(()),
+        }
+    }
+
+    /// Surfaces are not meshed yet: said plainly, not as a complaint about a skeleton file.
+    fn require_skeleton(&self) -> Result<(), Error> {
+        let extension = extension(&self.input);
+        if SKELETON_EXTENSIONS.contains(&extension.as_str())
+            || ["vtp", "vtk", "vtu", "obj"].contains(&extension.as_str())
+        {
+            return Ok(());
+        }
+        Err(Error::input(
+            "a skeleton is expected: hexes of a surface need its skeleton first",
+            "",
+            "give a graph: .cgr, .cg, .skel, .swc, .tgf, or lines in .vtp, .vtk, .obj",
+        ))
+    }
+}

@@ -1,0 +1,229 @@
+//! Connection surfaces: a branching of n segments gets a partition of the sphere into n quads, each with the direction
+//! of one segment in it; n + 2 vertices, 2 n sides (Viville et al., section 3.2).
+//!
+//! Two ways to make one: orange slices about an axis, and the dual of a spherical Delaunay triangulation changed until
+//! every vertex has four edges. Two conditions decide whether a partition is any good (spec 1.3):
+//!
+//! * inclusion: det(d, Vₖ, Vₖ₊₁) > 0 for the four sides of the quad of direction d, which is the sign of the Jacobian of
+//!   the four hexes at the branching;
+//! * convexity: det(Vₖ₋₁, Vₖ, Vₖ₊₁) > 0; not asked for at a vertex of two quads, whose two angles make a round, so that
+//!   straight is the best it can be.
+//!
+//! Departure: the paper takes the first partition that its heuristic gives. Here all candidates (the heuristic's, and
+//! orange slices on many axes) have their vertices moved to enlarge the least of those determinants, and the best wins:
+//! orange slices on some axis always include and are convex, so that a valid partition always exists.
+
+mod dual;
+mod hull;
+mod map;
+mod orange;
+
+use glam::DVec3;
+
+/// Axes that orange slices are tried on.
+const AXES: usize = 200;
+/// Azimuths closer than this, in radians, make no slice.
+const LEAST_GAP: f64 = 1e-6;
+/// Candidates whose vertices are moved.
+const FINALISTS: usize = 4;
+
+/// A partition of the unit sphere into quads, one per direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Connection {
+    /// Vertices on the unit sphere, n + 2 of them.
+    pub vertices: Vec<DVec3>,
+    /// Corners of every quad, counter-clockwise seen from outside.
+    pub quads: Vec<[u32; 4]>,
+    /// Sides of every quad, in 0..2n: side k runs from corner k to corner k + 1; each belongs to two quads.
+    pub sides: Vec<[u32; 4]>,
+}
+
+impl Connection {
+    /// The best partition found for at least three unit directions, no two of them equal.
+    pub fn new(directions: &[DVec3]) -> Connection {
+        let mut candidates: Vec<(f64, Connection)> = Vec::new();
+        let mut consider = |c: Connection| candidates.push((c.score(directions), c));
+        if directions.len() > 3
+            && let Some(dual) = dual::partition(directions)
+        {
+            consider(dual);
+        }
+        let axes = orange::axes(directions, AXES);
+        axes.iter().filter_map(|&a| orange::slices(directions, a, LEAST_GAP)).for_each(&mut consider);
+        if candidates.is_empty() {
+            // Two directions are equal: no partition tells them apart, but the cells are joined all the same.
+            candidates
+                .extend(axes.iter().take(1).filter_map(|&a| orange::slices(directions, a, 0.0)).map(|c| (0.0, c)));
+        }
+        // A stable sort: of equal candidates the first wins. The paper's heuristic is the first.
+        let dual = candidates.first().cloned().filter(|_| directions.len() > 3);
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+        candidates.truncate(FINALISTS);
+        candidates.extend(dual);
+        let finals = candidates.into_iter().map(|(_, mut c)| {
+            c.relax(directions);
+            (c.score(directions), c)
+        });
+        let best = finals.fold(None::<(f64, Connection)>, |best, c| match best {
+            Some(b) if b.0 + 1e-9 >= c.0 => Some(b),
+            _ => Some(c),
+        });
+        best.map_or_else(|| Connection { vertices: Vec::new(), quads: Vec::new(), sides: Vec::new() }, |b| b.1)
+    }
+
+    /// The least determinant of inclusion and convexity, less a little for every vertex of high valence.
+    pub fn score(&self, directions: &[DVec3]) -> f64 {
+        let highest = self.valences().into_iter().max().unwrap_or(0);
+        self.least_determinant(directions) - 0.01 * highest as f64
+    }
+
+    /// Number of quads at every vertex.
+    fn valences(&self) -> Vec<usize> {
+        let mut valence = vec![0; self.vertices.len()];
+        self.quads.as_flattened().iter().for_each(|&v| valence[v as usize] += 1);
+        valence
+    }
+
+    /// The least determinant of inclusion and convexity: positive for a valid partition.
+    pub fn least_determinant(&self, directions: &[DVec3]) -> f64 {
+        let valence = self.valences();
+        let of_quad = |(q, d): (&[u32; 4], &DVec3)| {
+            quad_determinant(q.map(|v| self.vertices[v as usize]), q.map(|v| valence[v as usize] > 2), *d)
+        };
+        self.quads.iter().zip(directions).map(of_quad).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Moves vertices about the sphere to enlarge the least determinant of the quads at each: a pattern search with
+    /// shrinking steps.
+    fn relax(&mut self, directions: &[DVec3]) {
+        let mut at: Vec<Vec<u32>> = vec![Vec::new(); self.vertices.len()];
+        for (q, quad) in self.quads.iter().zip(0..).flat_map(|(quad, q)| quad.iter().map(move |&v| (q, v))) {
+            at[quad as usize].push(q);
+        }
+        let turns: Vec<bool> = self.valences().into_iter().map(|n| n > 2).collect();
+        let mut step = 0.25;
+        for _ in 0..24 {
+            let mut moved = false;
+            for v in 0..self.vertices.len() {
+                let least = |c: &Connection| {
+                    let of_quad = |&q: &u32| {
+                        let quad = c.quads[q as usize];
+                        let (corners, turn) = (quad.map(|v| c.vertices[v as usize]), quad.map(|v| turns[v as usize]));
+                        quad_determinant(corners, turn, directions[q as usize])
+                    };
+                    let values = at[v].iter().map(of_quad);
+                    // The sum breaks ties.
+                    values.clone().fold(f64::INFINITY, f64::min) + 1e-3 * values.sum::<f64>()
+                };
+                let here = self.vertices[v];
+                let (across, up) = here.any_orthonormal_pair();
+                let mut best = (least(self), here);
+                for k in 0..8 {
+                    let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+                    self.vertices[v] = (here + (across * cos + up * sin) * step).normalize();
+                    let value = least(self);
+                    if value > best.0 + 1e-9 {
+                        best = (value, self.vertices[v]);
+                    }
+                }
+                moved |= best.1 != here;
+                self.vertices[v] = best.1;
+            }
+            if !moved {
+                step *= 0.6;
+            }
+        }
+    }
+
+    /// The middle of every side on the unit sphere.
+    pub fn side_middles(&self, directions: &[DVec3]) -> Vec<DVec3> {
+        let mut middles = vec![DVec3::ZERO; 2 * self.quads.len()];
+        for ((quad, sides), &d) in self.quads.iter().zip(&self.sides).zip(directions) {
+            for k in 0..4 {
+                let [a, b] = [quad[k], quad[(k + 1) % 4]].map(|v| self.vertices[v as usize]);
+                // Both quads of a side add to it: half of the ends' sum each, and a little of their directions, which
+                // decides where the ends are opposite.
+                middles[sides[k] as usize] += 0.5 * (a + b) + 0.02 * d;
+            }
+        }
+        middles.iter().map(|m| m.normalize_or(DVec3::X)).collect()
+    }
+}
+
+/// The least of inclusion and convexity of a quad about a direction; `turns` says at which corners convexity is asked for.
+fn quad_determinant(p: [DVec3; 4], turns: [bool; 4], d: DVec3) -> f64 {
+    let at = |k: usize| p[k % 4];
+    let inclusion = (0..4).map(|k| d.dot(at(k).cross(at(k + 1))));
+    let convexity = (0..4).filter(|&k| turns[k]).map(|k| at(k + 3).dot(at(k).cross(at(k + 1))));
+    inclusion.chain(convexity).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Unit directions, no two closer than an angle, from numbers of a generator.
+    pub fn star(numbers: &[f64], valence: usize, least_degrees: f64) -> Option<Vec<DVec3>> {
+        let mut directions: Vec<DVec3> = Vec::new();
+        for n in numbers.chunks_exact(3) {
+            let d = DVec3::from_slice(n);
+            if d.length() < 1.0 && d.length() > 0.1 {
+                let d = d.normalize();
+                if directions.iter().all(|e| e.dot(d) < least_degrees.to_radians().cos()) {
+                    directions.push(d);
+                }
+            }
+            if directions.len() == valence {
+                return Some(directions);
+            }
+        }
+        None
+    }
+
+    /// Every side has two quads that run it in opposite senses, and the counts are Euler's.
+    pub fn assert_partition(c: &Connection, n: usize) {
+        assert_eq!((c.quads.len(), c.sides.len(), c.vertices.len()), (n, n, n + 2));
+        let mut ends: Vec<Vec<[u32; 2]>> = vec![Vec::new(); 2 * n];
+        for (q, s) in c.quads.iter().zip(&c.sides) {
+            (0..4).for_each(|k| ends[s[k] as usize].push([q[k], q[(k + 1) % 4]]));
+        }
+        for side in ends {
+            assert!(matches!(side[..], [[a, b], [c, d]] if a == d && b == c && a != b), "{side:?}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+        #[test]
+        fn every_star_is_included(n in 3usize..13, numbers in prop::collection::vec(-1.0f64..1.0, 600)) {
+            if let Some(directions) = star(&numbers, n, 15.0) {
+                let c = Connection::new(&directions);
+                assert_partition(&c, n);
+                prop_assert!(c.least_determinant(&directions) > 0.0, "{}", c.least_determinant(&directions));
+            }
+        }
+    }
+
+    #[test]
+    fn six_axes_are_a_cube() {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
+        let c = Connection::new(&axes);
+        assert_partition(&c, 6);
+        let mut valence = [0; 8];
+        c.quads.as_flattened().iter().for_each(|&v| valence[v as usize] += 1);
+        assert_eq!(valence, [3; 8]);
+    }
+
+    #[test]
+    fn directions_in_one_plane_and_in_one_half_of_space() {
+        let flat: Vec<DVec3> =
+            (0..5).map(|k| DVec3::from((glam::DVec2::from_angle(1.2 * f64::from(k)), 0.0))).collect();
+        let tilted: Vec<DVec3> = flat.iter().map(|d| (*d + DVec3::Z).normalize()).collect();
+        for directions in [flat, tilted] {
+            let c = Connection::new(&directions);
+            assert_partition(&c, 5);
+            assert!(c.least_determinant(&directions) > 0.0);
+        }
+    }
+}

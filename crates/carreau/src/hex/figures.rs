@@ -1,0 +1,78 @@
+//! What a hex mesh achieves.
+
+use super::Padding;
+use crate::geometry::hexes::{Corners, scaled_jacobian, volume};
+use crate::mesh::{HEX_EDGES, HexMesh};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Counts and quality of a hex mesh; the result record's own part.
+#[derive(Debug, Clone, Serialize)]
+pub struct Figures {
+    /// Number of cells.
+    pub hexes: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of boundary faces.
+    pub boundary_quads: usize,
+    /// Segments of the skeleton that was meshed.
+    pub segments: usize,
+    /// Where a layer was put.
+    pub padding: Padding,
+    /// Whether the Jacobian of every cell is proven positive.
+    pub certified: bool,
+    /// The cells without that proof.
+    pub uncertified: Vec<u32>,
+    /// Smallest scaled Jacobian of all corners of all cells.
+    pub scaled_jacobian_min: f64,
+    /// Mean over the cells of the smallest of their corners.
+    pub scaled_jacobian_mean: f64,
+    /// Cells with a corner that is not positive.
+    pub inverted: usize,
+    /// Sum of the volumes of the cells.
+    pub volume: f64,
+    /// Edges off the boundary with other than four cells, by that number.
+    pub irregular_edges: BTreeMap<u32, usize>,
+}
+
+impl Figures {
+    /// The figures of a mesh with its boundary.
+    pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
+        let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
+        let shapes: Vec<[f64; 2]> =
+            mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect();
+        let jacobians = || shapes.iter().map(|s| s[0]);
+        Figures {
+            hexes: mesh.hexes.len(),
+            vertices: mesh.points.len(),
+            boundary_quads: mesh.quads.len(),
+            segments,
+            padding,
+            certified: uncertified.is_empty(),
+            uncertified,
+            scaled_jacobian_min: jacobians().fold(f64::INFINITY, f64::min),
+            scaled_jacobian_mean: jacobians().sum::<f64>() / mesh.hexes.len().max(1) as f64,
+            inverted: jacobians().filter(|j| *j <= 0.0).count(),
+            volume: shapes.iter().map(|s| s[1]).sum(),
+            irregular_edges: irregular_edges(mesh),
+        }
+    }
+}
+
+/// Interior edges by their number of cells, four left out.
+fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
+    let key = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
+    let mut edges: Vec<u64> =
+        mesh.hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();
+    edges.par_sort_unstable();
+    let mut outer: Vec<u64> = mesh.quads.iter().flat_map(|q| (0..4).map(move |k| key(q[k], q[(k + 1) % 4]))).collect();
+    outer.par_sort_unstable();
+    let mut found = BTreeMap::new();
+    for same in edges.chunk_by(|a, b| a == b).filter(|c| c.len() != 4) {
+        if outer.binary_search(&same[0]).is_err() {
+            *found.entry(same.len() as u32).or_default() += 1;
+        }
+    }
+    found
+}

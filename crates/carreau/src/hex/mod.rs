@@ -1,0 +1,345 @@
+//! Hexahedral meshes of tubular shapes from their skeleton.
+//!
+//! Viville, Kraemer, Bechmann, "Génération de maillage hexaédrique à partir d'un squelette", Journées du groupe de travail
+//! en modélisation géométrique 2020. A skeleton (nodes with radii, segments) becomes a mesh of hexes that follow its
+//! branches: a partition of the sphere into quads at every node says how the four hexes about each segment are joined.
+//!
+//! | stage | file |
+//! |---|---|
+//! | narrow forks get a trunk | `zip` |
+//! | stubs go, branches get nodes in proportion to the radius | `resample`, `branches` |
+//! | radii that leave no room are reduced | `limit` |
+//! | connection surfaces of the branchings | `connection` |
+//! | frames along the branches | `frames` |
+//! | hexes and sewing | `sew` |
+//! | padding, halving across and along | `refine` |
+//! | untangling, smoothing, certificate | `optimise` |
+//! | figures of the result | `figures` |
+//!
+//! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's, a
+//! rule for the first ring at a branching, residual twist spread by arc length on rings too, an energy that untangles
+//! instead of linear smoothing, and a certificate for every cell.
+
+mod branches;
+mod connection;
+mod figures;
+mod frames;
+mod limit;
+mod optimise;
+mod refine;
+mod resample;
+mod sew;
+#[cfg(test)]
+mod tests;
+mod zip;
+
+pub use figures::Figures;
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{CurveNet, HexMesh, boundary_faces};
+use glam::DVec3;
+use optimise::{COARSE, FINE, Optimiser, Spring};
+use refine::{CORE, TubeMesh};
+use resample::Step;
+use serde::{Deserialize, Serialize};
+use sew::BaseMesh;
+
+/// Where a layer of hexes is put.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Padding {
+    /// Nowhere.
+    None,
+    /// On the wall: every hex is cut in three across its axis.
+    Sides,
+    /// On the whole boundary, ends included: no hex has two boundary faces.
+    #[default]
+    All,
+}
+
+/// How far the skeleton is worked on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// The graph as given: one segment, one ring of hexes.
+    Base,
+    /// Stubs go, and nodes are set anew.
+    #[default]
+    Full,
+}
+
+/// Options of [`from_net`].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct HexOptions {
+    /// Where a layer is put.
+    pub padding: Padding,
+    /// How often every cell is halved across its axis, the layer included.
+    pub refine_across: u32,
+    /// How often every cell is halved along its axis.
+    pub refine_along: u32,
+    /// How far the skeleton is worked on.
+    pub stage: Stage,
+    /// About this many hexes: sets the length of the steps along the branches.
+    pub hexes: Option<usize>,
+    /// Length of the steps along the branches, in the unit of the file; exclusive with `hexes`.
+    pub edge_length: Option<f64>,
+    /// One radius for all nodes, in the unit of the file.
+    pub radius: Option<f64>,
+    /// Cells without a certificate are delivered.
+    pub allow_invalid: bool,
+}
+
+/// Levels of halving that are accepted.
+pub const MOST_HALVINGS: u32 = 6;
+/// More hexes are refused.
+pub const MOST_HEXES: f64 = 5e7;
+/// Steps along the branches, in radii, where no size is asked for.
+const STEP: f64 = 1.5;
+/// More segments than this are not made without being asked for: the steps grow instead.
+const MANY_SEGMENTS: usize = 1500;
+/// Thinner and thinner layers, tried where one of the usual thickness folds.
+const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
+/// Branchings closer than this share of the smaller radius become one.
+const MERGE: f64 = 0.3;
+
+impl HexOptions {
+    fn check(&self) -> Result<()> {
+        if self.refine_across > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
+            return Err(Error::Options(format!("at most {MOST_HALVINGS} halvings are accepted")));
+        }
+        if self.hexes.is_some() && self.edge_length.is_some() {
+            return Err(Error::Options("give a number of hexes or an edge length, not both".into()));
+        }
+        if self.stage == Stage::Base && (self.hexes.is_some() || self.edge_length.is_some()) {
+            return Err(Error::Options("stage base takes the graph as it is: it has no size to be set".into()));
+        }
+        if self.hexes == Some(0) {
+            return Err(Error::Options("the number of hexes must be positive".into()));
+        }
+        for (name, length) in [("edge length", self.edge_length), ("radius", self.radius)] {
+            if length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
+                return Err(Error::Options(format!("the {name} must be positive")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Hexes per segment and per end.
+    fn hexes_of(&self, segments: usize, ends: usize) -> f64 {
+        let (k, n) = (f64::from(1 << self.refine_across), f64::from(1 << self.refine_along));
+        let (per_segment, per_end) = match self.padding {
+            Padding::None => (4.0, 0.0),
+            Padding::Sides => (12.0, 0.0),
+            Padding::All => (12.0, 4.0),
+        };
+        per_segment * k * k * n * segments as f64 + per_end * k * k * k * ends as f64
+    }
+}
+
+/// A hex mesh of a skeleton.
+#[derive(Debug, Clone)]
+pub struct HexResult {
+    /// The mesh: boundary quads tagged 1 on the wall, 2, 3 … on the ends.
+    pub mesh: HexMesh,
+    /// The skeleton that was meshed, after clean-up.
+    pub skeleton: CurveNet,
+    /// What the mesh achieves.
+    pub figures: Figures,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Meshes a skeleton.
+///
+/// # Errors
+/// [`Error::Input`] for a net without any segment of positive length, [`Error::Options`] for options that make no sense,
+/// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
+pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
+    options.check()?;
+    let (net, mut warnings) = prepare(net, options, context)?;
+    let base = {
+        let _stage = context.stage("base mesh");
+        let mut base = sew::base_mesh(&net);
+        // Folds are undone where cells are few; what refines a valid mesh is nearly valid.
+        let coarse = refine::pad(&net, &base, Padding::None, &vec![0; net.points.len()], CORE);
+        let mut optimiser = Optimiser::new(&base.points, &base.hexes);
+        optimiser.tie(springs_of(&coarse));
+        optimiser.run(&mut base.points, &COARSE, context)?;
+        base
+    };
+    if let Some(first) = base.poor.first() {
+        let count = base.poor.len();
+        warnings.push(format!("{count} branchings have no partition that includes all directions, first {first}"));
+    }
+    context.check()?;
+    let mut tube = padded(&net, &base, options, context)?;
+    (0..options.refine_across).for_each(|_| tube.refine_across());
+    (0..options.refine_along).for_each(|_| tube.refine_along());
+    let uncertified = {
+        let _stage = context.stage("optimise");
+        let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+        optimiser.tie(springs_of(&tube));
+        optimiser.run(&mut tube.points, &FINE, context)?
+    };
+    deliver(tube, net, uncertified, warnings, options, context)
+}
+
+/// The coarsest mesh of a net as it is, without any optimisation: what the speed of the construction is measured by.
+pub fn base_mesh(net: &CurveNet) -> HexMesh {
+    let base = sew::base_mesh(net);
+    HexMesh { points: base.points, hexes: base.hexes, ..HexMesh::default() }
+}
+
+/// Repair, zipping, and for the full stage clean-up and resampling.
+fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(CurveNet, Vec<String>)> {
+    let _stage = context.stage("skeleton");
+    let repaired = net.repaired(options.radius)?;
+    let (mut net, mut warnings) = (repaired.net, repaired.warnings);
+    if options.stage == Stage::Full {
+        let pruned = resample::prune(&mut net);
+        if pruned > 0 {
+            warnings.push(format!("{pruned} branches end inside the ball of their branching and were dropped"));
+        }
+        let merged = resample::merge_branchings(&mut net, MERGE);
+        if merged > 0 {
+            warnings.push(format!("{merged} branchings lie inside others and were merged with them"));
+        }
+    }
+    let zipped = zip::zip(&mut net);
+    if zipped > 0 {
+        warnings.push(format!(
+            "{zipped} pairs of directions are closer than {}° and got a common trunk",
+            zip::NARROW_DEGREES
+        ));
+    }
+    context.check()?;
+    if options.stage == Stage::Full {
+        net = resized(&net, options);
+    }
+    let reduced = limit::limit_radii(&mut net);
+    if reduced > 0 {
+        warnings.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
+    }
+    let around = net.incidence();
+    let ends = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count();
+    let expected = options.hexes_of(net.edges.len(), ends);
+    if expected > MOST_HEXES {
+        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for fewer or longer ones")));
+    }
+    Ok((net, warnings))
+}
+
+/// The net resampled to the size asked for.
+fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
+    if let Some(length) = options.edge_length {
+        return resample::resample(net, Step::Length(length));
+    }
+    let around = net.incidence();
+    let ends = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count();
+    let fine = resample::resample(net, Step::Radii(STEP));
+    let fits = |n: &CurveNet| match options.hexes {
+        Some(wanted) => options.hexes_of(n.edges.len(), ends) <= wanted as f64,
+        None => n.edges.len() <= MANY_SEGMENTS.max(net.edges.len()),
+    };
+    if options.hexes.is_none() && fits(&fine) {
+        return fine;
+    }
+    // The longest steps that are too short, by bisection of their logarithm.
+    let (mut low, mut high) = (0.02f64.ln(), 1000f64.ln());
+    let mut best = resample::resample(net, Step::Radii(1000.0));
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        let tried = resample::resample(net, Step::Radii(middle.exp()));
+        if fits(&tried) {
+            high = middle;
+            best = tried;
+        } else {
+            low = middle;
+        }
+    }
+    best
+}
+
+/// The base mesh with its layer: as thick as it should be where that folds nothing, else as thin as it must be, and then
+/// let grow.
+fn padded(net: &CurveNet, base: &BaseMesh, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
+    let _stage = context.stage("padding");
+    let around = net.incidence();
+    let mut count = 0;
+    let ends: Vec<u32> = (0..net.points.len() as u32)
+        .map(|v| {
+            let is_end = around.valence(v) == 1;
+            count += u32::from(is_end);
+            if is_end { count } else { 0 }
+        })
+        .collect();
+    let mut tube = refine::pad(net, base, options.padding, &ends, CORE);
+    if options.padding == Padding::None {
+        return Ok(tube);
+    }
+    let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+    optimiser.tie(springs_of(&tube));
+    let mut points = tube.points.clone();
+    for core in CORES {
+        if optimiser.is_valid(&points) {
+            break;
+        }
+        points = refine::pad(net, base, options.padding, &ends, core).points;
+    }
+    optimiser.run(&mut points, &COARSE, context)?;
+    tube.points = points;
+    Ok(tube)
+}
+
+/// Springs of a mesh that has no surface: the wall at its radius, ends about in their planes.
+fn springs_of(tube: &TubeMesh) -> Vec<Spring> {
+    let spring = |v: usize| {
+        let (p, c) = (tube.points[v], tube.centres[v]);
+        if tube.radii[v] > 0.0 {
+            let normal = (p - c).normalize_or_zero();
+            Some(Spring { vertex: v as u32, to: c + normal * tube.radii[v], normal, along: 0.3, across: 0.02 })
+        } else if tube.caps[v] > 0 {
+            Some(Spring { vertex: v as u32, to: p, normal: DVec3::ZERO, along: 0.1, across: 0.1 })
+        } else {
+            None
+        }
+    };
+    (0..tube.points.len()).filter_map(spring).collect()
+}
+
+/// Boundary, tags and figures.
+fn deliver(
+    tube: TubeMesh,
+    skeleton: CurveNet,
+    uncertified: Vec<u32>,
+    mut warnings: Vec<String>,
+    options: &HexOptions,
+    context: &Context,
+) -> Result<HexResult> {
+    let _stage = context.stage("boundary");
+    let quads: Vec<[u32; 4]> = boundary_faces(&tube.hexes).into_iter().map(|f| f.0).collect();
+    let tag = |q: &[u32; 4]| {
+        let cap = tube.caps[q[0] as usize];
+        if cap > 0 && q.iter().all(|&v| tube.caps[v as usize] == cap) { 1 + cap as i32 } else { 1 }
+    };
+    let tags = quads.iter().map(tag).collect();
+    let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
+    let figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
+    if !figures.certified {
+        let count = figures.uncertified.len();
+        if !options.allow_invalid {
+            return Err(Error::Numeric(format!(
+                "{count} of {} hexes could not be made valid, first {}; add padding or halve across, or take them with --allow-invalid",
+                mesh.hexes.len(),
+                figures.uncertified[0]
+            )));
+        }
+        warnings.push(format!(
+            "{count} hexes have no certificate of a positive Jacobian, first {}",
+            figures.uncertified[0]
+        ));
+    }
+    Ok(HexResult { mesh, skeleton, figures, warnings })
+}

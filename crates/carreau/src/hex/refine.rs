@@ -1,0 +1,233 @@
+//! Refinement of the base mesh (section 4 "Raffinement"; spec 1.5): padding, and halving across and along.
+//!
+//! Padding puts a layer of hexes on the wall (`sides`), which is the paper's trisection of every hex across its axis, or on
+//! the whole boundary (`all`), ends included:
+//!
+//! ```text
+//!   W───────M            W───────M
+//!   │       │            │╲  b  ╱│
+//!   │       │     →      │ w───m │        c, v, m, w: the hex of before, shrunk
+//!   │       │            │ │   │a│
+//!   c───────V            c─┴───v─V
+//! ```
+//!
+//! Halving cuts whole sheets, so that the result conforms: across means both axes of the section, and in the layer on an
+//! end its thickness too; along means the axis of the segments.
+
+use super::Padding;
+use super::sew::BaseMesh;
+use crate::mesh::CurveNet;
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// Where the old wall goes when a layer is put on it, as a share of the way from the centre: where there is room.
+pub const CORE: f64 = 0.6;
+
+/// A hex mesh on a skeleton, with what later stages must know of every vertex.
+#[derive(Debug, Clone, Default)]
+pub struct TubeMesh {
+    /// Positions.
+    pub points: Vec<DVec3>,
+    /// Cells; the third axis runs along the segment, unless `along` is false.
+    pub hexes: Vec<[u32; 8]>,
+    /// Whether the third axis of each cell runs along its segment; the layer on an end has no such axis.
+    pub along: Vec<bool>,
+    /// The point of the skeleton that each vertex belongs to.
+    pub centres: Vec<DVec3>,
+    /// Distance of wall vertices from their centre; zero off the wall.
+    pub radii: Vec<f64>,
+    /// Number of the end that each vertex lies on, from 1; zero off the ends.
+    pub caps: Vec<u32>,
+}
+
+/// Cells and vertices of the base mesh, with the layer asked for. `ends` numbers the nodes that are ends, from 1; the old
+/// wall goes to `core` of its way from the centre: the nearer to 1, the thinner the layer, and the surer it is valid.
+pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32], core: f64) -> TubeMesh {
+    let count = base.points.len();
+    let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
+    let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
+    let is_centre = |v: u32| base.first[nodes[v as usize] as usize] == v;
+    let mut mesh = TubeMesh {
+        points: base.points.clone(),
+        hexes: base.hexes.clone(),
+        along: vec![true; base.hexes.len()],
+        centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
+        radii: (0..count as u32)
+            .map(|v| if is_centre(v) { 0.0 } else { net.radii[nodes[v as usize] as usize] })
+            .collect(),
+        caps: nodes.iter().map(|&n| ends[n as usize]).collect(),
+    };
+    if padding == Padding::None {
+        return mesh;
+    }
+    // Outer copies of everything but the centres, in order; then those of the centres of ends.
+    let outer = |v: u32| count as u32 + v - nodes[v as usize] - 1;
+    for v in (0..count as u32).filter(|&v| !is_centre(v)) {
+        mesh.copy(v);
+    }
+    let mut outer_centre = vec![u32::MAX; net.points.len()];
+    for (node, end) in ends.iter().enumerate().filter(|e| *e.1 > 0 && padding == Padding::All) {
+        debug_assert!(*end > 0);
+        outer_centre[node] = mesh.points.len() as u32;
+        mesh.copy(base.first[node]);
+    }
+    for h in &base.hexes {
+        // The same from every hex at the face: places on the faces shared by both.
+        for face in [&h[..4], &h[4..]] {
+            let [c, v, m, w] = [face[0], face[1], face[2], face[3]].map(|k| base.points[k as usize]);
+            mesh.points[face[1] as usize] = c.lerp(v, core);
+            mesh.points[face[2] as usize] = c.lerp(v, core).lerp(w.lerp(m, core), core);
+            mesh.points[face[3] as usize] = c.lerp(w, core);
+        }
+    }
+    (0..count as u32).filter(|&v| !is_centre(v)).for_each(|v| mesh.radii[v as usize] = 0.0);
+    mesh.hexes.reserve(2 * base.hexes.len());
+    for h in &base.hexes {
+        let [_, v, m, w, _, v1, m1, w1] = *h;
+        mesh.hexes.push([v, outer(v), outer(m), m, v1, outer(v1), outer(m1), m1]);
+        mesh.hexes.push([m, outer(m), outer(w), w, m1, outer(m1), outer(w1), w1]);
+    }
+    mesh.along.resize(mesh.hexes.len(), true);
+    if padding == Padding::All {
+        cover_ends(net, base, &mut mesh, &outer, &outer_centre, 1.0 - core);
+    }
+    mesh
+}
+
+/// The layer on the ends: the ring of an end moves inward, its copies stay.
+fn cover_ends(
+    net: &CurveNet,
+    base: &BaseMesh,
+    mesh: &mut TubeMesh,
+    outer: &impl Fn(u32) -> u32,
+    outer_centre: &[u32],
+    depth: f64,
+) {
+    for (e, &[near, far]) in base.segments.iter().enumerate() {
+        for (node, other, bottom) in [(near, far, true), (far, near, false)] {
+            let centre = outer_centre[node as usize];
+            if centre == u32::MAX {
+                continue;
+            }
+            for h in &base.hexes[4 * e..4 * e + 4] {
+                let (inner, rest) = h.split_at(4);
+                let face = if bottom { inner } else { rest };
+                let copy = [centre, outer(face[1]), outer(face[2]), outer(face[3])];
+                let [a, b] = if bottom {
+                    [copy, [face[0], face[1], face[2], face[3]]]
+                } else {
+                    [[face[0], face[1], face[2], face[3]], copy]
+                };
+                mesh.hexes.push([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]);
+                mesh.along.push(false);
+            }
+            let axis = net.points[other as usize] - net.points[node as usize];
+            let depth = depth * net.radii[node as usize].min(0.9 * axis.length());
+            let inward = axis.normalize_or_zero() * depth;
+            for v in base.first[node as usize]..base.first[node as usize + 1] {
+                mesh.points[v as usize] += inward;
+                mesh.centres[v as usize] += inward;
+                mesh.caps[v as usize] = 0;
+            }
+        }
+    }
+}
+
+impl TubeMesh {
+    fn copy(&mut self, v: u32) {
+        let v = v as usize;
+        self.points.push(self.points[v]);
+        self.centres.push(self.centres[v]);
+        self.radii.push(self.radii[v]);
+        self.caps.push(self.caps[v]);
+    }
+
+    /// Halves every cell across its axis (and, on ends, in its thickness).
+    pub fn refine_across(&mut self) {
+        let along = self.along.clone();
+        self.halve(|h| [true, true, !along[h]]);
+    }
+
+    /// Halves every cell along its segment.
+    pub fn refine_along(&mut self) {
+        let along = self.along.clone();
+        self.halve(|h| [false, false, along[h]]);
+    }
+
+    fn halve(&mut self, axes: impl Fn(usize) -> [bool; 3]) {
+        let hexes = std::mem::take(&mut self.hexes);
+        let along = std::mem::take(&mut self.along);
+        let mut middles: FxHashMap<[u32; 4], u32> = FxHashMap::default();
+        for (h, corners) in hexes.iter().enumerate() {
+            let halved = axes(h);
+            let mut grid = [u32::MAX; 27];
+            for (n, cell) in grid.iter_mut().enumerate() {
+                let at = [n % 3, n / 3 % 3, n / 9];
+                if (0..3).all(|a| at[a] != 1 || halved[a]) {
+                    *cell = self.grid_vertex(corners, at, &mut middles);
+                }
+            }
+            let parts = halved.map(|x| if x { 2 } else { 1 });
+            for k in 0..parts[2] {
+                for j in 0..parts[1] {
+                    for i in 0..parts[0] {
+                        let low = [i, j, k];
+                        let corner = |up: [usize; 3]| {
+                            let at: [usize; 3] =
+                                std::array::from_fn(|a| if halved[a] { low[a] + up[a] } else { 2 * up[a] });
+                            grid[at[0] + 3 * at[1] + 9 * at[2]]
+                        };
+                        self.hexes.push(UNIT.map(corner));
+                        self.along.push(along[h]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The vertex at a place of the 3 × 3 × 3 grid of a cell: a corner, or the middle of an edge, a face or the cell.
+    fn grid_vertex(&mut self, corners: &[u32; 8], at: [usize; 3], middles: &mut FxHashMap<[u32; 4], u32>) -> u32 {
+        let near = |c: &usize| (0..3).all(|a| at[a] == 1 || at[a] == 2 * UNIT[*c][a]);
+        let mut parents = [u32::MAX; 8];
+        let mut n = 0;
+        for c in (0..8).filter(near) {
+            parents[n] = corners[c];
+            n += 1;
+        }
+        if n == 1 {
+            return parents[0];
+        }
+        let mut key = [u32::MAX; 4];
+        if n < 8 {
+            key[..n].copy_from_slice(&parents[..n]);
+            key.sort_unstable();
+            if let Some(&v) = middles.get(&key) {
+                return v;
+            }
+        }
+        let v = self.middle(&parents[..n]);
+        if n < 8 {
+            middles.insert(key, v);
+        }
+        v
+    }
+
+    /// A new vertex in the middle of others.
+    fn middle(&mut self, parents: &[u32]) -> u32 {
+        let share = 1.0 / parents.len() as f64;
+        let mean = |list: &[DVec3]| parents.iter().map(|&p| list[p as usize]).sum::<DVec3>() * share;
+        let (point, centre) = (mean(&self.points), mean(&self.centres));
+        let on_wall = parents.iter().all(|&p| self.radii[p as usize] > 0.0);
+        let radius = if on_wall { parents.iter().map(|&p| self.radii[p as usize]).sum::<f64>() * share } else { 0.0 };
+        let cap = self.caps[parents[0] as usize];
+        let same = parents.iter().all(|&p| self.caps[p as usize] == cap);
+        self.points.push(point);
+        self.centres.push(centre);
+        self.radii.push(radius);
+        self.caps.push(if same { cap } else { 0 });
+        self.points.len() as u32 - 1
+    }
+}
+
+/// Corners of the unit cell in VTK order.
+const UNIT: [[usize; 3]; 8] = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];

@@ -1,0 +1,262 @@
+//! Clean-up and resampling of the skeleton (spec 1.2).
+//!
+//! Leaf branches shorter than the radius of their branching go, branchings inside each other become one, and every
+//! branch gets nodes at steps in proportion to its radius, by inverting ∫ ds / h(s).
+//!
+//! **First-ring rule** (not in the paper, and decisive): on a branch that leaves a branching with the angle θ to its
+//! nearest neighbour, the first node lies at d ≥ max(1.5 r, 1.2 r / tan(θ/2) + 0.3 r), where the discs of the two
+//! branches are apart.
+
+use super::branches::{Branch, branches};
+use crate::mesh::{CurveNet, Incidence};
+use glam::DVec3;
+
+/// How long the steps are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// This many radii.
+    Radii(f64),
+    /// The same length everywhere.
+    Length(f64),
+}
+
+/// Leaf branches inside the ball of their branching go; returns how many.
+pub fn prune(net: &mut CurveNet) -> usize {
+    let mut pruned = 0;
+    loop {
+        let around = net.incidence();
+        let short = branches(net, &around).into_iter().find(|b| is_stub(net, &around, b));
+        let Some(stub) = short else { return pruned };
+        let mut keep = vec![true; net.points.len()];
+        stub.nodes[1..].iter().for_each(|&v| keep[v as usize] = false);
+        net.edges.retain(|e| keep[e[0] as usize] && keep[e[1] as usize]);
+        net.retain_nodes(&keep);
+        pruned += 1;
+    }
+}
+
+/// Whether a branch from a branching to an extremity stays within the branching's ball.
+fn is_stub(net: &CurveNet, around: &Incidence, branch: &Branch) -> bool {
+    let (Some(&from), Some(&to)) = (branch.nodes.first(), branch.nodes.last()) else { return false };
+    let centre = net.points[from as usize];
+    around.valence(from) > 2
+        && around.valence(to) == 1
+        && branch.nodes.iter().all(|&v| net.points[v as usize].distance(centre) < net.radii[from as usize])
+}
+
+/// Branchings joined by a branch that is short against their radii become one at the middle; returns how many went.
+pub fn merge_branchings(net: &mut CurveNet, share: f64) -> usize {
+    let mut merged = 0;
+    loop {
+        let around = net.incidence();
+        let near = branches(net, &around).into_iter().find(|b| {
+            let (a, z) = (b.nodes[0], b.nodes[b.nodes.len() - 1]);
+            let length: f64 = b.edges.iter().map(|&e| net.length(e as usize)).sum();
+            let limit = share * net.radii[a as usize].min(net.radii[z as usize]);
+            a != z && around.valence(a) > 2 && around.valence(z) > 2 && length < limit
+        });
+        let Some(branch) = near else { return merged };
+        let (a, z) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
+        net.points[a as usize] = 0.5 * (net.points[a as usize] + net.points[z as usize]);
+        net.radii[a as usize] = net.radii[a as usize].max(net.radii[z as usize]);
+        let mut keep = vec![true; net.points.len()];
+        branch.nodes[1..].iter().for_each(|&v| keep[v as usize] = false);
+        net.edges.iter_mut().for_each(|e| *e = e.map(|v| if v == z { a } else { v }));
+        net.edges.retain(|e| e[0] != e[1] && keep[e[0] as usize] && keep[e[1] as usize]);
+        net.drop_multiple_edges();
+        keep[a as usize] = true;
+        net.retain_nodes(&keep);
+        merged += 1;
+    }
+}
+
+/// The net with new articulations; branchings and extremities stay.
+pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
+    let around = net.incidence();
+    let all = branches(net, &around);
+    let mut out = CurveNet::default();
+    let mut new_id = vec![u32::MAX; net.points.len()];
+    let kept = |v: &u32| around.valence(*v) != 2;
+    for v in (0..net.points.len() as u32).filter(kept) {
+        new_id[v as usize] = out.points.len() as u32;
+        push(&mut out, net.points[v as usize], net.radii[v as usize], net.ids[v as usize]);
+    }
+    let mut pairs: Vec<[u32; 2]> = Vec::new();
+    for branch in &all {
+        let mut curve = Curve::new(net, branch);
+        let (from, to) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
+        let pair = [from.min(to), from.max(to)];
+        // Two branches between the same nodes, and a branch back to its own, need nodes in between.
+        let least = if branch.is_ring || from == to { 3 } else { 1 + usize::from(pairs.contains(&pair)) };
+        pairs.push(pair);
+        let ends = [
+            first_ring(net, &around, branch.nodes[0], branch.edges[0], branch.nodes[1]),
+            first_ring(net, &around, to, branch.edges[branch.edges.len() - 1], branch.nodes[branch.nodes.len() - 2]),
+        ];
+        let stations = curve.stations(step, ends, least);
+        let mut last = if branch.is_ring {
+            push(&mut out, curve.points[0], curve.radii[0], net.ids[from as usize])
+        } else {
+            new_id[from as usize]
+        };
+        let first = last;
+        for s in stations {
+            let (point, radius) = curve.at(s);
+            let node = push(&mut out, point, radius, -1);
+            out.edges.push([last, node]);
+            last = node;
+        }
+        out.edges.push([last, if branch.is_ring { first } else { new_id[to as usize] }]);
+    }
+    out
+}
+
+fn push(net: &mut CurveNet, point: DVec3, radius: f64, id: i64) -> u32 {
+    net.points.push(point);
+    net.radii.push(radius);
+    net.ids.push(id);
+    net.points.len() as u32 - 1
+}
+
+/// The least distance of the first node on a branch from its end, by the first-ring rule; zero where the end is no
+/// branching.
+fn first_ring(net: &CurveNet, around: &Incidence, node: u32, edge: u32, next: u32) -> f64 {
+    if around.valence(node) < 3 {
+        return 0.0;
+    }
+    let direction = |w: u32| (net.points[w as usize] - net.points[node as usize]).normalize_or_zero();
+    let own = direction(next);
+    let others = around.of(node).iter().filter(|s| s[0] != edge);
+    let theta = others.map(|s| own.angle_between(direction(s[1]))).fold(std::f64::consts::PI, f64::min);
+    let r = net.radii[node as usize].min(2.0 * net.radii[next as usize]);
+    (1.5 * r).max(1.2 * r / (0.5 * theta).tan().max(0.13) + 0.3 * r)
+}
+
+/// A branch as a curve over its arc length.
+struct Curve {
+    points: Vec<DVec3>,
+    radii: Vec<f64>,
+    /// Arc length at every node.
+    arc: Vec<f64>,
+    /// Where `at` looked last: stations are asked for in ascending order.
+    hint: usize,
+}
+
+impl Curve {
+    fn new(net: &CurveNet, branch: &Branch) -> Curve {
+        let points: Vec<DVec3> = branch.nodes.iter().map(|&v| net.points[v as usize]).collect();
+        let radii = branch.nodes.iter().map(|&v| net.radii[v as usize]).collect();
+        let mut arc = vec![0.0];
+        points.windows(2).for_each(|w| arc.push(arc[arc.len() - 1] + w[0].distance(w[1])));
+        Curve { points, radii, arc, hint: 0 }
+    }
+
+    fn length(&self) -> f64 {
+        self.arc[self.arc.len() - 1]
+    }
+
+    /// Position and radius at an arc length.
+    fn at(&mut self, s: f64) -> (DVec3, f64) {
+        if s < self.arc[self.hint] {
+            self.hint = 0;
+        }
+        while self.hint + 2 < self.arc.len() && s > self.arc[self.hint + 1] {
+            self.hint += 1;
+        }
+        let k = self.hint;
+        let t = ((s - self.arc[k]) / (self.arc[k + 1] - self.arc[k]).max(1e-300)).clamp(0.0, 1.0);
+        (self.points[k].lerp(self.points[k + 1], t), self.radii[k] + t * (self.radii[k + 1] - self.radii[k]))
+    }
+
+    /// Arc lengths of the new nodes between the ends, at least `least − 1` of them. `ends` are the least distances of
+    /// the first and last from the ends.
+    fn stations(&mut self, step: Step, ends: [f64; 2], least: usize) -> Vec<f64> {
+        let length = self.length();
+        let marked = ends.iter().filter(|d| **d > 0.0).count();
+        let room = [0.0, 0.6, 0.4][marked] * length;
+        let [from, to] = [ends[0].min(room), length - ends[1].min(room)];
+        // ∫ ds / h in many small steps.
+        let parts = (8 * self.points.len()).clamp(64, 4096);
+        let mut integral = vec![0.0];
+        for k in 0..parts {
+            let s = from + (to - from) * (k as f64 + 0.5) / parts as f64;
+            let h = match step {
+                Step::Radii(k) => k * self.at(s).1,
+                Step::Length(h) => h,
+            };
+            integral.push(integral[k] + (to - from) / parts as f64 / h.max(1e-9 * length));
+        }
+        let total = integral[parts];
+        let count = (total.round() as usize).clamp(1, 100_000).max(least.saturating_sub(marked));
+        let mut stations = Vec::new();
+        if ends[0] > 0.0 {
+            stations.push(from);
+        }
+        let mut k = 0;
+        for n in 1..count {
+            let wanted = total * n as f64 / count as f64;
+            while k + 1 < parts && integral[k + 1] < wanted {
+                k += 1;
+            }
+            let t = (wanted - integral[k]) / (integral[k + 1] - integral[k]).max(1e-300);
+            stations.push(from + (to - from) * (k as f64 + t.clamp(0.0, 1.0)) / parts as f64);
+        }
+        if ends[1] > 0.0 {
+            stations.push(to);
+        }
+        stations
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fork() -> CurveNet {
+        let points = vec![DVec3::ZERO, DVec3::X * 9.0, DVec3::new(-5.0, 5.0, 0.0), DVec3::new(-5.0, -5.0, 0.0)];
+        CurveNet::new(points, vec![0.5, 0.25, 0.5, 0.5], vec![[0, 1], [0, 2], [0, 3]])
+    }
+
+    #[test]
+    fn steps_follow_the_radius_and_the_first_ring_keeps_its_distance() {
+        let net = fork();
+        let fine = resample(&net, Step::Radii(1.0));
+        assert_eq!(fine.cycles(), [0]);
+        let around = fine.incidence();
+        assert_eq!((0..fine.points.len() as u32).filter(|&v| around.valence(v) == 3).count(), 1);
+        for (e, &[a, b]) in fine.edges.iter().enumerate() {
+            let r = 0.5 * (fine.radii[a as usize] + fine.radii[b as usize]);
+            let k = fine.length(e) / r;
+            let at_fork = around.valence(a).max(around.valence(b)) == 3;
+            assert!(if at_fork { k >= 1.5 } else { (0.7..1.4).contains(&k) }, "{k}");
+        }
+        assert!(resample(&net, Step::Length(0.1)).edges.len() > 150);
+    }
+
+    #[test]
+    fn rings_and_handles_keep_their_cycles() {
+        let points: Vec<DVec3> = (0..6).map(|k| DVec3::from((glam::DVec2::from_angle(f64::from(k)), 0.0))).collect();
+        let mut edges: Vec<[u32; 2]> = (0..6).map(|k| [k, (k + 1) % 6]).collect();
+        let ring = CurveNet::new(points.clone(), vec![0.1; 6], edges.clone());
+        edges.push([0, 3]);
+        let theta = CurveNet::new(points, vec![0.1; 6], edges);
+        for (net, cycles) in [(ring, 1), (theta, 2)] {
+            for k in [0.5, 2.0, 100.0] {
+                let out = resample(&net, Step::Radii(k));
+                assert_eq!(out.cycles(), [cycles]);
+                assert_eq!(out.clone().drop_multiple_edges(), 0);
+            }
+        }
+    }
+
+    #[test]
+    fn stubs_go_and_close_branchings_merge() {
+        let mut net = fork();
+        net.points.push(DVec3::new(0.0, 0.0, 0.3));
+        net.radii.push(0.1);
+        net.ids.push(4);
+        net.edges.push([0, 4]);
+        assert_eq!(prune(&mut net), 1);
+        assert_eq!(net, fork());
+    }
+}

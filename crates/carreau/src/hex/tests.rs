@@ -1,0 +1,200 @@
+//! The whole way from a net to a mesh: counts in closed form, conformity, certificates, determinism, odd input.
+
+use super::connection::tests::star;
+use super::*;
+use crate::mesh::{Column, RawMesh, Topology};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+
+fn star_net(directions: &[DVec3], radius: f64) -> CurveNet {
+    let n = directions.len() as u32;
+    let points = std::iter::once(DVec3::ZERO).chain(directions.iter().copied()).collect();
+    CurveNet::new(points, vec![radius; n as usize + 1], (1..=n).map(|k| [0, k]).collect())
+}
+
+fn ring(n: u32) -> CurveNet {
+    let at = |k: u32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / f64::from(n)).sin_cos();
+        // Out of the plane, so that the frame does not close by itself.
+        DVec3::new(cos, sin, 0.3 * (2.0 * sin * cos))
+    };
+    CurveNet::new((0..n).map(at).collect(), vec![0.15; n as usize], (0..n).map(|k| [k, (k + 1) % n]).collect())
+}
+
+fn theta() -> CurveNet {
+    let mut net = ring(12);
+    net.points.push(DVec3::ZERO);
+    net.radii.push(0.1);
+    net.ids.push(12);
+    net.edges.extend([[0, 12], [12, 6]]);
+    net
+}
+
+fn tree() -> CurveNet {
+    let points = [[0, 0, 0], [0, 0, 4], [3, 0, 7], [-3, 1, 7], [3, 3, 10], [5, -2, 10], [-3, -2, 11]];
+    let points = points.map(|p: [i32; 3]| DVec3::from(p.map(f64::from))).to_vec();
+    CurveNet::new(points, vec![0.8, 0.7, 0.5, 0.6, 0.4, 0.4, 0.3], vec![[0, 1], [1, 2], [1, 3], [2, 4], [2, 5], [3, 6]])
+}
+
+/// Every face has one or two cells that see it from opposite sides; the boundary is a closed manifold whose genus is the
+/// number of cycles.
+fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) {
+    let mut faces: BTreeMap<[u32; 4], Vec<[u32; 4]>> = BTreeMap::new();
+    for h in hexes {
+        for f in crate::mesh::HEX_FACES {
+            let face = f.map(|c| h[c]);
+            let start = (0..4).min_by_key(|&k| face[k]).unwrap();
+            let turned: [u32; 4] = std::array::from_fn(|k| face[(start + k) % 4]);
+            let mut key = face;
+            key.sort_unstable();
+            assert!(key.windows(2).all(|w| w[0] != w[1]), "a face with equal corners");
+            faces.entry(key).or_default().push(turned);
+        }
+    }
+    for sides in faces.values() {
+        let fits = match sides[..] {
+            [_] => true,
+            [[a, b, c, d], other] => other == [a, d, c, b],
+            _ => false,
+        };
+        assert!(fits, "{sides:?}");
+    }
+    let raw = RawMesh {
+        points: points.to_vec(),
+        cells: crate::mesh::Cells { hexes: hexes.to_vec(), ..Default::default() },
+        ..RawMesh::default()
+    };
+    let topology = Topology::of(&raw.boundary().unwrap().into_surface().unwrap());
+    assert!(topology.closed && topology.manifold && topology.consistently_oriented);
+    assert_eq!(topology.components, cycles.len());
+    assert_eq!(topology.genus, Some(cycles.iter().sum()));
+}
+
+/// Hexes, boundary quads and vertices of the base mesh and the paddings, in closed form.
+#[test]
+fn counts_are_the_closed_form() {
+    for net in [tree(), ring(9), theta()] {
+        let around = net.incidence();
+        let valence = |v: usize| around.valence(v as u32);
+        let nodes = 0..net.points.len();
+        let (e, ends) = (net.edges.len(), nodes.clone().filter(|&v| valence(v) == 1).count());
+        let vertices: usize = nodes.map(|v| if valence(v) == 1 { 9 } else { 3 * valence(v) + 3 }).sum();
+        let base = base_mesh(&net);
+        assert_eq!((base.hexes.len(), base.points.len()), (4 * e, vertices));
+        assert_conforming(&base.hexes, &base.points, &net.cycles());
+        for (padding, hexes, quads) in [
+            (Padding::None, 4 * e, 8 * e + 4 * ends),
+            (Padding::Sides, 12 * e, 8 * e + 12 * ends),
+            (Padding::All, 12 * e + 4 * ends, 8 * e + 4 * ends),
+        ] {
+            let options = HexOptions { padding, stage: Stage::Base, allow_invalid: true, ..HexOptions::default() };
+            let result = from_net(&net, &options, &Context::new()).unwrap();
+            assert_eq!((result.mesh.hexes.len(), result.mesh.quads.len()), (hexes, quads));
+            assert_conforming(&result.mesh.hexes, &result.mesh.points, &net.cycles());
+            assert_eq!(result.mesh.tags.iter().max(), Some(&(1 + ends as i32)));
+            if padding != Padding::None {
+                assert!(result.figures.certified && result.figures.inverted == 0);
+            }
+        }
+    }
+}
+
+/// K = 2 per halving across, N = 2 along; the layer on an end is halved in its thickness too.
+#[test]
+fn halving_multiplies_the_counts() {
+    let net = tree();
+    let (e, ends) = (net.edges.len(), 4);
+    let options = HexOptions { refine_across: 1, refine_along: 1, stage: Stage::Base, ..HexOptions::default() };
+    let result = from_net(&net, &options, &Context::new()).unwrap();
+    assert_eq!(result.mesh.hexes.len(), 12 * e * 4 * 2 + 4 * ends * 8);
+    assert_eq!(result.mesh.quads.len(), 8 * e * 2 * 2 + 4 * ends * 4);
+    assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
+    assert!(result.figures.certified && result.figures.scaled_jacobian_min > 0.2, "{:?}", result.figures);
+    // Σ (valence − 4) over interior edges: 2 K (4 n − 8) at every branching and 3-valent edges of the layer.
+    let excess: i64 =
+        result.figures.irregular_edges.iter().filter(|e| *e.0 > 4).map(|(&v, &n)| (i64::from(v) - 4) * n as i64).sum();
+    assert_eq!(excess, 2 * 2 * (2 * (4 * 3 - 8)));
+}
+
+#[test]
+fn resampled_meshes_are_certified_and_the_same_for_any_number_of_threads() {
+    for net in [tree(), ring(9), theta()] {
+        let mesh = |threads| {
+            let context = Context::new().with_threads(threads).unwrap();
+            context.install(|| from_net(&net, &HexOptions::default(), &context)).unwrap()
+        };
+        let (one, two) = (mesh(1), mesh(2));
+        assert_eq!(one.mesh, two.mesh);
+        assert_conforming(&one.mesh.hexes, &one.mesh.points, &net.cycles());
+        assert!(one.figures.certified && one.figures.scaled_jacobian_min > 0.3, "{:?}", one.figures);
+        // Wall vertices lie about at the radius of the net.
+        let radius = |p: DVec3| {
+            let near = |e: &[u32; 2]| {
+                let [a, b] = e.map(|v| one.skeleton.points[v as usize]);
+                let t = ((p - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+                let r = one.skeleton.radii[e[0] as usize] * (1.0 - t) + one.skeleton.radii[e[1] as usize] * t;
+                (p.distance(a.lerp(b, t)), r)
+            };
+            one.skeleton.edges.iter().map(near).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(d, r)| d / r)
+        };
+        let mut ratios: Vec<f64> =
+            one.mesh.quads.iter().flatten().map(|&v| radius(one.mesh.points[v as usize])).collect();
+        ratios.sort_by(f64::total_cmp);
+        assert!((ratios[ratios.len() / 2] - 1.0).abs() < 0.1, "{}", ratios[ratios.len() / 2]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+    #[test]
+    fn random_stars_conform_and_are_certified(n in 3usize..9, numbers in prop::collection::vec(-1.0f64..1.0, 400)) {
+        if let Some(directions) = star(&numbers, n, 25.0) {
+            let options = HexOptions { stage: Stage::Base, ..HexOptions::default() };
+            let result = from_net(&star_net(&directions, 0.2), &options, &Context::new()).unwrap();
+            assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
+            prop_assert!(result.figures.inverted == 0);
+        }
+    }
+}
+
+#[test]
+fn odd_nets() {
+    let x = |x: f64| DVec3::new(x, 0.0, 0.0);
+    // A U-turn, a fat node beside a short segment (which resampling passes over), a narrow fork.
+    let turn = CurveNet::new(vec![x(0.0), x(1.0), DVec3::new(0.0, 0.05, 0.0)], vec![0.1; 3], vec![[0, 1], [1, 2]]);
+    let fat = CurveNet::new(vec![x(0.0), x(0.1), x(3.0)], vec![0.1, 2.0, 0.1], vec![[0, 1], [1, 2]]);
+    let narrow = CurveNet::new(
+        vec![x(0.0), x(-2.0), DVec3::new(3.0, 0.2, 0.0), DVec3::new(3.0, -0.2, 0.0)],
+        vec![0.3; 4],
+        vec![[0, 1], [0, 2], [0, 3]],
+    );
+    for (net, warned) in [(turn, true), (fat, false), (narrow, true)] {
+        let result =
+            from_net(&net, &HexOptions { allow_invalid: true, ..HexOptions::default() }, &Context::new()).unwrap();
+        assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
+        assert_eq!(!result.warnings.is_empty(), warned, "{:?}", result.warnings);
+    }
+    let code = |options: HexOptions| from_net(&tree(), &options, &Context::new()).map_err(|e| e.exit_code()).err();
+    assert_eq!(code(HexOptions { refine_across: 99, ..HexOptions::default() }), Some(2));
+    assert_eq!(code(HexOptions { hexes: Some(10), edge_length: Some(1.0), ..HexOptions::default() }), Some(2));
+    assert_eq!(code(HexOptions { radius: Some(-1.0), ..HexOptions::default() }), Some(2));
+}
+
+#[test]
+fn the_number_of_hexes_is_followed() {
+    let options = |n| HexOptions { hexes: Some(n), ..HexOptions::default() };
+    let count = |n| from_net(&tree(), &options(n), &Context::new()).unwrap().mesh.hexes.len() as f64;
+    for n in [400, 1500] {
+        assert!((0.8..=1.0).contains(&(count(n) / n as f64)), "{} of {n}", count(n));
+    }
+}
+
+#[test]
+fn tags_become_labels_of_the_faces() {
+    let raw: RawMesh = from_net(&tree(), &HexOptions::default(), &Context::new()).unwrap().mesh.into();
+    let Some(Column::Label(tags)) = raw.attributes.face.get("ref") else { panic!("no tags") };
+    let mut kinds = tags.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    assert_eq!(kinds, [1, 2, 3, 4, 5]);
+}

@@ -1,0 +1,106 @@
+//! Branches that leave a branching side by side are zipped: they share a trunk up to where they can be told apart.
+//!
+//! ```text
+//!       ╱╱ j            │ ╱ j
+//!      ╱╱ i      →      i╱         trunk v–t, then t–i and t–j
+//!     v                 t
+//!                       v
+//! ```
+
+use crate::mesh::CurveNet;
+use glam::DVec3;
+
+/// Directions closer than this are zipped.
+pub const NARROW_DEGREES: f64 = 15.0;
+/// The trunk ends where the directions are this far apart.
+const APART_DEGREES: f64 = 40.0;
+/// Rounds; every zip makes one trunk, whose end may be narrow again.
+const ROUNDS: usize = 4;
+
+/// Zips all narrow pairs; returns how many.
+pub fn zip(net: &mut CurveNet) -> usize {
+    let mut zipped = 0;
+    for round in 0..ROUNDS {
+        let mut found = 0;
+        for v in 0..net.points.len() as u32 {
+            while let Some(pair) = narrowest(net, v) {
+                part(net, v, pair);
+                found += 1;
+                if found > 4 * net.points.len() {
+                    return zipped + found;
+                }
+            }
+        }
+        zipped += found;
+        if found == 0 || round + 1 == ROUNDS {
+            break;
+        }
+    }
+    zipped
+}
+
+/// The two segments with the smallest angle at a branching, where it is narrow.
+fn narrowest(net: &CurveNet, v: u32) -> Option<[usize; 2]> {
+    let at: Vec<usize> = (0..net.edges.len()).filter(|&e| net.edges[e].contains(&v)).collect();
+    if at.len() < 3 {
+        return None;
+    }
+    let direction = |e: usize| (net.points[other(net, e, v) as usize] - net.points[v as usize]).normalize_or_zero();
+    let mut best = (NARROW_DEGREES.to_radians().cos(), None);
+    for (k, &a) in at.iter().enumerate() {
+        for &b in &at[k + 1..] {
+            let cos = direction(a).dot(direction(b));
+            if cos > best.0 {
+                best = (cos, Some([a, b]));
+            }
+        }
+    }
+    best.1
+}
+
+fn other(net: &CurveNet, e: usize, v: u32) -> u32 {
+    let [a, b] = net.edges[e];
+    if a == v { b } else { a }
+}
+
+/// Puts the end of the trunk on the bisector, as near as the directions from there are far enough apart.
+fn part(net: &mut CurveNet, v: u32, [e, f]: [usize; 2]) {
+    let (i, j) = (other(net, e, v), other(net, f, v));
+    let [p, a, b] = [v, i, j].map(|k| net.points[k as usize]);
+    let (la, lb) = (p.distance(a), p.distance(b));
+    let axis = ((a - p) / la + (b - p) / lb).normalize_or_zero();
+    let shorter = la.min(lb);
+    let angle = |q: DVec3| (a - q).angle_between(b - q);
+    let steps = (2..=18).map(|k| p + axis * (0.05 * f64::from(k) * shorter));
+    let open = steps.clone().find(|q| angle(*q) >= APART_DEGREES.to_radians());
+    let end = open.or_else(|| steps.max_by(|x, y| angle(*x).total_cmp(&angle(*y))));
+    let end = end.unwrap_or(0.5 * (p + a));
+    let radius = {
+        let t = end.distance(p) / shorter;
+        let near = net.radii[i as usize].min(net.radii[j as usize]);
+        (1.0 - t) * net.radii[v as usize] + t * near
+    };
+    let t = net.points.len() as u32;
+    net.points.push(end);
+    net.radii.push(radius);
+    net.ids.push(-1);
+    net.edges[e] = [t, i];
+    net.edges[f] = [t, j];
+    net.edges.push([v, t]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_fork_gets_a_trunk() {
+        let points = vec![DVec3::ZERO, -DVec3::X, DVec3::new(2.0, 0.1, 0.0), DVec3::new(2.0, -0.1, 0.0)];
+        let mut net = CurveNet::new(points, vec![0.1; 4], vec![[0, 1], [0, 2], [0, 3]]);
+        let cycles = net.cycles();
+        assert_eq!(zip(&mut net), 1);
+        assert_eq!((net.points.len(), net.edges.len(), net.cycles()), (5, 4, cycles));
+        assert!((0..5).all(|v| narrowest(&net, v).is_none()));
+        assert_eq!(zip(&mut net), 0);
+    }
+}
