@@ -32,6 +32,15 @@ pub struct Figures {
     pub inverted: usize,
     /// Sum of the volumes of the cells.
     pub volume: f64,
+    /// Largest distance between the boundary and the surface, either way; only where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_max: Option<f64>,
+    /// Mean distance from the surface to the boundary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_mean: Option<f64>,
+    /// Volume of the cells over that of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_ratio: Option<f64>,
     /// Edges off the boundary with other than four cells, by that number.
     pub irregular_edges: BTreeMap<u32, usize>,
 }
@@ -55,6 +64,9 @@ impl Figures {
             scaled_jacobian_mean: jacobians().sum::<f64>() / mesh.hexes.len().max(1) as f64,
             inverted: jacobians().filter(|j| *j <= 0.0).count(),
             volume: shapes.iter().map(|s| s[1]).sum(),
+            distance_max: None,
+            distance_mean: None,
+            volume_ratio: None,
             irregular_edges: irregular_edges(mesh),
         }
     }
