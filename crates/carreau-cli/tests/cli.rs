@@ -480,6 +480,9 @@ fn hex_writes_cells_boundary_picture_and_record() {
         assert!(rec["scaled_jacobian_min"].as_f64() > Some(0.4), "{rec}");
         let info = record(&["info", text(&out)]);
         assert_eq!(info["cells"]["hexahedra"], rec["hexes"]);
+        assert_eq!(info["hexahedra"]["conforming"], true);
+        assert_eq!(info["hexahedra"]["certified"], true);
+        assert_eq!(info["hexahedra"]["irregular_edges"], rec["irregular_edges"]);
         let boundary = folder.path().join(format!("skin-{extension}.ply"));
         carreau().args(["convert", "--boundary", text(&out), "-o", text(&boundary)]).assert().success();
         assert_eq!(record(&["info", text(&boundary)])["topology"]["genus"], 0);
@@ -504,8 +507,7 @@ fn hex_base_mesh_has_the_counts_of_the_paper_and_replays() {
 fn a_surface_gets_a_skeleton_and_hexes() {
     let (folder, model) = with_model("torus", "m.ply");
     let at = |name: &str| folder.path().join(name);
-    let line = ["skeleton", text(&model), "-o", text(&at("s.cgr")), "--picture", text(&at("s.png"))];
-    let found = record(&line);
+    let found = record(&["skeleton", text(&model), "-o", text(&at("s.cgr")), "--picture", text(&at("s.png"))]);
     assert_eq!((&found["cycles"], &found["extremities"]), (&serde_json::json!(1), &serde_json::json!(0)));
     assert!(fs::read(at("s.png")).unwrap().starts_with(b"\x89PNG"));
     let rec =

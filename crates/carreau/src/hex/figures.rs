@@ -48,9 +48,7 @@ pub struct Figures {
 impl Figures {
     /// The figures of a mesh with its boundary.
     pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
-        let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
-        let shapes: Vec<[f64; 2]> =
-            mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect();
+        let shapes = shapes(mesh);
         let jacobians = || shapes.iter().map(|s| s[0]);
         Figures {
             hexes: mesh.hexes.len(),
@@ -72,8 +70,14 @@ impl Figures {
     }
 }
 
+/// Scaled Jacobian and volume of every cell.
+pub(super) fn shapes(mesh: &HexMesh) -> Vec<[f64; 2]> {
+    let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
+    mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect()
+}
+
 /// Interior edges by their number of cells, four left out.
-fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
+pub(super) fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
     let key = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     let mut edges: Vec<u64> =
         mesh.hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();

@@ -34,10 +34,12 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod tips;
+mod validate;
 mod zip;
 
 pub use figures::Figures;
 pub use surface::from_surface;
+pub use validate::Validity;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
