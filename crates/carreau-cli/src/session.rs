@@ -203,6 +203,17 @@ impl Session {
         Ok(())
     }
 
+    /// Writes a skeleton.
+    pub fn write_skeleton(&mut self, file: &Path, net: &CurveNet) -> Result<(), Error> {
+        self.context.check()?;
+        let warnings = {
+            let _stage = self.context.stage("write");
+            io::write_skeleton(file, net)?
+        };
+        warnings.into_iter().for_each(|w| self.warn(w));
+        Ok(())
+    }
+
     /// Writes any other file, whole or not at all.
     pub fn write_bytes(&mut self, file: &Path, bytes: &[u8]) -> Result<(), Error> {
         let _stage = self.context.stage("write");

@@ -43,6 +43,7 @@ fn help_names_every_verb_and_each_has_an_example() {
         "field",
         "quad",
         "hex",
+        "skeleton",
         "completions",
         "man",
     ] {
@@ -479,6 +480,9 @@ fn hex_writes_cells_boundary_picture_and_record() {
         assert!(rec["scaled_jacobian_min"].as_f64() > Some(0.4), "{rec}");
         let info = record(&["info", text(&out)]);
         assert_eq!(info["cells"]["hexahedra"], rec["hexes"]);
+        assert_eq!(info["hexahedra"]["conforming"], true);
+        assert_eq!(info["hexahedra"]["certified"], true);
+        assert_eq!(info["hexahedra"]["irregular_edges"], rec["irregular_edges"]);
         let boundary = folder.path().join(format!("skin-{extension}.ply"));
         carreau().args(["convert", "--boundary", text(&out), "-o", text(&boundary)]).assert().success();
         assert_eq!(record(&["info", text(&boundary)])["topology"]["genus"], 0);
@@ -500,6 +504,24 @@ fn hex_base_mesh_has_the_counts_of_the_paper_and_replays() {
 }
 
 #[test]
+fn a_surface_gets_a_skeleton_and_hexes() {
+    let (folder, model) = with_model("torus", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let found = record(&["skeleton", text(&model), "-o", text(&at("s.cgr")), "--picture", text(&at("s.png"))]);
+    assert_eq!((&found["cycles"], &found["extremities"]), (&serde_json::json!(1), &serde_json::json!(0)));
+    assert!(fs::read(at("s.png")).unwrap().starts_with(b"\x89PNG"));
+    let rec =
+        record(&["hex", text(&model), "--skeleton", text(&at("s.cgr")), "--hexes", "800", "-o", text(&at("h.mesh"))]);
+    assert_eq!(rec["certified"], true);
+    assert!(rec["hexes"].as_u64() <= Some(800) && rec["distance_max"].as_f64().is_some());
+    let boundary = at("b.ply");
+    carreau().args(["convert", "--boundary", text(&at("h.mesh")), "-o", text(&boundary)]).assert().success();
+    assert_eq!(record(&["info", text(&boundary)])["topology"]["genus"], 1);
+    // A tree format cannot hold a cycle.
+    carreau().args(["skeleton", text(&model), "-o", text(&at("s.swc"))]).assert().code(3);
+}
+
+#[test]
 fn hex_refuses_what_is_no_skeleton() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("bad.cgr");
@@ -516,5 +538,5 @@ fn hex_refuses_what_is_no_skeleton() {
         assert!(!out.exists());
     }
     let (_folder, surface) = with_model("torus", "m.ply");
-    carreau().args(["hex", text(&surface), "-o", text(&out)]).assert().code(3).stderr(contains("skeleton"));
+    carreau().args(["hex", text(&path), "--skeleton", text(&surface)]).assert().code(3);
 }

@@ -15,6 +15,7 @@ pub mod remesh;
 pub mod report;
 pub mod sample;
 pub mod segment;
+pub mod skeleton;
 
 pub use context::Context;
 pub use error::{Error, Place, Result};

@@ -10,7 +10,9 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("mesh", &[]),
     ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
-    ("hex", &["mesh", "geometry", "numeric"]),
+    // Cells of a surface stand about its skeleton.
+    ("hex", &["mesh", "geometry", "numeric", "skeleton"]),
+    ("skeleton", &["mesh", "geometry", "numeric"]),
     ("patch", &["mesh", "geometry", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),

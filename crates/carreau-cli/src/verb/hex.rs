@@ -1,39 +1,45 @@
-//! `hex`: a hexahedral mesh of a skeleton.
+//! `hex`: a hexahedral mesh of a tubular surface or of a skeleton.
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
-use carreau::io::{SKELETON_EXTENSIONS, WriteOptions, extension};
-use carreau::mesh::RawMesh;
+use carreau::io::{self, WriteOptions, is_skeleton_file};
+use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Meshes the tubes around a skeleton with hexahedra
+/// Meshes a tubular surface, or the tubes around a skeleton, with hexahedra
 ///
-/// The skeleton is a graph with radii: .cgr, .cg, .skel, .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches,
-/// and every cell is certified to have a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the
-/// ends.
+/// The skeleton of a surface is found first (see `carreau skeleton`), or given. A skeleton is a graph with radii: .cgr, .cg, .skel,
+/// .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches, and every cell is certified to have
+/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the open ends.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
-    carreau hex tree.cgr -o tree.vtu --picture tree.png\n  \
-    carreau hex neuron.swc -o neuron.mesh --hexes 20000 --json neuron.json\n  \
-    carreau hex vessel.vtp -o vessel.msh --padding all --refine-across 1")]
+    carreau hex vessel.stl -o vessel.vtu --picture vessel.png\n  \
+    carreau hex cactus.obj -o cactus.mesh --hexes 4000 --json cactus.json\n  \
+    carreau hex neuron.swc -o neuron.msh --padding all --refine-across 1")]
 pub struct Hex {
-    /// The skeleton
+    /// The surface or the skeleton
     input: PathBuf,
     /// The file to write: .mesh, .vtu, .vtk, .msh …
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// The skeleton of the surface
+    #[arg(long, value_name = "FILE")]
+    skeleton: Option<PathBuf>,
+    /// The surface around the skeleton
+    #[arg(long, value_name = "FILE", conflicts_with = "skeleton")]
+    surface: Option<PathBuf>,
     /// Layer of hexes on the boundary [default: all]
     #[arg(long, value_name = "WHERE", value_parser = choice::<Padding>(&["none", "sides", "all"]))]
     padding: Option<Padding>,
-    /// Halves every cell across its axis this many times, the layer included [default: 0]
+    /// Halves every cell across its axis this many times, the layer included [default: 0, for surfaces what their shape needs]
     #[arg(long, value_name = "N")]
     refine_across: Option<u32>,
     /// Halves every cell along its axis this many times [default: 0]
@@ -63,7 +69,9 @@ pub struct Hex {
 #[serde(default)]
 struct Options {
     padding: Padding,
-    refine_across: u32,
+    skeleton: Option<PathBuf>,
+    surface: Option<PathBuf>,
+    refine_across: Option<u32>,
     refine_along: u32,
     hexes: Option<usize>,
     edge_length: Option<Length>,
@@ -90,7 +98,9 @@ impl Hex {
             all = options_from(file, "hex", &all)?;
         }
         all.padding = self.padding.unwrap_or(all.padding);
-        all.refine_across = self.refine_across.unwrap_or(all.refine_across);
+        all.refine_across = self.refine_across.or(all.refine_across);
+        all.skeleton = self.skeleton.clone().or(all.skeleton);
+        all.surface = self.surface.clone().or(all.surface);
         all.refine_along = self.refine_along.unwrap_or(all.refine_along);
         all.hexes = self.hexes.or(all.hexes);
         all.edge_length = self.edge_length.or(all.edge_length);
@@ -102,9 +112,8 @@ impl Hex {
     }
 
     fn hex(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        self.require_skeleton()?;
-        let net = session.read_skeleton(&self.input)?;
-        let diagonal = net.diagonal();
+        let shape = self.read(session, options)?;
+        let diagonal = shape.diagonal();
         let wanted = HexOptions {
             padding: options.padding,
             refine_across: options.refine_across,
@@ -116,7 +125,10 @@ impl Hex {
             allow_invalid: options.allow_invalid,
         };
         let context = session.context.clone();
-        let HexResult { mesh, figures, warnings, .. } = context.install(|| hex::from_net(&net, &wanted, &context))?;
+        let HexResult { mesh, figures, warnings, .. } = context.install(|| match &shape {
+            Shape::Graph(net) => hex::from_net(net, &wanted, &context),
+            Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
+        })?;
         warnings.into_iter().for_each(|w| session.warn(w));
         session.draw_as(|| hex_figure(&mesh))?;
         session.record.set_all(&figures);
@@ -135,18 +147,37 @@ impl Hex {
         }
     }
 
-    /// Surfaces are not meshed yet: said plainly, not as a complaint about a skeleton file.
-    fn require_skeleton(&self) -> Result<(), Error> {
-        let extension = extension(&self.input);
-        if SKELETON_EXTENSIONS.contains(&extension.as_str())
-            || ["vtp", "vtk", "vtu", "obj"].contains(&extension.as_str())
-        {
-            return Ok(());
+    /// What the files hold; a file of lines and faces is a surface.
+    fn read(&self, session: &mut Session, options: &Options) -> Result<Shape, Error> {
+        let is_graph = is_skeleton_file(&self.input)
+            || session.read(&self.input).is_ok_and(|m| m.faces.is_empty() && m.cells.is_empty());
+        let surface_of = |file: &Path| io::read(file)?.into_surface()?.triangulated();
+        if !is_graph {
+            let net = options.skeleton.as_deref().map(io::read_skeleton).transpose()?;
+            return Ok(Shape::Surface(Box::new(session.read_triangles(&self.input)?), net));
         }
-        Err(Error::input(
-            "a skeleton is expected: hexes of a surface need its skeleton first",
-            "",
-            "give a graph: .cgr, .cg, .skel, .swc, .tgf, or lines in .vtp, .vtk, .obj",
-        ))
+        if options.skeleton.is_some() {
+            return Err(Error::Options("--skeleton goes with a surface; the input is a skeleton already".into()));
+        }
+        let net = session.read_skeleton(&self.input)?;
+        Ok(match &options.surface {
+            Some(file) => Shape::Surface(Box::new(surface_of(file)?), Some(net)),
+            None => Shape::Graph(net),
+        })
+    }
+}
+
+/// What is meshed.
+enum Shape {
+    Graph(CurveNet),
+    Surface(Box<SurfaceMesh>, Option<CurveNet>),
+}
+
+impl Shape {
+    fn diagonal(&self) -> f64 {
+        match self {
+            Shape::Graph(net) => net.diagonal(),
+            Shape::Surface(mesh, _) => mesh.diagonal(),
+        }
     }
 }

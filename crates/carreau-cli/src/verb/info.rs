@@ -4,7 +4,8 @@ use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
 use carreau::Error;
 use carreau::geometry::quality::SurfaceQuality;
-use carreau::mesh::{Column, Columns, RawMesh, SurfaceMesh, Topology};
+use carreau::hex::Validity;
+use carreau::mesh::{Column, Columns, HexMesh, RawMesh, SurfaceMesh, Topology};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -27,6 +28,7 @@ impl Info {
             session.record.set("options", &values);
             let raw = session.read(&self.input)?;
             describe_content(session, &raw);
+            describe_hexes(session, &raw);
             // A volume mesh is looked at through its boundary.
             let skin = if raw.cells.is_empty() { raw } else { raw.boundary()? };
             session.draw(&skin)?;
@@ -70,6 +72,38 @@ fn describe_content(session: &mut Session, raw: &RawMesh) {
     let attributes: Map<String, Value> =
         all.map(|(element, list)| (element.into(), json!(columns(list)))).into_iter().collect();
     session.record.set("attributes", attributes);
+}
+
+/// Conformity, quality and certificate of a mesh of hexahedra.
+fn describe_hexes(session: &mut Session, raw: &RawMesh) {
+    if raw.cells.hexes.is_empty() || raw.cells.hexes.len() < raw.cells.len() || raw.check().is_err() {
+        return;
+    }
+    let mesh = HexMesh { points: raw.points.clone(), hexes: raw.cells.hexes.clone(), ..HexMesh::default() };
+    let context = session.context.clone();
+    let v = context.install(|| {
+        let _stage = context.stage("hexahedra");
+        Validity::of(&mesh)
+    });
+    session.say(match v.bad_faces {
+        0 => "conforming".into(),
+        n => format!("not conforming: {n} faces have more than two cells, or two on one side"),
+    });
+    session.say(format!(
+        "scaled Jacobian {:.3} at least, {:.3} on average; {} inverted; {}",
+        v.scaled_jacobian_min,
+        v.scaled_jacobian_mean,
+        v.inverted,
+        match v.uncertified.first() {
+            None => "every cell is certified".into(),
+            Some(first) => format!("{} cells are not certified, first {first}", v.uncertified.len()),
+        }
+    ));
+    let edges: Vec<String> = v.irregular_edges.iter().map(|(valence, n)| format!("{n} of {valence} cells")).collect();
+    if !edges.is_empty() {
+        session.say(format!("irregular inner edges: {}", edges.join(", ")));
+    }
+    session.record.set("hexahedra", v);
 }
 
 fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Error> {

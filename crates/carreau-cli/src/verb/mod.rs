@@ -15,6 +15,7 @@ mod sample;
 mod segment;
 mod shell;
 mod simplify;
+mod skeleton;
 
 use crate::session::Failure;
 use clap::Subcommand;
@@ -34,6 +35,7 @@ pub enum Verb {
     Field(field::Field),
     Quad(quad::Quad),
     Hex(hex::Hex),
+    Skeleton(skeleton::Skeleton),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
     Completions(shell::Completions),
@@ -56,6 +58,7 @@ impl Verb {
             Verb::Field(verb) => verb.run(),
             Verb::Quad(verb) => verb.run(),
             Verb::Hex(verb) => verb.run(),
+            Verb::Skeleton(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),

@@ -32,6 +32,15 @@ pub struct Figures {
     pub inverted: usize,
     /// Sum of the volumes of the cells.
     pub volume: f64,
+    /// Largest distance between the boundary and the surface, either way; only where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_max: Option<f64>,
+    /// Mean distance from the surface to the boundary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_mean: Option<f64>,
+    /// Volume of the cells over that of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_ratio: Option<f64>,
     /// Edges off the boundary with other than four cells, by that number.
     pub irregular_edges: BTreeMap<u32, usize>,
 }
@@ -39,9 +48,7 @@ pub struct Figures {
 impl Figures {
     /// The figures of a mesh with its boundary.
     pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
-        let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
-        let shapes: Vec<[f64; 2]> =
-            mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect();
+        let shapes = shapes(mesh);
         let jacobians = || shapes.iter().map(|s| s[0]);
         Figures {
             hexes: mesh.hexes.len(),
@@ -55,13 +62,22 @@ impl Figures {
             scaled_jacobian_mean: jacobians().sum::<f64>() / mesh.hexes.len().max(1) as f64,
             inverted: jacobians().filter(|j| *j <= 0.0).count(),
             volume: shapes.iter().map(|s| s[1]).sum(),
+            distance_max: None,
+            distance_mean: None,
+            volume_ratio: None,
             irregular_edges: irregular_edges(mesh),
         }
     }
 }
 
+/// Scaled Jacobian and volume of every cell.
+pub(super) fn shapes(mesh: &HexMesh) -> Vec<[f64; 2]> {
+    let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
+    mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect()
+}
+
 /// Interior edges by their number of cells, four left out.
-fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
+pub(super) fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
     let key = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     let mut edges: Vec<u64> =
         mesh.hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();

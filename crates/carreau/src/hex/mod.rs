@@ -23,17 +23,23 @@
 mod branches;
 mod connection;
 mod figures;
+mod fit;
 mod frames;
 mod limit;
 mod optimise;
 mod refine;
 mod resample;
 mod sew;
+mod surface;
 #[cfg(test)]
 mod tests;
+mod tips;
+mod validate;
 mod zip;
 
 pub use figures::Figures;
+pub use surface::from_surface;
+pub use validate::Validity;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -75,8 +81,8 @@ pub enum Stage {
 pub struct HexOptions {
     /// Where a layer is put.
     pub padding: Padding,
-    /// How often every cell is halved across its axis, the layer included.
-    pub refine_across: u32,
+    /// How often every cell is halved across its axis, the layer included; none: not at all, or what a surface needs.
+    pub refine_across: Option<u32>,
     /// How often every cell is halved along its axis.
     pub refine_along: u32,
     /// How far the skeleton is worked on.
@@ -106,7 +112,7 @@ const MERGE: f64 = 0.3;
 
 impl HexOptions {
     fn check(&self) -> Result<()> {
-        if self.refine_across > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
+        if self.refine_across() > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
             return Err(Error::Options(format!("at most {MOST_HALVINGS} halvings are accepted")));
         }
         if self.hexes.is_some() && self.edge_length.is_some() {
@@ -126,9 +132,13 @@ impl HexOptions {
         Ok(())
     }
 
-    /// Hexes per segment and per end.
+    fn refine_across(&self) -> u32 {
+        self.refine_across.unwrap_or(0)
+    }
+
+    /// Hexes of a net with this many segments and ends.
     fn hexes_of(&self, segments: usize, ends: usize) -> f64 {
-        let (k, n) = (f64::from(1 << self.refine_across), f64::from(1 << self.refine_along));
+        let (k, n) = (f64::from(1 << self.refine_across()), f64::from(1 << self.refine_along));
         let (per_segment, per_end) = match self.padding {
             Padding::None => (4.0, 0.0),
             Padding::Sides => (12.0, 0.0),
@@ -159,23 +169,11 @@ pub struct HexResult {
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.check()?;
     let (net, mut warnings) = prepare(net, options, context)?;
-    let base = {
-        let _stage = context.stage("base mesh");
-        let mut base = sew::base_mesh(&net);
-        // Folds are undone where cells are few; what refines a valid mesh is nearly valid.
-        let coarse = refine::pad(&net, &base, Padding::None, &vec![0; net.points.len()], CORE);
-        let mut optimiser = Optimiser::new(&base.points, &base.hexes);
-        optimiser.tie(springs_of(&coarse));
-        optimiser.run(&mut base.points, &COARSE, context)?;
-        base
-    };
-    if let Some(first) = base.poor.first() {
-        let count = base.poor.len();
-        warnings.push(format!("{count} branchings have no partition that includes all directions, first {first}"));
-    }
+    let base = valid_base(&net, context)?;
+    warn_of_poor(&base, &mut warnings);
     context.check()?;
     let mut tube = padded(&net, &base, options, context)?;
-    (0..options.refine_across).for_each(|_| tube.refine_across());
+    (0..options.refine_across()).for_each(|_| tube.refine_across());
     (0..options.refine_along).for_each(|_| tube.refine_along());
     let uncertified = {
         let _stage = context.stage("optimise");
@@ -184,6 +182,24 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
         optimiser.run(&mut tube.points, &FINE, context)?
     };
     deliver(tube, net, uncertified, warnings, options, context)
+}
+
+/// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
+fn valid_base(net: &CurveNet, context: &Context) -> Result<BaseMesh> {
+    let _stage = context.stage("base mesh");
+    let mut base = sew::base_mesh(net);
+    let coarse = refine::pad(net, &base, Padding::None, &vec![0; net.points.len()], CORE);
+    let mut optimiser = Optimiser::new(&base.points, &base.hexes);
+    optimiser.tie(springs_of(&coarse));
+    optimiser.run(&mut base.points, &COARSE, context)?;
+    Ok(base)
+}
+
+fn warn_of_poor(base: &BaseMesh, warnings: &mut Vec<String>) {
+    if let Some(first) = base.poor.first() {
+        let count = base.poor.len();
+        warnings.push(format!("{count} branchings have no partition that includes all directions, first {first}"));
+    }
 }
 
 /// The coarsest mesh of a net as it is, without any optimisation: what the speed of the construction is measured by.
@@ -202,7 +218,7 @@ fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(C
         if pruned > 0 {
             warnings.push(format!("{pruned} branches end inside the ball of their branching and were dropped"));
         }
-        let merged = resample::merge_branchings(&mut net, MERGE);
+        let merged = resample::merge_branchings(&mut net, |[a, b]| MERGE * a.min(b));
         if merged > 0 {
             warnings.push(format!("{merged} branchings lie inside others and were merged with them"));
         }
@@ -222,13 +238,18 @@ fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(C
     if reduced > 0 {
         warnings.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
     }
+    check_size(&net, options)?;
+    Ok((net, warnings))
+}
+
+fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
     let around = net.incidence();
     let ends = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count();
     let expected = options.hexes_of(net.edges.len(), ends);
     if expected > MOST_HEXES {
         return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for fewer or longer ones")));
     }
-    Ok((net, warnings))
+    Ok(())
 }
 
 /// The net resampled to the size asked for.
@@ -246,12 +267,16 @@ fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
     if options.hexes.is_none() && fits(&fine) {
         return fine;
     }
-    // The longest steps that are too short, by bisection of their logarithm.
+    finest(net, Step::Radii, fits)
+}
+
+/// The finest resampled net that fits, by bisection of the logarithm of the steps.
+fn finest(net: &CurveNet, step: impl Fn(f64) -> Step, fits: impl Fn(&CurveNet) -> bool) -> CurveNet {
     let (mut low, mut high) = (0.02f64.ln(), 1000f64.ln());
-    let mut best = resample::resample(net, Step::Radii(1000.0));
+    let mut best = resample::resample(net, step(1000.0));
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
-        let tried = resample::resample(net, Step::Radii(middle.exp()));
+        let tried = resample::resample(net, step(middle.exp()));
         if fits(&tried) {
             high = middle;
             best = tried;

@@ -18,7 +18,14 @@ pub enum Step {
     Radii(f64),
     /// The same length everywhere.
     Length(f64),
+    /// This many radii where the radius is the given one; less than in proportion to it elsewhere, so that thin branches
+    /// do not take most of the nodes.
+    Eased(f64, f64),
 }
+
+/// The exponent of the radius in eased steps, and their bounds in radii.
+const EASE: f64 = 0.6;
+const BOUNDS: [f64; 2] = [0.5, 2.5];
 
 /// Leaf branches inside the ball of their branching go; returns how many.
 pub fn prune(net: &mut CurveNet) -> usize {
@@ -44,15 +51,16 @@ fn is_stub(net: &CurveNet, around: &Incidence, branch: &Branch) -> bool {
         && branch.nodes.iter().all(|&v| net.points[v as usize].distance(centre) < net.radii[from as usize])
 }
 
-/// Branchings joined by a branch that is short against their radii become one at the middle; returns how many went.
-pub fn merge_branchings(net: &mut CurveNet, share: f64) -> usize {
+/// Branchings joined by a branch that is shorter than what `near` says of their radii become one at the middle; returns how
+/// many went.
+pub fn merge_branchings(net: &mut CurveNet, near: impl Fn([f64; 2]) -> f64) -> usize {
     let mut merged = 0;
     loop {
         let around = net.incidence();
         let near = branches(net, &around).into_iter().find(|b| {
             let (a, z) = (b.nodes[0], b.nodes[b.nodes.len() - 1]);
             let length: f64 = b.edges.iter().map(|&e| net.length(e as usize)).sum();
-            let limit = share * net.radii[a as usize].min(net.radii[z as usize]);
+            let limit = near([net.radii[a as usize], net.radii[z as usize]]);
             a != z && around.valence(a) > 2 && around.valence(z) > 2 && length < limit
         });
         let Some(branch) = near else { return merged };
@@ -183,6 +191,10 @@ impl Curve {
             let h = match step {
                 Step::Radii(k) => k * self.at(s).1,
                 Step::Length(h) => h,
+                Step::Eased(k, usual) => {
+                    let r = self.at(s).1;
+                    k * (usual * (r / usual).powf(EASE)).clamp(BOUNDS[0] * r, BOUNDS[1] * r)
+                }
             };
             integral.push(integral[k] + (to - from) / parts as f64 / h.max(1e-9 * length));
         }

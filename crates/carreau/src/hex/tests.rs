@@ -2,7 +2,7 @@
 
 use super::connection::tests::star;
 use super::*;
-use crate::mesh::{Column, RawMesh, Topology};
+use crate::mesh::{Column, RawMesh, SurfaceMesh, Topology};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -104,7 +104,7 @@ fn counts_are_the_closed_form() {
 fn halving_multiplies_the_counts() {
     let net = tree();
     let (e, ends) = (net.edges.len(), 4);
-    let options = HexOptions { refine_across: 1, refine_along: 1, stage: Stage::Base, ..HexOptions::default() };
+    let options = HexOptions { refine_across: Some(1), refine_along: 1, stage: Stage::Base, ..HexOptions::default() };
     let result = from_net(&net, &options, &Context::new()).unwrap();
     assert_eq!(result.mesh.hexes.len(), 12 * e * 4 * 2 + 4 * ends * 8);
     assert_eq!(result.mesh.quads.len(), 8 * e * 2 * 2 + 4 * ends * 4);
@@ -175,7 +175,7 @@ fn odd_nets() {
         assert_eq!(!result.warnings.is_empty(), warned, "{:?}", result.warnings);
     }
     let code = |options: HexOptions| from_net(&tree(), &options, &Context::new()).map_err(|e| e.exit_code()).err();
-    assert_eq!(code(HexOptions { refine_across: 99, ..HexOptions::default() }), Some(2));
+    assert_eq!(code(HexOptions { refine_across: Some(99), ..HexOptions::default() }), Some(2));
     assert_eq!(code(HexOptions { hexes: Some(10), edge_length: Some(1.0), ..HexOptions::default() }), Some(2));
     assert_eq!(code(HexOptions { radius: Some(-1.0), ..HexOptions::default() }), Some(2));
 }
@@ -197,4 +197,63 @@ fn tags_become_labels_of_the_faces() {
     kinds.sort_unstable();
     kinds.dedup();
     assert_eq!(kinds, [1, 2, 3, 4, 5]);
+}
+
+/// A bent tube without ends about a quarter of a circle of radius 4; radius 1 in the middle, less at one end.
+fn bent_tube() -> SurfaceMesh {
+    let (rounds, around) = (20, 16);
+    let at = |i: u32, j: u32| i * around + j % around;
+    let point = |k: u32| {
+        let (t, a) = (f64::from(k / around) / f64::from(rounds), f64::from(k % around) / f64::from(around));
+        let (sin, cos) = (std::f64::consts::TAU * a).sin_cos();
+        let r = 4.0 + (1.0 - 0.4 * t) * cos;
+        let (along, out) = (std::f64::consts::FRAC_PI_2 * t).sin_cos();
+        DVec3::new(r * out, r * along, -(1.0 - 0.4 * t) * sin)
+    };
+    let points = (0..(rounds + 1) * around).map(point).collect();
+    let cell = |k: u32| {
+        let (i, j) = (k / around, k % around);
+        [[at(i, j), at(i, j + 1), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i + 1, j)]]
+    };
+    SurfaceMesh::from_triangles(points, &(0..rounds * around).flat_map(cell).collect::<Vec<_>>()).unwrap()
+}
+
+/// Certified, on the surface, as many hexes as asked for at most; ends in their planes with tags of their own.
+#[test]
+fn an_open_tube_is_meshed_on_its_surface_with_caps() {
+    let mesh = bent_tube();
+    let options = HexOptions { hexes: Some(1000), ..HexOptions::default() };
+    let result = from_surface(&mesh, None, &options, &Context::new()).unwrap();
+    let f = &result.figures;
+    assert!(f.certified && f.scaled_jacobian_min > 0.3, "{f:?}");
+    assert!((400..=1000).contains(&f.hexes));
+    assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
+    let mut kinds = result.mesh.tags.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    assert_eq!(kinds, [1, 2, 3]);
+    assert!((0.93..1.02).contains(&f.volume_ratio.unwrap()), "{:?}", f.volume_ratio);
+    let tree = crate::geometry::search_tree::TriangleTree::new(mesh.points(), &mesh.faces().fan().0);
+    for (q, &tag) in result.mesh.quads.iter().zip(&result.mesh.tags) {
+        for p in q.map(|v| result.mesh.points[v as usize]) {
+            // The ends lie in the planes y = 0 and x = 0.
+            let off = if tag == 1 { tree.closest(p).unwrap().distance() } else { p.y.abs().min(p.x.abs()) };
+            assert!(off < 1e-4 * mesh.diagonal(), "{off} on {tag}");
+        }
+    }
+}
+
+#[test]
+fn a_given_skeleton_is_used_and_a_torus_stays_one() {
+    let mesh = crate::mesh::test_models::torus(40, 20);
+    let at = |k: u32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
+        DVec3::new(2.0 * cos, 2.0 * sin, 0.0)
+    };
+    let net = CurveNet::new((0..24).map(at).collect(), vec![0.5; 24], (0..24).map(|k| [k, (k + 1) % 24]).collect());
+    let options = HexOptions { hexes: Some(900), ..HexOptions::default() };
+    let result = from_surface(&mesh, Some(&net), &options, &Context::new()).unwrap();
+    assert!(result.figures.certified && result.figures.scaled_jacobian_min > 0.4, "{:?}", result.figures);
+    assert_conforming(&result.mesh.hexes, &result.mesh.points, &[1]);
+    assert!(result.mesh.tags.iter().all(|&t| t == 1));
 }

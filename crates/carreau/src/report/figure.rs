@@ -1,11 +1,11 @@
 //! The usual figure of a mesh: faces coloured by label where there are labels, edges faint, borders of labels bold.
 
 use super::picture::{
-    Colors, Image, Lines, Path, Picture, Scale, View, crease_edges, label_borders, mesh_edges, render,
+    Colors, Image, Lines, Path, Picture, Rgb, Scale, View, crease_edges, label_borders, mesh_edges, render,
 };
 use crate::geometry::hexes::scaled_jacobian;
 use crate::geometry::summary::Summary;
-use crate::mesh::{Column, HexMesh, Polygons, RawMesh, boundary_faces};
+use crate::mesh::{Column, CurveNet, HexMesh, Polygons, RawMesh, SurfaceMesh, boundary_faces};
 use glam::DVec3;
 
 /// Face labels that a figure shows, the first one that a mesh has.
@@ -14,6 +14,9 @@ const LABELS: &[&str] = &["patch", "region", "truth", "ref", "group"];
 const MOST_FACES_WITH_EDGES: usize = 60_000;
 /// Edges sharper than this are drawn bold where there are no labels, in degrees.
 const CREASE: f64 = 35.0;
+
+/// Colour of skeletons.
+const SKELETON: Rgb = [190, 30, 45];
 
 /// Draws a mesh as a person would expect to see it.
 pub fn figure(mesh: &RawMesh) -> Image {
@@ -46,6 +49,17 @@ pub fn curvature_figure(mesh: &RawMesh, values: &[f64]) -> Image {
     let mut picture = Picture::new(&mesh.points, &mesh.faces);
     picture.colors = Colors::VertexScalars(values, Scale::Diverging(Some(if bound > 0.0 { bound } else { 1.0 })));
     picture.lines.push(Lines { width: 1.2, ..Lines::bold(Path::Edges(&bold)) });
+    render(&picture)
+}
+
+/// Draws a skeleton through its surface.
+pub fn skeleton_figure(surface: &SurfaceMesh, net: &CurveNet) -> Image {
+    // One list of points for both: the nodes follow the vertices.
+    let first = surface.vertex_count() as u32;
+    let points: Vec<DVec3> = surface.points().iter().chain(&net.points).copied().collect();
+    let edges: Vec<[u32; 2]> = net.edges.iter().map(|e| e.map(|v| first + v)).collect();
+    let mut picture = Picture::new(&points, surface.faces());
+    picture.lines.push(Lines { hidden: true, ..Lines::new(Path::Edges(&edges), SKELETON, 2.5) });
     render(&picture)
 }
 

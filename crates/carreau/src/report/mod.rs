@@ -11,4 +11,4 @@ mod figure;
 pub mod picture;
 
 pub use field::field_figure;
-pub use figure::{curvature_figure, figure, hex_figure};
+pub use figure::{curvature_figure, figure, hex_figure, skeleton_figure};

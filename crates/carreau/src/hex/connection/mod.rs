@@ -24,6 +24,9 @@ use glam::DVec3;
 const AXES: usize = 200;
 /// Azimuths closer than this, in radians, make no slice.
 const LEAST_GAP: f64 = 1e-6;
+/// Scores from which on no more candidates are looked for, at three directions and at more.
+const FAIR: f64 = 0.12;
+const GOOD: f64 = 0.3;
 /// Candidates whose vertices are moved.
 const FINALISTS: usize = 4;
 
@@ -48,12 +51,24 @@ impl Connection {
         {
             consider(dual);
         }
-        let axes = orange::axes(directions, AXES);
-        axes.iter().filter_map(|&a| orange::slices(directions, a, LEAST_GAP)).for_each(&mut consider);
+        // Most branchings are flat, or the heuristic does well: then no more is tried.
+        let normal = orange::normal(directions);
+        normal.and_then(|a| orange::slices(directions, a, LEAST_GAP)).into_iter().for_each(&mut consider);
+        let enough = if directions.len() == 3 { FAIR } else { GOOD };
+        if let Some((score, best)) = candidates.iter().max_by(|a, b| a.0.total_cmp(&b.0))
+            && *score >= enough
+        {
+            let mut best = best.clone();
+            if directions.len() > 3 {
+                best.relax(directions);
+            }
+            return best;
+        }
+        let mut consider = |c: Connection| candidates.push((c.score(directions), c));
+        orange::axes(AXES).filter_map(|a| orange::slices(directions, a, LEAST_GAP)).for_each(&mut consider);
         if candidates.is_empty() {
             // Two directions are equal: no partition tells them apart, but the cells are joined all the same.
-            candidates
-                .extend(axes.iter().take(1).filter_map(|&a| orange::slices(directions, a, 0.0)).map(|c| (0.0, c)));
+            candidates.extend(orange::axes(1).filter_map(|a| orange::slices(directions, a, 0.0)).map(|c| (0.0, c)));
         }
         // A stable sort: of equal candidates the first wins. The paper's heuristic is the first.
         let dual = candidates.first().cloned().filter(|_| directions.len() > 3);

@@ -12,19 +12,22 @@ use super::Connection;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Axes to try: the normal of the plane that fits the directions best, then a spiral over half the sphere.
-pub fn axes(directions: &[DVec3], count: usize) -> Vec<DVec3> {
-    let mut covariance = glam::DMat3::ZERO;
-    directions.iter().for_each(|d| covariance += crate::numeric::eigen3::outer(*d));
-    let normal = flattest(directions, covariance);
+/// Axes to try: a spiral over half the sphere.
+pub fn axes(count: usize) -> impl Iterator<Item = DVec3> {
     let golden = PI * (3.0 - 5f64.sqrt());
-    let spiral = (0..count).map(|k| {
+    (0..count).map(move |k| {
         let z = (k as f64 + 0.5) / count as f64;
         let (sin, cos) = (golden * k as f64).sin_cos();
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * cos, r * sin, z)
-    });
-    normal.into_iter().chain(spiral).collect()
+    })
+}
+
+/// The normal of the plane that fits the directions best.
+pub fn normal(directions: &[DVec3]) -> Option<DVec3> {
+    let mut covariance = glam::DMat3::ZERO;
+    directions.iter().for_each(|d| covariance += crate::numeric::eigen3::outer(*d));
+    flattest(directions, covariance)
 }
 
 /// The direction of least covariance: inverse iteration with a small shift.

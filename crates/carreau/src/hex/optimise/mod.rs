@@ -12,7 +12,7 @@ mod energy;
 
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::hexes::{Corners, is_certified};
+use crate::geometry::hexes::{Corners, is_certified, scaled_jacobian};
 use crate::mesh::HEX_EDGES;
 use crate::numeric::lbfgs::{Stop, minimise};
 use energy::cell_energy;
@@ -63,6 +63,9 @@ pub const FINE: Effort =
 /// Targets stay within this factor of the first ones.
 const DRIFT: f64 = 2.0;
 
+/// For the inside of a mesh whose boundary stays.
+pub const INNER: Effort = Effort { powers: &[(4, 40), (8, 60)], attempts: &[] };
+
 /// Determinants above this share of the target count as positive.
 const VALID: f64 = 1e-6;
 
@@ -84,6 +87,8 @@ pub struct Optimiser<'a> {
     weight: Vec<f64>,
     scale: Vec<f64>,
     springs: Vec<Spring>,
+    /// Vertices that stay; empty for none.
+    fixed: Vec<bool>,
 }
 
 impl<'a> Optimiser<'a> {
@@ -110,6 +115,7 @@ impl<'a> Optimiser<'a> {
             weight,
             scale: Vec::new(),
             springs: Vec::new(),
+            fixed: Vec::new(),
         };
         all.retarget(points);
         all.first.clone_from(&all.inverse);
@@ -119,6 +125,17 @@ impl<'a> Optimiser<'a> {
     /// Ties vertices; replaces the springs of before.
     pub fn tie(&mut self, springs: Vec<Spring>) {
         self.springs = springs;
+    }
+
+    /// Holds vertices where they are.
+    pub fn fix(&mut self, fixed: Vec<bool>) {
+        self.fixed = fixed;
+        self.rescale();
+    }
+
+    /// The corners of a cell.
+    pub fn corners_of(&self, h: u32) -> &[u32; 8] {
+        &self.hexes[h as usize]
     }
 
     /// Target lengths: the mean length of the four edges along each axis, lengths far below that of the other axes
@@ -138,14 +155,26 @@ impl<'a> Optimiser<'a> {
             }
         };
         self.inverse = self.hexes.par_iter().enumerate().map(targets).collect();
+        self.rescale();
+    }
+
+    /// The length over which the energy changes at each vertex; zero holds it.
+    fn rescale(&mut self) {
         let inverse = &self.inverse;
+        let fixed = &self.fixed;
         let scale = |v: usize| {
+            if fixed.get(v) == Some(&true) {
+                return 0.0;
+            }
             let at = &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize];
             let least = |c: &u32| 1.0 / inverse[*c as usize / 8].iter().copied().fold(0.0, f64::max);
             at.iter().map(least).fold(f64::INFINITY, f64::min)
         };
-        self.scale =
-            (0..points.len()).into_par_iter().map(scale).map(|s| if s.is_finite() { s } else { 0.0 }).collect();
+        self.scale = (0..self.offsets.len() - 1)
+            .into_par_iter()
+            .map(scale)
+            .map(|s| if s.is_finite() { s } else { 0.0 })
+            .collect();
     }
 
     fn cell(&self, points: &[DVec3], h: usize) -> Corners {
@@ -192,7 +221,8 @@ impl<'a> Optimiser<'a> {
         (value, cells.iter().map(|c| c.1).fold(f64::INFINITY, f64::min))
     }
 
-    fn descend(
+    /// Minimises the energy; with ε = 0 within the valid set.
+    pub fn descend(
         &self,
         points: &mut Vec<DVec3>,
         epsilon: f64,
@@ -267,6 +297,20 @@ impl<'a> Optimiser<'a> {
             .into_par_iter()
             .filter(|&h| !is_certified(&self.cell(points, h as usize)))
             .collect()
+    }
+
+    /// The scaled Jacobian of every cell.
+    pub fn qualities(&self, points: &[DVec3]) -> Vec<f64> {
+        (0..self.hexes.len()).into_par_iter().map(|h| scaled_jacobian(&self.cell(points, h))).collect()
+    }
+
+    /// The cells without a certificate, and those whose scaled Jacobian is below a floor.
+    pub fn weak(&self, points: &[DVec3], floors: &[f64]) -> Vec<u32> {
+        let is_weak = |h: &u32| {
+            let cell = self.cell(points, *h as usize);
+            scaled_jacobian(&cell) < floors[*h as usize] || !is_certified(&cell)
+        };
+        (0..self.hexes.len() as u32).into_par_iter().filter(is_weak).collect()
     }
 
     /// All steps; returns the cells without a certificate.

@@ -1,0 +1,94 @@
+//! `skeleton`: the curve skeleton of a surface, with radii.
+
+use crate::common::{Common, CommonValues};
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::Error;
+use carreau::report::skeleton_figure;
+use carreau::skeleton::{SkeletonOptions, extract};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Finds the curve skeleton of a surface, with radii
+///
+/// By mean curvature flow drawn to the centres of inner balls. The skeleton has as many cycles as the surface has handles, and
+/// every node is inside. Open ends are closed by lids. The file is a graph: .cgr, .cg, .skel, .swc (no cycles), .tgf, .vtp, .vtk, .obj.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau skeleton vessel.stl -o vessel.cgr --picture vessel.png\n  \
+    carreau skeleton hand.obj -o hand.swc --detail 0.001")]
+pub struct Skeleton {
+    /// The surface; open ends are closed
+    input: PathBuf,
+    /// The graph to write
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Pull back to where a vertex is: more is slower and closer to the shape [default: 0.1]
+    #[arg(long, value_name = "W")]
+    speed: Option<f64>,
+    /// Pull to the centre of the inner ball [default: 0.2]
+    #[arg(long, value_name = "W")]
+    medial: Option<f64>,
+    /// Edges shorter than this share of the diagonal are collapsed on the way [default: 0.002]
+    #[arg(long, value_name = "SHARE")]
+    detail: Option<f64>,
+    /// Keeps branches that stay within the ball of their branching
+    #[arg(long)]
+    no_prune: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// All options of a run.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    skeleton: SkeletonOptions,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Skeleton {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("skeleton", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.skeleton(session, &options)
+        })
+    }
+
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "skeleton", &all)?;
+        }
+        all.skeleton.speed = self.speed.unwrap_or(all.skeleton.speed);
+        all.skeleton.medial = self.medial.unwrap_or(all.skeleton.medial);
+        all.skeleton.detail = self.detail.unwrap_or(all.skeleton.detail);
+        all.skeleton.prune &= !self.no_prune;
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn skeleton(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read_triangles(&self.input)?;
+        let found = extract(&mesh, &options.skeleton, &session.context.clone())?;
+        found.warnings.iter().for_each(|w| session.warn(w));
+        session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
+        let f = &found.figures;
+        session.record.set_all(f);
+        session.record.set("output", json!({ "nodes": f.nodes, "segments": f.segments }));
+        session.say(format!(
+            "{} nodes, {} segments; {} extremities, {} branchings, {} cycles",
+            f.nodes, f.segments, f.extremities, f.branchings, f.cycles
+        ));
+        match &self.output {
+            Some(file) => session.write_skeleton(file, &found.net),
+            None => Ok(()),
+        }
+    }
+}

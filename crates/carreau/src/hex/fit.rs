@@ -1,0 +1,298 @@
+//! The boundary of the mesh goes to the surface (spec 1.6).
+//!
+//! Every boundary vertex is cast along the mean normal of its boundary faces, forward and backward, on the side of the
+//! surface that faces the same way; where nothing is met within reach, its closest such point counts. Springs pull it there,
+//! stiff along the surface's normal and free along the surface, stiffer from round to round, and the cells never leave the
+//! valid set. At last the vertices are put onto the surface, as far as all cells stay certified.
+//!
+//! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
+
+use super::optimise::{Optimiser, Spring};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::normals::face_normals;
+use crate::geometry::search_tree::TriangleTree;
+use crate::geometry::winding::WindingTree;
+use crate::mesh::{CurveNet, boundary_faces};
+use crate::skeleton::{self, Closed, Lid};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A hit counts when its normal is at most about 75° off.
+const AGREES: f64 = 0.25;
+/// Share of its quality that a cell keeps when its vertices are put onto the surface.
+const KEPT: f64 = 0.4;
+/// Rounds of taking back vertices whose cells do not.
+const ROUNDS: usize = 1000;
+
+/// The surface, its lids and borders.
+pub struct Target<'a> {
+    closed: &'a Closed,
+    normals: Vec<DVec3>,
+    all: TriangleTree,
+    inside: WindingTree,
+    /// Borders of the lids, as triangles without width.
+    rims: Vec<TriangleTree>,
+}
+
+/// What a boundary vertex belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Inside.
+    Inner,
+    /// The surface.
+    Wall,
+    /// A lid, from 0.
+    Lid(u32),
+    /// The border of a lid.
+    Rim(u32),
+}
+
+impl<'a> Target<'a> {
+    /// The target of a surface with lids.
+    pub fn new(closed: &'a Closed) -> Self {
+        let triangles = closed.mesh.faces().fan().0;
+        let rim = |lid: &Lid| {
+            let sides: Vec<[u32; 3]> =
+                lid.triangles.clone().map(|t| triangles[t as usize]).map(|[a, b, _]| [a, b, b]).collect();
+            TriangleTree::new(closed.mesh.points(), &sides)
+        };
+        let all = TriangleTree::new(closed.mesh.points(), &triangles);
+        Target {
+            normals: face_normals(&closed.mesh),
+            inside: WindingTree::new(&all),
+            all,
+            rims: closed.lids.iter().map(rim).collect(),
+            closed,
+        }
+    }
+
+    /// The lids.
+    pub fn lids(&self) -> &[Lid] {
+        &self.closed.lids
+    }
+
+    /// Distance to the closed surface.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.all.closest(p).map_or(0.0, |c| c.distance())
+    }
+
+    /// Moves the nodes of a net to the middle of the surface.
+    pub fn centre(&self, net: &mut CurveNet) {
+        skeleton::centre(net, &self.all, &self.inside);
+    }
+
+    /// How far along a ray from inside the surface is left.
+    pub fn leaves(&self, from: DVec3, direction: DVec3) -> Option<f64> {
+        let mut first: Option<f64> = None;
+        self.all.along_ray(from, direction, f64::INFINITY, |hit| {
+            if !hit.front && first.is_none_or(|t| hit.t < t) {
+                first = Some(hit.t);
+            }
+        });
+        first
+    }
+
+    fn is_wall(&self, triangle: u32) -> bool {
+        (triangle as usize) < self.closed.wall
+    }
+
+    /// Where a wall vertex with a normal belongs, and the surface's normal there.
+    fn on_wall(&self, p: DVec3, n: DVec3, reach: f64) -> (DVec3, DVec3) {
+        let mut best: Option<(f64, u32)> = None;
+        for sense in [1.0, -1.0] {
+            self.all.along_ray(p, n * sense, reach, |hit| {
+                let fits = self.is_wall(hit.triangle) && self.normals[hit.triangle as usize].dot(n) > AGREES;
+                if fits && best.is_none_or(|b| hit.t < b.0.abs()) {
+                    best = Some((hit.t * sense, hit.triangle));
+                }
+            });
+        }
+        let mut closest: Option<(f64, DVec3, u32)> = None;
+        let limit = best.map_or(reach, |b| b.0.abs());
+        self.all.within(p, limit, |c| {
+            let fits = self.is_wall(c.triangle) && self.normals[c.triangle as usize].dot(n) > AGREES;
+            if fits && closest.is_none_or(|k| (c.distance_squared, c.triangle) < (k.0, k.2)) {
+                closest = Some((c.distance_squared, c.point, c.triangle));
+            }
+        });
+        match (best, closest) {
+            // A ray that glances off goes far: then the closest point is better.
+            (Some((t, triangle)), Some((d, point, other))) => {
+                if t * t > 4.0 * d {
+                    (point, self.normals[other as usize])
+                } else {
+                    (p + n * t, self.normals[triangle as usize])
+                }
+            }
+            (Some((t, triangle)), None) => (p + n * t, self.normals[triangle as usize]),
+            (None, Some((_, point, triangle))) => (point, self.normals[triangle as usize]),
+            (None, None) => self.closest_wall(p).unwrap_or((p, n)),
+        }
+    }
+
+    fn closest_wall(&self, p: DVec3) -> Option<(DVec3, DVec3)> {
+        let c = self.all.closest(p)?;
+        Some((c.point, self.normals[c.triangle as usize]))
+    }
+
+    /// Where a boundary vertex belongs, and the direction in which it must be there; others are free.
+    fn place(&self, part: Part, p: DVec3, n: DVec3, reach: f64) -> (DVec3, DVec3) {
+        match part {
+            Part::Inner => (p, DVec3::ZERO),
+            Part::Wall => self.on_wall(p, n, reach),
+            Part::Lid(k) => {
+                let lid = &self.lids()[k as usize];
+                (p - lid.normal * (p - lid.centre).dot(lid.normal), lid.normal)
+            }
+            Part::Rim(k) => {
+                // About across the border, in the lid's plane.
+                let (lid, to) = (&self.lids()[k as usize], self.rims[k as usize].closest(p).map_or(p, |c| c.point));
+                let outward = to - lid.centre;
+                (to, (outward - lid.normal * lid.normal.dot(outward)).normalize_or_zero())
+            }
+        }
+    }
+}
+
+/// The boundary of a mesh, and what its vertices belong to.
+pub struct Skin {
+    quads: Vec<[u32; 4]>,
+    parts: Vec<Part>,
+}
+
+impl Skin {
+    /// `caps` numbers the end of every vertex from 1, `lid_of` the lid of every end, from 1, zero for a round tip.
+    pub fn new(hexes: &[[u32; 8]], caps: &[u32], lid_of: &[u32]) -> Skin {
+        let quads: Vec<[u32; 4]> = boundary_faces(hexes).into_iter().map(|f| f.0).collect();
+        let lid = |v: u32| match caps[v as usize] {
+            0 => 0,
+            end => lid_of[end as usize - 1],
+        };
+        let mut parts = vec![Part::Inner; caps.len()];
+        for q in &quads {
+            let k = lid(q[0]);
+            let own = if k > 0 && q.iter().all(|&v| lid(v) == k) { Part::Lid(k - 1) } else { Part::Wall };
+            for &v in q {
+                let part = &mut parts[v as usize];
+                *part = match (*part, own) {
+                    (Part::Inner, own) => own,
+                    (Part::Wall, Part::Lid(k)) | (Part::Lid(k), Part::Wall) => Part::Rim(k),
+                    (known, _) => known,
+                };
+            }
+        }
+        Skin { quads, parts }
+    }
+
+    /// Whether a vertex is on the boundary.
+    pub fn has(&self, v: usize) -> bool {
+        self.parts[v] != Part::Inner
+    }
+
+    /// Unit normals of the wall vertices, by the wall's own faces.
+    fn normals(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; points.len()];
+        for q in &self.quads {
+            let p = q.map(|v| points[v as usize]);
+            let area = (p[2] - p[0]).cross(p[3] - p[1]);
+            let normal = area.normalize_or_zero() * area.length().sqrt();
+            q.iter().for_each(|&v| sums[v as usize] += normal);
+        }
+        sums.iter().map(|s| s.normalize_or_zero()).collect()
+    }
+
+    /// Where every boundary vertex belongs.
+    fn places(&self, points: &[DVec3], target: &Target) -> Vec<(u32, DVec3, DVec3)> {
+        let normals = self.normals(points);
+        let sizes = self.sizes(points);
+        (0..points.len() as u32)
+            .into_par_iter()
+            .filter(|&v| self.parts[v as usize] != Part::Inner)
+            .map(|v| {
+                let k = v as usize;
+                let (to, normal) = target.place(self.parts[k], points[k], normals[k], 4.0 * sizes[k]);
+                (v, to, normal)
+            })
+            .collect()
+    }
+
+    /// The longest side of the boundary faces at each vertex.
+    fn sizes(&self, points: &[DVec3]) -> Vec<f64> {
+        let mut sizes = vec![0f64; points.len()];
+        for q in &self.quads {
+            let longest =
+                (0..4).map(|k| points[q[k] as usize].distance(points[q[(k + 1) % 4] as usize])).fold(0.0, f64::max);
+            q.iter().for_each(|&v| sizes[v as usize] = sizes[v as usize].max(longest));
+        }
+        sizes
+    }
+}
+
+/// How the strength of the springs rises.
+pub struct Rise {
+    /// Strength of the first and of the last round.
+    pub strength: [f64; 2],
+    /// Rounds.
+    pub rounds: usize,
+    /// Power of the energy, and iterations of each round.
+    pub power: i32,
+    /// Iterations of each round.
+    pub iterations: usize,
+}
+
+/// Pulls the boundary to the surface, round by round.
+pub fn pull(
+    optimiser: &mut Optimiser,
+    points: &mut Vec<DVec3>,
+    skin: &Skin,
+    target: &Target,
+    rise: &Rise,
+    context: &Context,
+) -> Result<()> {
+    for round in 0..rise.rounds {
+        let t = round as f64 / (rise.rounds.max(2) - 1) as f64;
+        let strength = rise.strength[0] * (rise.strength[1] / rise.strength[0]).powf(t);
+        let mut springs = Vec::new();
+        for (vertex, to, normal) in skin.places(points, target) {
+            springs.push(Spring { vertex, to, normal, along: strength, across: 1e-3 * strength.min(1.0) });
+            if let Part::Rim(k) = skin.parts[vertex as usize] {
+                // Along the border it slides.
+                let lid = &target.lids()[k as usize];
+                springs.push(Spring { vertex, to, normal: lid.normal, along: strength, across: 0.0 });
+            }
+        }
+        optimiser.tie(springs);
+        optimiser.descend(points, 0.0, rise.power, rise.iterations, context)?;
+        optimiser.retarget(points);
+    }
+    Ok(())
+}
+
+/// Puts the boundary onto the surface as far as all cells stay certified and keep a share of their quality; says of every
+/// vertex whether it is inside, or could not be put there.
+pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &Target) -> Vec<bool> {
+    let start = points.to_vec();
+    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| KEPT * q).collect();
+    let mut places = skin.places(points, target);
+    // The projection of a projection: rays meet flat pieces, and the closest point is on them for sure.
+    places.iter_mut().filter(|p| skin.parts[p.0 as usize] == Part::Wall).for_each(|p| {
+        if let Some((to, _)) = target.closest_wall(p.1) {
+            p.1 = to;
+        }
+    });
+    let mut goes = vec![true; points.len()];
+    for _ in 0..ROUNDS {
+        for &(v, to, _) in &places {
+            points[v as usize] = if goes[v as usize] { to } else { start[v as usize] };
+        }
+        let weak = optimiser.weak(points, &floors);
+        if weak.is_empty() {
+            break;
+        }
+        weak.iter().flat_map(|&h| optimiser.corners_of(h)).for_each(|&v| goes[v as usize] = false);
+    }
+    let mut free = vec![true; points.len()];
+    places.iter().for_each(|p| free[p.0 as usize] = !goes[p.0 as usize]);
+    free
+}

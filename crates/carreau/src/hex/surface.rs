@@ -1,0 +1,243 @@
+//! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
+
+use super::fit::{self, Rise, Skin, Target};
+use super::optimise::Optimiser;
+use super::refine::TubeMesh;
+use super::resample::{self, Step};
+use super::{HexOptions, HexResult, Stage, deliver, limit, padded, tips, zip};
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::distance::{DistanceOptions, compare};
+use crate::mesh::{CurveNet, Incidence, SurfaceMesh, Topology};
+use crate::skeleton::{self, Closed, SkeletonOptions};
+
+/// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
+const STEP: f64 = 1.2;
+const ACROSS: u32 = 2;
+const ALONG: u32 = 1;
+/// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
+const LONGEST: f64 = 1.6;
+/// Branchings closer than this share of the sum of their radii become one.
+const MERGE: f64 = 0.6;
+/// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
+const LEAST: f64 = 0.6;
+/// Attempts of putting the boundary onto the surface.
+const ATTEMPTS: usize = 3;
+/// The first cells take this share of the room about the skeleton.
+const INSIDE: f64 = 0.85;
+
+/// Meshes a surface; its skeleton is extracted where none is given.
+///
+/// # Errors
+/// Those of [`skeleton::extract`] and [`super::from_net`]; [`Error::Input`] for a skeleton that lies outside.
+pub fn from_surface(
+    mesh: &SurfaceMesh,
+    skeleton: Option<&CurveNet>,
+    options: &HexOptions,
+    context: &Context,
+) -> Result<HexResult> {
+    options.check()?;
+    let (closed, mut net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
+    let target = Target::new(&closed);
+    let mut options = options.clone();
+    let lid_of_node = {
+        let _stage = context.stage("skeleton");
+        prepare(&mut net, &target, &mut options, &mut warnings)?
+    };
+    super::check_size(&net, &options)?;
+    let around = net.incidence();
+    let ends: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).collect();
+    let lid_of: Vec<u32> = ends.iter().map(|&v| lid_of_node(&net, v)).collect();
+    let base = super::valid_base(&net, context)?;
+    super::warn_of_poor(&base, &mut warnings);
+    let mut tube = padded(&net, &base, &options, context)?;
+    let left = fitted(&mut tube, &lid_of, &target, &options, context)?;
+    let uncertified = {
+        let optimiser = Optimiser::new(&tube.points, &tube.hexes);
+        optimiser.uncertified(&tube.points)
+    };
+    if left > 0 {
+        warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
+    }
+    tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
+    let mut result = deliver(tube, net, uncertified, warnings, &options, context)?;
+    measure(&mut result, &closed, context)?;
+    Ok(result)
+}
+
+/// The surface closed, and a skeleton.
+fn skeleton_of(
+    mesh: &SurfaceMesh,
+    given: Option<&CurveNet>,
+    context: &Context,
+) -> Result<(Closed, CurveNet, Vec<String>)> {
+    match given {
+        None => {
+            let found = skeleton::extract(mesh, &SkeletonOptions::default(), context)?;
+            Ok((found.closed, found.net, found.warnings))
+        }
+        Some(net) => {
+            let (closed, mut warnings) = skeleton::prepared(mesh, context)?;
+            let repaired = net.repaired(None)?;
+            warnings.extend(repaired.warnings);
+            Ok((closed, repaired.net, warnings))
+        }
+    }
+}
+
+/// Clean-up, resampling and the size asked for; the answer says in which lid (from 1) a node lies, zero for none.
+fn prepare(
+    net: &mut CurveNet,
+    target: &Target,
+    options: &mut HexOptions,
+    warnings: &mut Vec<String>,
+) -> Result<impl Fn(&CurveNet, u32) -> u32 + use<>> {
+    net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
+    if options.stage == Stage::Full {
+        resample::prune(net);
+        resample::merge_branchings(net, |[a, b]| MERGE * (a + b));
+    }
+    let lids = tips::ready(net, target);
+    let in_lids: Vec<(glam::DVec3, u32)> =
+        net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
+    let missed = target.lids().len() - in_lids.len();
+    if missed > 0 {
+        warnings.push(format!("{missed} open ends have no branch of the skeleton and were taken as wall"));
+    }
+    if options.stage == Stage::Full {
+        zip::zip(net);
+        *net = sized(net, options);
+        let around = net.incidence();
+        for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
+            net.radii[v] = target.distance(net.points[v]).max(LEAST * net.radii[v]);
+        }
+    } else {
+        options.refine_across.get_or_insert(ACROSS);
+    }
+    net.radii.iter_mut().for_each(|r| *r *= INSIDE);
+    limit::limit_radii(net);
+    if net.edges.is_empty() {
+        return Err(Error::input("the skeleton has no segment", "", "give a skeleton"));
+    }
+    Ok(move |net: &CurveNet, v: u32| in_lids.iter().find(|l| l.0 == net.points[v as usize]).map_or(0, |l| l.1))
+}
+
+/// The net resampled to the size asked for, and the levels of halving that go with it.
+fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
+    if options.hexes.is_none() && options.edge_length.is_none() {
+        if options.refine_across.is_none() && options.refine_along == 0 {
+            options.refine_along = ALONG;
+        }
+        options.refine_across.get_or_insert(ACROSS);
+        return resample::resample(net, Step::Eased(STEP, mean_radius(net)));
+    }
+    if let Some(length) = options.edge_length {
+        let radius = mean_radius(net);
+        let fits = (std::f64::consts::TAU * radius / (8.0 * length)).log2().round().clamp(0.0, 4.0) as u32;
+        options.refine_across.get_or_insert(fits);
+        let step = length * f64::from(1 << options.refine_along.min(6));
+        return resample::resample(net, Step::Length(step));
+    }
+    let around = net.incidence();
+    let (ends, usual) = (count_ends(net, &around), mean_radius(net));
+    let eased = |k: f64| Step::Eased(k, usual);
+    let wanted = options.hexes.unwrap_or(usize::MAX) as f64;
+    let levels: Vec<u32> = options.refine_across.map_or((0..=3).rev().collect(), |a| vec![a]);
+    for across in levels {
+        options.refine_across = Some(across);
+        let fits = |n: &CurveNet| options.hexes_of(n.edges.len(), ends) <= wanted;
+        let longest = resample::resample(net, eased(LONGEST / f64::from(1 << across.min(2)) * 2.0));
+        if fits(&longest) {
+            return super::finest(net, eased, fits);
+        }
+    }
+    super::finest(net, eased, |n| options.hexes_of(n.edges.len(), ends) <= wanted)
+}
+
+fn count_ends(net: &CurveNet, around: &Incidence) -> usize {
+    (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count()
+}
+
+/// Weighted by length.
+fn mean_radius(net: &CurveNet) -> f64 {
+    let sum = |f: &dyn Fn(usize) -> f64| (0..net.edges.len()).map(|e| f(e) * net.length(e)).sum::<f64>();
+    let radius = |e: usize| net.edges[e].iter().map(|&v| 0.5 * net.radii[v as usize]).sum::<f64>();
+    sum(&radius) / sum(&|_| 1.0)
+}
+
+/// Coarse cells go to the surface first, where iterations cost little; then they are halved, level by level, and follow it.
+/// Returns the vertices that could not be put onto it.
+fn fitted(
+    tube: &mut TubeMesh,
+    lid_of: &[u32],
+    target: &Target,
+    options: &HexOptions,
+    context: &Context,
+) -> Result<usize> {
+    let stage = context.stage("fit");
+    let levels = options.refine_across().max(options.refine_along);
+    let mut left = 0;
+    for level in 0..=levels {
+        stage.step(level as usize, levels as usize + 1)?;
+        if level > 0 {
+            if level <= options.refine_across() {
+                tube.refine_across();
+            }
+            if level <= options.refine_along {
+                tube.refine_along();
+            }
+        }
+        let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
+        let TubeMesh { points, hexes, .. } = tube;
+        let mut optimiser = Optimiser::new(points, hexes);
+        let rise = if level == 0 { &FIRST } else { &NEXT };
+        fit::pull(&mut optimiser, points, &skin, target, rise, context)?;
+        if level == levels {
+            fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
+            // What cannot be put onto the surface at once may have room when its neighbours are there.
+            for attempt in 0..ATTEMPTS {
+                let free = fit::snap(&optimiser, points, &skin, target);
+                left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
+                if left == 0 || attempt + 1 == ATTEMPTS {
+                    optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
+                    break;
+                }
+                optimiser.fix(free.iter().map(|f| !f).collect());
+                fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
+                optimiser.fix(vec![false; free.len()]);
+            }
+            optimiser.tie(Vec::new());
+            optimiser.run(points, &super::optimise::INNER, context)?;
+        }
+    }
+    Ok(left)
+}
+
+const FIRST: Rise = Rise { strength: [0.05, 100.0], rounds: 9, power: 1, iterations: 30 };
+const NEXT: Rise = Rise { strength: [1.0, 100.0], rounds: 3, power: 2, iterations: 30 };
+const AGAIN: Rise = Rise { strength: [100.0, 1000.0], rounds: 2, power: 4, iterations: 25 };
+const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterations: 25 };
+
+/// Distances and volume.
+fn measure(result: &mut HexResult, closed: &Closed, context: &Context) -> Result<()> {
+    let _stage = context.stage("measure");
+    let mesh = &result.mesh;
+    let cut = |q: &[u32; 4]| {
+        let p = q.map(|v| mesh.points[v as usize]);
+        // Along the shorter diagonal.
+        let [a, b, c, d] = *q;
+        if p[0].distance_squared(p[2]) <= p[1].distance_squared(p[3]) {
+            [[a, b, c], [a, c, d]]
+        } else {
+            [[a, b, d], [b, c, d]]
+        }
+    };
+    let triangles: Vec<[u32; 3]> = mesh.quads.iter().flat_map(cut).collect();
+    let skin = SurfaceMesh::from_triangles(mesh.points.clone(), &triangles)?;
+    let found = compare(&closed.mesh, &skin, &DistanceOptions { samples: 100_000, refinements: 0 }, context)?;
+    result.figures.distance_max = Some(found.distance.max);
+    result.figures.distance_mean = Some(found.a_to_b.distance.mean);
+    let volume = Topology::of(&closed.mesh).volume;
+    result.figures.volume_ratio = volume.filter(|v| *v > 0.0).map(|v| result.figures.volume / v);
+    Ok(())
+}

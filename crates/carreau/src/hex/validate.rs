@@ -1,0 +1,122 @@
+//! A look at any hexahedral mesh: conformity, quality, certificate.
+
+use super::figures::{irregular_edges, shapes};
+use crate::geometry::hexes::{Corners, is_certified};
+use crate::mesh::{HEX_FACES, HexMesh, boundary_faces};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What is to be known of a hexahedral mesh; its boundary is a surface and looked at as such.
+#[derive(Debug, Clone, Serialize)]
+pub struct Validity {
+    /// Whether every face belongs to one or two cells, which see it from opposite sides.
+    pub conforming: bool,
+    /// Faces of which that is not true.
+    pub bad_faces: usize,
+    /// Cells with two equal corners.
+    pub degenerate: usize,
+    /// Vertices without a cell.
+    pub unused_vertices: usize,
+    /// Faces of one cell.
+    pub boundary_quads: usize,
+    /// Whether the Jacobian of every cell is proven positive.
+    pub certified: bool,
+    /// The cells without that proof.
+    pub uncertified: Vec<u32>,
+    /// Smallest scaled Jacobian of all corners of all cells.
+    pub scaled_jacobian_min: f64,
+    /// Mean over the cells of the smallest of their corners.
+    pub scaled_jacobian_mean: f64,
+    /// Cells with a corner that is not positive.
+    pub inverted: usize,
+    /// Sum of the volumes of the cells.
+    pub volume: f64,
+    /// Edges off the boundary with other than four cells, by that number.
+    pub irregular_edges: BTreeMap<u32, usize>,
+}
+
+impl Validity {
+    /// Looks at a mesh; its list of boundary faces is not used. Corners must be valid.
+    pub fn of(mesh: &HexMesh) -> Validity {
+        let quads = boundary_faces(&mesh.hexes).into_iter().map(|f| f.0).collect();
+        let own = HexMesh { points: mesh.points.clone(), hexes: mesh.hexes.clone(), quads, tags: Vec::new() };
+        let shapes = shapes(&own);
+        let bad_faces = bad_faces(&own.hexes);
+        let uncertified: Vec<u32> = (0..own.hexes.len() as u32)
+            .into_par_iter()
+            .filter(|&h| {
+                let corners: Corners = own.hexes[h as usize].map(|v| own.points[v as usize]);
+                !is_certified(&corners)
+            })
+            .collect();
+        let mut used = vec![false; own.points.len()];
+        own.hexes.as_flattened().iter().for_each(|&v| used[v as usize] = true);
+        let is_degenerate = |h: &&[u32; 8]| (1..8).any(|k| h[..k].contains(&h[k]));
+        Validity {
+            conforming: bad_faces == 0,
+            bad_faces,
+            degenerate: own.hexes.iter().filter(is_degenerate).count(),
+            unused_vertices: used.iter().filter(|u| !**u).count(),
+            boundary_quads: own.quads.len(),
+            certified: uncertified.is_empty(),
+            uncertified,
+            scaled_jacobian_min: shapes.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min),
+            scaled_jacobian_mean: shapes.iter().map(|s| s[0]).sum::<f64>() / shapes.len().max(1) as f64,
+            inverted: shapes.iter().filter(|s| s[0] <= 0.0).count(),
+            volume: shapes.iter().map(|s| s[1]).sum(),
+            irregular_edges: irregular_edges(&own),
+        }
+    }
+}
+
+/// Faces of more than two cells, or of two that do not see them from opposite sides.
+fn bad_faces(hexes: &[[u32; 8]]) -> usize {
+    let keyed = |k: usize| {
+        let face = HEX_FACES[k % 6].map(|c| hexes[k / 6][c]);
+        let mut key = face;
+        key.sort_unstable();
+        let start = (0..4).find(|&c| face[c] == key[0]).unwrap_or(0);
+        (key, [face[(start + 1) % 4], face[(start + 2) % 4], face[(start + 3) % 4]])
+    };
+    let mut faces: Vec<([u32; 4], [u32; 3])> = (0..6 * hexes.len()).into_par_iter().map(keyed).collect();
+    faces.par_sort_unstable();
+    let is_bad = |same: &&[([u32; 4], [u32; 3])]| match same {
+        [_] => false,
+        [(_, [a, b, c]), (_, other)] => *other != [*c, *b, *a],
+        _ => true,
+    };
+    faces.chunk_by(|a, b| a.0 == b.0).filter(is_bad).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// Cells of side 1 in a row, the corners of each its own by position.
+    fn row(n: u32) -> HexMesh {
+        let at = |k: u32, c: u32| 4 * k + c;
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let points = (0..=n).flat_map(|k| square.map(|[x, y]| DVec3::new(x, y, f64::from(k)))).collect();
+        let hex = |k: u32| std::array::from_fn(|c| at(k + c as u32 / 4, c as u32 % 4));
+        HexMesh { points, hexes: (0..n).map(hex).collect(), ..HexMesh::default() }
+    }
+
+    #[test]
+    fn a_row_is_fine_and_what_is_done_to_it_is_seen() {
+        let v = Validity::of(&row(3));
+        assert!(v.conforming && v.certified && v.irregular_edges.is_empty(), "{v:?}");
+        assert_eq!((v.boundary_quads, v.unused_vertices, v.degenerate, v.inverted), (14, 0, 0, 0));
+        assert!((v.volume - 3.0).abs() < 1e-12 && (v.scaled_jacobian_min - 1.0).abs() < 1e-12);
+        let mut twisted = row(3);
+        twisted.hexes[1] = [4, 7, 6, 5, 8, 11, 10, 9];
+        let v = Validity::of(&twisted);
+        assert!(!v.conforming && v.bad_faces == 2 && v.uncertified == [1] && v.inverted == 1, "{v:?}");
+        let mut third = row(3);
+        third.hexes.push(third.hexes[1]);
+        third.points.push(DVec3::ONE);
+        let v = Validity::of(&third);
+        assert!(v.bad_faces >= 2 && v.unused_vertices == 1);
+    }
+}

@@ -1,0 +1,86 @@
+//! Skeletons of surfaces whose skeleton is known.
+
+use super::*;
+use crate::mesh::test_models::*;
+use glam::DVec3;
+
+fn skeleton(mesh: &SurfaceMesh) -> Skeleton {
+    extract(mesh, &SkeletonOptions::default(), &Context::new()).unwrap()
+}
+
+/// A tube without ends from z = 0 to `length`, outward.
+fn tube(rounds: u32, around: u32, length: f64) -> SurfaceMesh {
+    let at = |i: u32, j: u32| i * around + j % around;
+    let point = |k: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k % around) / f64::from(around)).sin_cos();
+        DVec3::new(cos, sin, length * f64::from(k / around) / f64::from(rounds))
+    };
+    let points: Vec<DVec3> = (0..(rounds + 1) * around).map(point).collect();
+    let cell = |k: u32| {
+        let (i, j) = (k / around, k % around);
+        [[at(i, j), at(i, j + 1), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i + 1, j)]]
+    };
+    triangles(&points, &(0..rounds * around).flat_map(cell).collect::<Vec<_>>())
+}
+
+/// One cycle for the one handle, on the circle in the middle, at the distance of the tube's radius.
+#[test]
+fn a_torus_becomes_its_circle() {
+    let mesh = torus(60, 24);
+    let s = skeleton(&mesh);
+    assert_eq!((s.figures.cycles, s.figures.extremities, s.figures.branchings), (1, 0, 0));
+    assert_eq!(s.net.cycles(), [1]);
+    for (p, r) in s.net.points.iter().zip(&s.net.radii) {
+        let off = DVec3::new(p.truncate().length() - 2.0, p.z, 0.0).length();
+        assert!(off < 0.12 && (0.35..0.51).contains(r), "{p} {r}");
+    }
+    assert!(s.net.points.len() > 20);
+    assert_eq!(s.preimage.len(), mesh.vertex_count());
+    // Every vertex was drawn to a node that is not far from it.
+    for (v, &node) in s.preimage.iter().enumerate() {
+        assert!(mesh.points()[v].distance(s.net.points[node as usize]) < 1.0);
+    }
+}
+
+#[test]
+fn an_open_tube_gets_two_lids_and_an_axis() {
+    let s = skeleton(&tube(24, 16, 12.0));
+    assert_eq!((s.figures.lids, s.figures.extremities, s.figures.branchings), (2, 2, 0));
+    for lid in &s.closed.lids {
+        let end = if lid.centre.z > 6.0 { 12.0 } else { 0.0 };
+        assert!(lid.centre.distance(DVec3::Z * end) < 1e-9 && (lid.radius - 1.0).abs() < 1e-9 && lid.flatness < 1e-9);
+        assert!(lid.normal.z * (lid.centre.z - 6.0) > 0.9 * 6.0);
+    }
+    assert!(s.net.points.iter().all(|p| p.truncate().length() < 0.1 && (0.0..12.0).contains(&p.z)));
+    assert!(!s.warnings.is_empty());
+}
+
+#[test]
+fn components_each_get_theirs_and_the_sense_does_not_matter() {
+    let far = moved(&turned(&tube(24, 16, 12.0), |_| true), |p| p + DVec3::X * 9.0);
+    let s = skeleton(&together(&[torus(60, 24), far]));
+    assert_eq!(s.net.components().1, 2);
+    assert_eq!(s.net.cycles(), [0, 1]);
+}
+
+#[test]
+fn the_same_for_any_number_of_threads() {
+    let run = |threads| {
+        let context = Context::new().with_threads(threads).unwrap();
+        extract(&torus(40, 16), &SkeletonOptions::default(), &context).unwrap().net
+    };
+    assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn what_is_no_surface_is_refused() {
+    let code = |mesh: &SurfaceMesh| {
+        extract(mesh, &SkeletonOptions::default(), &Context::new()).map_err(|e| e.exit_code()).err()
+    };
+    assert_eq!(code(&SurfaceMesh::from_triangles(Vec::new(), &[]).unwrap()), Some(3));
+    let pinched =
+        triangles(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z], &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+    assert_eq!(code(&pinched), Some(3));
+    let options = SkeletonOptions { detail: 0.0, ..SkeletonOptions::default() };
+    assert_eq!(extract(&torus(8, 6), &options, &Context::new()).map_err(|e| e.exit_code()).err(), Some(2));
+}

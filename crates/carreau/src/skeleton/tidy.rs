@@ -1,0 +1,161 @@
+//! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
+//! the ball of their branching are dropped.
+
+use crate::geometry::search_tree::TriangleTree;
+use crate::geometry::winding::WindingTree;
+use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Poles that are tried for a node outside.
+const TRIED: usize = 64;
+/// Cycles of moving nodes to the middle, in so many steps, and of so many rounds of drawing them into line.
+const CYCLES: usize = 3;
+const CENTRING: usize = 12;
+const ALIGNING: usize = 4;
+/// Rounds of drawing them to their neighbours.
+const ROUNDS: usize = 20;
+
+/// Tidies the net of a surface; returns how many nodes were brought in. `preimage` is the node of every vertex of the surface, `poles`
+/// the centre of the inner ball there.
+pub fn tidy(
+    net: &mut CurveNet,
+    preimage: &mut [u32],
+    surface: &SurfaceMesh,
+    poles: &[DVec3],
+    tree: &TriangleTree,
+    inside: &WindingTree,
+    prune: bool,
+) -> usize {
+    let brought_in = bring_in(net, surface, poles, inside);
+    centre(net, tree, inside);
+    net.radii = net.points.par_iter().map(|&p| tree.closest(p).map_or(0.0, |c| c.distance())).collect();
+    if prune {
+        drop_stubs(net, preimage);
+    }
+    brought_in
+}
+
+/// Nodes outside go to the pole of the vertex nearest to them: the centres of inner balls are inside. Then they are drawn
+/// to the middle of their neighbours, as far as that is inside.
+fn bring_in(net: &mut CurveNet, surface: &SurfaceMesh, poles: &[DVec3], inside: &WindingTree) -> usize {
+    let all = 0..net.points.len() as u32;
+    let outside: Vec<u32> = all.into_par_iter().filter(|&v| !inside.contains(net.points[v as usize])).collect();
+    for &v in &outside {
+        let p = net.points[v as usize];
+        let mut near: Vec<(f64, u32)> = surface.points().iter().map(|q| p.distance_squared(*q)).zip(0..).collect();
+        let tried = TRIED.min(near.len());
+        if tried < near.len() {
+            near.select_nth_unstable_by(tried, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        }
+        near.truncate(tried);
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if let Some(&(_, q)) = near.iter().find(|n| inside.contains(poles[n.1 as usize])) {
+            net.points[v as usize] = poles[q as usize];
+        }
+    }
+    let around = net.incidence();
+    for _ in 0..ROUNDS {
+        for &v in &outside {
+            let near = around.of(v);
+            let middle = near.iter().map(|e| net.points[e[1] as usize]).sum::<DVec3>() / near.len().max(1) as f64;
+            let moved = net.points[v as usize].lerp(middle, 0.5);
+            if near.len() > 1 && inside.contains(moved) {
+                net.points[v as usize] = moved;
+            }
+        }
+    }
+    outside.len()
+}
+
+/// Nodes near the surface move across their branch, away from it, as long as that takes them farther from the surface on all
+/// sides; between that their neighbours draw them into line.
+pub fn centre(net: &mut CurveNet, tree: &TriangleTree, inside: &WindingTree) {
+    let around = net.incidence();
+    for _ in 0..CYCLES {
+        net.points = (0..net.points.len()).into_par_iter().map(|v| centred(net, &around, v, tree)).collect();
+        for _ in 0..ALIGNING {
+            align(net, &around, inside);
+        }
+    }
+    net.points = (0..net.points.len()).into_par_iter().map(|v| centred(net, &around, v, tree)).collect();
+    align(net, &around, inside);
+}
+
+/// An articulation farther from the surface, across the direction of its branch.
+fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) -> DVec3 {
+    let mut p = net.points[v];
+    let &[[_, a], [_, b]] = around.of(v as u32) else { return p };
+    let tangent = (net.points[b as usize] - net.points[a as usize]).normalize_or_zero();
+    let Some(mut here) = tree.closest(p) else { return p };
+    let mut step = 0.5;
+    for _ in 0..CENTRING {
+        let away = p - here.point;
+        let across = (away - tangent * tangent.dot(away)).normalize_or_zero();
+        let tried = p + across * (step * here.distance());
+        match tree.closest(tried) {
+            Some(there) if there.distance_squared > here.distance_squared * 1.0001 => (p, here) = (tried, there),
+            _ => step *= 0.5,
+        }
+    }
+    p
+}
+
+/// All nodes but extremities move half of the way to the middle of their neighbours, where that is inside.
+fn align(net: &mut CurveNet, around: &Incidence, inside: &WindingTree) {
+    let moved = |v: usize| {
+        let near = around.of(v as u32);
+        let middle = near.iter().map(|e| net.points[e[1] as usize]).sum::<DVec3>() / near.len().max(1) as f64;
+        let moved = net.points[v].lerp(middle, 0.5);
+        if near.len() > 1 && inside.contains(moved) { moved } else { net.points[v] }
+    };
+    net.points = (0..net.points.len()).into_par_iter().map(moved).collect();
+}
+
+/// Leaf branches that stay in the ball of their branching go, the shortest of each branching first.
+fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
+    loop {
+        let around = net.incidence();
+        let mut goes_into = vec![NONE; net.points.len()];
+        let mut shortest: Vec<Option<(f64, Vec<u32>)>> = vec![None; net.points.len()];
+        for tip in (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1) {
+            let Some((branch, fork)) = branch_to_fork(&around, tip) else { continue };
+            let centre = net.points[fork as usize];
+            let reach = branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max);
+            let best = &mut shortest[fork as usize];
+            if reach < net.radii[fork as usize] && best.as_ref().is_none_or(|b| reach < b.0) {
+                *best = Some((reach, branch));
+            }
+        }
+        for (fork, stub) in (0..).zip(&shortest) {
+            stub.iter().flat_map(|s| &s.1).for_each(|&v| goes_into[v as usize] = fork);
+        }
+        if goes_into.iter().all(|&f| f == NONE) {
+            return;
+        }
+        let keep: Vec<bool> = goes_into.iter().map(|&f| f == NONE).collect();
+        let mut number = vec![NONE; keep.len()];
+        (0..).zip((0..keep.len()).filter(|&v| keep[v])).for_each(|(k, v)| number[v] = k);
+        for node in preimage.iter_mut() {
+            let kept = if keep[*node as usize] { *node } else { goes_into[*node as usize] };
+            *node = number[kept as usize];
+        }
+        net.edges.retain(|e| keep[e[0] as usize] && keep[e[1] as usize]);
+        net.retain_nodes(&keep);
+    }
+}
+
+/// The nodes from a tip to before the first branching, and that branching; none on a curve without branching.
+fn branch_to_fork(around: &Incidence, tip: u32) -> Option<(Vec<u32>, u32)> {
+    let mut branch = vec![tip];
+    let mut edge = around.of(tip).first()?;
+    loop {
+        let [id, node] = *edge;
+        match around.valence(node) {
+            2 => branch.push(node),
+            1 => return None,
+            _ => return Some((branch, node)),
+        }
+        edge = around.of(node).iter().find(|e| e[0] != id)?;
+    }
+}
