@@ -123,7 +123,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                         lost_places.push(lost);
                         continue;
                     }
-                    let mut rung = vec![1; source.regions];
+                    let mut rung = vec![if wish.first { 1 } else { 2 }; source.regions];
                     for (region, &p) in work.region.iter().zip(&patch) {
                         if layout.patches[p as usize].sides.is_none() {
                             rung[*region as usize] = 2;
