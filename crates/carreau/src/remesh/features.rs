@@ -150,3 +150,40 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     let in_large = flat.iter().filter(|&&k| is_large[k as usize]).count();
     Ok(in_large as f64 <= FLAT_SHARE * mesh.face_count() as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Context;
+    use crate::mesh::test_models::{cube, moved, sphere};
+    use crate::sample;
+    use glam::DVec3;
+
+    /// Every triangle in four, in its plane.
+    fn divided(mesh: &SurfaceMesh) -> SurfaceMesh {
+        let mut points = mesh.points().to_vec();
+        let mut middle_of = vec![0u32; mesh.corner_count()];
+        for edge in mesh.half_edges().groups() {
+            let [a, b] = edge.ends.map(|v| mesh.points()[v as usize]);
+            edge.corners().for_each(|c| middle_of[c as usize] = points.len() as u32);
+            points.push((a + b) / 2.0);
+        }
+        let mut faces = Vec::new();
+        for (t, f) in mesh.faces().iter().enumerate() {
+            let [m, n, o] = [0, 1, 2].map(|k| middle_of[3 * t + k]);
+            faces.extend([[f[0], m, o], [f[1], n, m], [f[2], o, n], [m, n, o]]);
+        }
+        SurfaceMesh::from_triangles(points, &faces).unwrap()
+    }
+
+    #[test]
+    fn a_scan_whose_triangles_were_divided_is_still_one() {
+        let scan = moved(&sphere(3), |p| p * (1.0 + 0.01 * (37.0 * p.x).sin() * (41.0 * p.y + 29.0 * p.z).cos()));
+        assert!(is_scan(&scan).unwrap() && is_scan(&divided(&divided(&scan))).unwrap());
+        let part = sample::make("bracket", None, &Context::new()).unwrap().triangulated().unwrap();
+        let cube = cube(DVec3::ZERO, 1.0).triangulated().unwrap();
+        for mesh in [part, cube] {
+            assert!(!is_scan(&mesh).unwrap() && !is_scan(&divided(&mesh)).unwrap());
+        }
+    }
+}
