@@ -234,7 +234,8 @@ fn measure(result: &mut HexResult, closed: &Closed, context: &Context) -> Result
     };
     let triangles: Vec<[u32; 3]> = mesh.quads.iter().flat_map(cut).collect();
     let skin = SurfaceMesh::from_triangles(mesh.points.clone(), &triangles)?;
-    let found = compare(&closed.mesh, &skin, &DistanceOptions { samples: 100_000, refinements: 0 }, context)?;
+    let found =
+        compare(&closed.mesh, &skin, &DistanceOptions { samples: 100_000, refinements: 0, normals: false }, context)?;
     result.figures.distance_max = Some(found.distance.max);
     result.figures.distance_mean = Some(found.a_to_b.distance.mean);
     let volume = Topology::of(&closed.mesh).volume;
