@@ -538,5 +538,6 @@ fn hex_refuses_what_is_no_skeleton() {
         assert!(!out.exists());
     }
     let (_folder, surface) = with_model("torus", "m.ply");
-    carreau().args(["hex", text(&path), "--skeleton", text(&surface)]).assert().code(3);
+    let line = ["hex", text(&path), "--skeleton", text(&surface)];
+    carreau().args(line).assert().code(2).stderr(contains("goes with a surface"));
 }
