@@ -216,8 +216,8 @@ impl Demo {
             "{} nodes → {} hexes; scaled Jacobian {:.2} at least, {:.2} on average",
             net.points.len(),
             f.hexes,
-            f.scaled_jacobian_min,
-            f.scaled_jacobian_mean
+            f.quality.scaled_jacobian_min,
+            f.quality.scaled_jacobian_mean
         );
         self.figure(session, name, caption, picture, &[("skeleton", &skeleton), ("hexes", &file)])
     }

@@ -12,7 +12,7 @@ use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Meshes a tubular surface, or the tubes around a skeleton, with hexahedra
 ///
@@ -133,11 +133,12 @@ impl Hex {
         session.draw_as(|| hex_figure(&mesh))?;
         session.record.set_all(&figures);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
+        let quality = &figures.quality;
         session.say(format!(
             "{} hexes on {} segments, scaled Jacobian {:.3} at least, {:.3} on average",
-            figures.hexes, figures.segments, figures.scaled_jacobian_min, figures.scaled_jacobian_mean
+            figures.hexes, figures.segments, quality.scaled_jacobian_min, quality.scaled_jacobian_mean
         ));
-        session.say(match figures.uncertified.len() {
+        session.say(match quality.uncertified.len() {
             0 => "every cell is certified".into(),
             n => format!("{n} cells are not certified"),
         });
@@ -149,19 +150,19 @@ impl Hex {
 
     /// What the files hold; a file of lines and faces is a surface.
     fn read(&self, session: &mut Session, options: &Options) -> Result<Shape, Error> {
-        let is_graph = is_skeleton_file(&self.input)
-            || session.read(&self.input).is_ok_and(|m| m.faces.is_empty() && m.cells.is_empty());
-        let surface_of = |file: &Path| io::read(file)?.into_surface()?.triangulated();
-        if !is_graph {
-            let net = options.skeleton.as_deref().map(io::read_skeleton).transpose()?;
-            return Ok(Shape::Surface(Box::new(session.read_triangles(&self.input)?), net));
+        if !is_skeleton_file(&self.input) {
+            let raw = session.read(&self.input)?;
+            if !(raw.faces.is_empty() && raw.cells.is_empty()) {
+                let net = options.skeleton.as_deref().map(io::read_skeleton).transpose()?;
+                return Ok(Shape::Surface(Box::new(raw.into_surface()?.triangulated()?), net));
+            }
         }
         if options.skeleton.is_some() {
             return Err(Error::Options("--skeleton goes with a surface; the input is a skeleton already".into()));
         }
         let net = session.read_skeleton(&self.input)?;
         Ok(match &options.surface {
-            Some(file) => Shape::Surface(Box::new(surface_of(file)?), Some(net)),
+            Some(file) => Shape::Surface(Box::new(io::read(file)?.into_surface()?.triangulated()?), Some(net)),
             None => Shape::Graph(net),
         })
     }

@@ -89,17 +89,19 @@ fn describe_hexes(session: &mut Session, raw: &RawMesh) {
         0 => "conforming".into(),
         n => format!("not conforming: {n} faces have more than two cells, or two on one side"),
     });
+    let quality = &v.quality;
     session.say(format!(
         "scaled Jacobian {:.3} at least, {:.3} on average; {} inverted; {}",
-        v.scaled_jacobian_min,
-        v.scaled_jacobian_mean,
-        v.inverted,
-        match v.uncertified.first() {
+        quality.scaled_jacobian_min,
+        quality.scaled_jacobian_mean,
+        quality.inverted,
+        match quality.uncertified.first() {
             None => "every cell is certified".into(),
-            Some(first) => format!("{} cells are not certified, first {first}", v.uncertified.len()),
+            Some(first) => format!("{} cells are not certified, first {first}", quality.uncertified.len()),
         }
     ));
-    let edges: Vec<String> = v.irregular_edges.iter().map(|(valence, n)| format!("{n} of {valence} cells")).collect();
+    let edges: Vec<String> =
+        quality.irregular_edges.iter().map(|(valence, n)| format!("{n} of {valence} cells")).collect();
     if !edges.is_empty() {
         session.say(format!("irregular inner edges: {}", edges.join(", ")));
     }

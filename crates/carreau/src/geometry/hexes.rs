@@ -7,6 +7,7 @@
 
 use crate::mesh::HEX_EDGES;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The corners of a cell.
 pub type Corners = [DVec3; 8];
@@ -59,6 +60,12 @@ pub fn is_certified(p: &Corners) -> bool {
     let mut c = determinants(p);
     along_axes(&mut c, |[a, b, d]| [a, 2.0 * b - 0.5 * (a + d), d]);
     positive(&c, TINY * longest.powi(3), DEPTH)
+}
+
+/// The cells of a mesh without that proof.
+pub fn uncertified(points: &[DVec3], hexes: &[[u32; 8]]) -> Vec<u32> {
+    let is_open = |h: &u32| !is_certified(&hexes[*h as usize].map(|v| points[v as usize]));
+    (0..hexes.len() as u32).into_par_iter().filter(is_open).collect()
 }
 
 fn positive(c: &[f64; 27], tiny: f64, depth: usize) -> bool {

@@ -3,6 +3,7 @@
 use super::Padding;
 use crate::geometry::hexes::{Corners, scaled_jacobian, volume};
 use crate::mesh::{HEX_EDGES, HexMesh};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -20,6 +21,40 @@ pub struct Figures {
     pub segments: usize,
     /// Where a layer was put.
     pub padding: Padding,
+    /// What the cells are worth.
+    #[serde(flatten)]
+    pub quality: HexQuality,
+    /// Largest distance between the boundary and the surface, either way; only where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_max: Option<f64>,
+    /// Mean distance from the surface to the boundary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_mean: Option<f64>,
+    /// Volume of the cells over that of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_ratio: Option<f64>,
+}
+
+impl Figures {
+    /// The figures of a mesh with its boundary.
+    pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
+        Figures {
+            hexes: mesh.hexes.len(),
+            vertices: mesh.points.len(),
+            boundary_quads: mesh.quads.len(),
+            segments,
+            padding,
+            quality: HexQuality::of(&mesh.points, &mesh.hexes, &mesh.quads, uncertified),
+            distance_max: None,
+            distance_mean: None,
+            volume_ratio: None,
+        }
+    }
+}
+
+/// What the cells of a hexahedral mesh are worth.
+#[derive(Debug, Clone, Serialize)]
+pub struct HexQuality {
     /// Whether the Jacobian of every cell is proven positive.
     pub certified: bool,
     /// The cells without that proof.
@@ -32,57 +67,36 @@ pub struct Figures {
     pub inverted: usize,
     /// Sum of the volumes of the cells.
     pub volume: f64,
-    /// Largest distance between the boundary and the surface, either way; only where there is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_max: Option<f64>,
-    /// Mean distance from the surface to the boundary.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub distance_mean: Option<f64>,
-    /// Volume of the cells over that of the surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub volume_ratio: Option<f64>,
     /// Edges off the boundary with other than four cells, by that number.
     pub irregular_edges: BTreeMap<u32, usize>,
 }
 
-impl Figures {
-    /// The figures of a mesh with its boundary.
-    pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
-        let shapes = shapes(mesh);
+impl HexQuality {
+    /// The quality of cells with their boundary faces, and the cells without a certificate.
+    pub(super) fn of(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], uncertified: Vec<u32>) -> Self {
+        let corners = |h: &[u32; 8]| -> Corners { h.map(|v| points[v as usize]) };
+        let of_cell = |h| [scaled_jacobian(&corners(h)), volume(&corners(h))];
+        let shapes: Vec<[f64; 2]> = hexes.par_iter().map(of_cell).collect();
         let jacobians = || shapes.iter().map(|s| s[0]);
-        Figures {
-            hexes: mesh.hexes.len(),
-            vertices: mesh.points.len(),
-            boundary_quads: mesh.quads.len(),
-            segments,
-            padding,
+        HexQuality {
             certified: uncertified.is_empty(),
             uncertified,
             scaled_jacobian_min: jacobians().fold(f64::INFINITY, f64::min),
-            scaled_jacobian_mean: jacobians().sum::<f64>() / mesh.hexes.len().max(1) as f64,
+            scaled_jacobian_mean: jacobians().sum::<f64>() / hexes.len().max(1) as f64,
             inverted: jacobians().filter(|j| *j <= 0.0).count(),
             volume: shapes.iter().map(|s| s[1]).sum(),
-            distance_max: None,
-            distance_mean: None,
-            volume_ratio: None,
-            irregular_edges: irregular_edges(mesh),
+            irregular_edges: irregular_edges(hexes, quads),
         }
     }
 }
 
-/// Scaled Jacobian and volume of every cell.
-pub(super) fn shapes(mesh: &HexMesh) -> Vec<[f64; 2]> {
-    let corners = |h: &[u32; 8]| -> Corners { h.map(|v| mesh.points[v as usize]) };
-    mesh.hexes.par_iter().map(|h| [scaled_jacobian(&corners(h)), volume(&corners(h))]).collect()
-}
-
 /// Interior edges by their number of cells, four left out.
-pub(super) fn irregular_edges(mesh: &HexMesh) -> BTreeMap<u32, usize> {
+fn irregular_edges(hexes: &[[u32; 8]], quads: &[[u32; 4]]) -> BTreeMap<u32, usize> {
     let key = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     let mut edges: Vec<u64> =
-        mesh.hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();
+        hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();
     edges.par_sort_unstable();
-    let mut outer: Vec<u64> = mesh.quads.iter().flat_map(|q| (0..4).map(move |k| key(q[k], q[(k + 1) % 4]))).collect();
+    let mut outer: Vec<u64> = quads.iter().flat_map(|q| (0..4).map(move |k| key(q[k], q[(k + 1) % 4]))).collect();
     outer.par_sort_unstable();
     let mut found = BTreeMap::new();
     for same in edges.chunk_by(|a, b| a == b).filter(|c| c.len() != 4) {

@@ -37,7 +37,7 @@ mod tips;
 mod validate;
 mod zip;
 
-pub use figures::Figures;
+pub use figures::{Figures, HexQuality};
 pub use surface::from_surface;
 pub use validate::Validity;
 
@@ -243,8 +243,7 @@ fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(C
 }
 
 fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
-    let around = net.incidence();
-    let ends = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count();
+    let ends = net.incidence().tips().count();
     let expected = options.hexes_of(net.edges.len(), ends);
     if expected > MOST_HEXES {
         return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for fewer or longer ones")));
@@ -257,8 +256,7 @@ fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
     if let Some(length) = options.edge_length {
         return resample::resample(net, Step::Length(length));
     }
-    let around = net.incidence();
-    let ends = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count();
+    let ends = net.incidence().tips().count();
     let fine = resample::resample(net, Step::Radii(STEP));
     let fits = |n: &CurveNet| match options.hexes {
         Some(wanted) => options.hexes_of(n.edges.len(), ends) <= wanted as f64,
@@ -352,18 +350,19 @@ fn deliver(
     let tags = quads.iter().map(tag).collect();
     let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
     let figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
-    if !figures.certified {
-        let count = figures.uncertified.len();
+    let quality = &figures.quality;
+    if !quality.certified {
+        let count = quality.uncertified.len();
         if !options.allow_invalid {
             return Err(Error::Numeric(format!(
                 "{count} of {} hexes could not be made valid, first {}; add padding or halve across, or take them with --allow-invalid",
                 mesh.hexes.len(),
-                figures.uncertified[0]
+                quality.uncertified[0]
             )));
         }
         warnings.push(format!(
             "{count} hexes have no certificate of a positive Jacobian, first {}",
-            figures.uncertified[0]
+            quality.uncertified[0]
         ));
     }
     Ok(HexResult { mesh, skeleton, figures, warnings })

@@ -8,7 +8,8 @@ use super::{HexOptions, HexResult, Stage, deliver, limit, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::{CurveNet, Incidence, SurfaceMesh, Topology};
+use crate::geometry::hexes::uncertified;
+use crate::mesh::{CurveNet, SurfaceMesh, Topology, split_quad};
 use crate::skeleton::{self, Closed, SkeletonOptions};
 
 /// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
@@ -46,16 +47,12 @@ pub fn from_surface(
     };
     super::check_size(&net, &options)?;
     let around = net.incidence();
-    let ends: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).collect();
-    let lid_of: Vec<u32> = ends.iter().map(|&v| lid_of_node(&net, v)).collect();
+    let lid_of: Vec<u32> = around.tips().map(|v| lid_of_node(&net, v)).collect();
     let base = super::valid_base(&net, context)?;
     super::warn_of_poor(&base, &mut warnings);
     let mut tube = padded(&net, &base, &options, context)?;
     let left = fitted(&mut tube, &lid_of, &target, &options, context)?;
-    let uncertified = {
-        let optimiser = Optimiser::new(&tube.points, &tube.hexes);
-        optimiser.uncertified(&tube.points)
-    };
+    let uncertified = uncertified(&tube.points, &tube.hexes);
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
@@ -138,8 +135,7 @@ fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
         let step = length * f64::from(1 << options.refine_along.min(6));
         return resample::resample(net, Step::Length(step));
     }
-    let around = net.incidence();
-    let (ends, usual) = (count_ends(net, &around), mean_radius(net));
+    let (ends, usual) = (net.incidence().tips().count(), mean_radius(net));
     let eased = |k: f64| Step::Eased(k, usual);
     let wanted = options.hexes.unwrap_or(usize::MAX) as f64;
     let levels: Vec<u32> = options.refine_across.map_or((0..=3).rev().collect(), |a| vec![a]);
@@ -152,10 +148,6 @@ fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
         }
     }
     super::finest(net, eased, |n| options.hexes_of(n.edges.len(), ends) <= wanted)
-}
-
-fn count_ends(net: &CurveNet, around: &Incidence) -> usize {
-    (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1).count()
 }
 
 /// Weighted by length.
@@ -222,23 +214,13 @@ const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterati
 fn measure(result: &mut HexResult, closed: &Closed, context: &Context) -> Result<()> {
     let _stage = context.stage("measure");
     let mesh = &result.mesh;
-    let cut = |q: &[u32; 4]| {
-        let p = q.map(|v| mesh.points[v as usize]);
-        // Along the shorter diagonal.
-        let [a, b, c, d] = *q;
-        if p[0].distance_squared(p[2]) <= p[1].distance_squared(p[3]) {
-            [[a, b, c], [a, c, d]]
-        } else {
-            [[a, b, d], [b, c, d]]
-        }
-    };
-    let triangles: Vec<[u32; 3]> = mesh.quads.iter().flat_map(cut).collect();
+    let triangles: Vec<[u32; 3]> = mesh.quads.iter().flat_map(|q| split_quad(&mesh.points, *q)).collect();
     let skin = SurfaceMesh::from_triangles(mesh.points.clone(), &triangles)?;
     let found =
         compare(&closed.mesh, &skin, &DistanceOptions { samples: 100_000, refinements: 0, normals: false }, context)?;
     result.figures.distance_max = Some(found.distance.max);
     result.figures.distance_mean = Some(found.a_to_b.distance.mean);
     let volume = Topology::of(&closed.mesh).volume;
-    result.figures.volume_ratio = volume.filter(|v| *v > 0.0).map(|v| result.figures.volume / v);
+    result.figures.volume_ratio = volume.filter(|v| *v > 0.0).map(|v| result.figures.quality.volume / v);
     Ok(())
 }

@@ -93,7 +93,7 @@ fn counts_are_the_closed_form() {
             assert_conforming(&result.mesh.hexes, &result.mesh.points, &net.cycles());
             assert_eq!(result.mesh.tags.iter().max(), Some(&(1 + ends as i32)));
             if padding != Padding::None {
-                assert!(result.figures.certified && result.figures.inverted == 0);
+                assert!(result.figures.quality.certified && result.figures.quality.inverted == 0);
             }
         }
     }
@@ -109,10 +109,20 @@ fn halving_multiplies_the_counts() {
     assert_eq!(result.mesh.hexes.len(), 12 * e * 4 * 2 + 4 * ends * 8);
     assert_eq!(result.mesh.quads.len(), 8 * e * 2 * 2 + 4 * ends * 4);
     assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
-    assert!(result.figures.certified && result.figures.scaled_jacobian_min > 0.2, "{:?}", result.figures);
+    assert!(
+        result.figures.quality.certified && result.figures.quality.scaled_jacobian_min > 0.2,
+        "{:?}",
+        result.figures
+    );
     // Σ (valence − 4) over interior edges: 2 K (4 n − 8) at every branching and 3-valent edges of the layer.
-    let excess: i64 =
-        result.figures.irregular_edges.iter().filter(|e| *e.0 > 4).map(|(&v, &n)| (i64::from(v) - 4) * n as i64).sum();
+    let excess: i64 = result
+        .figures
+        .quality
+        .irregular_edges
+        .iter()
+        .filter(|e| *e.0 > 4)
+        .map(|(&v, &n)| (i64::from(v) - 4) * n as i64)
+        .sum();
     assert_eq!(excess, 2 * 2 * (2 * (4 * 3 - 8)));
 }
 
@@ -126,7 +136,7 @@ fn resampled_meshes_are_certified_and_the_same_for_any_number_of_threads() {
         let (one, two) = (mesh(1), mesh(2));
         assert_eq!(one.mesh, two.mesh);
         assert_conforming(&one.mesh.hexes, &one.mesh.points, &net.cycles());
-        assert!(one.figures.certified && one.figures.scaled_jacobian_min > 0.3, "{:?}", one.figures);
+        assert!(one.figures.quality.certified && one.figures.quality.scaled_jacobian_min > 0.3, "{:?}", one.figures);
         // Wall vertices lie about at the radius of the net.
         let radius = |p: DVec3| {
             let near = |e: &[u32; 2]| {
@@ -152,7 +162,7 @@ proptest! {
             let options = HexOptions { stage: Stage::Base, ..HexOptions::default() };
             let result = from_net(&star_net(&directions, 0.2), &options, &Context::new()).unwrap();
             assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
-            prop_assert!(result.figures.inverted == 0);
+            prop_assert!(result.figures.quality.inverted == 0);
         }
     }
 }
@@ -225,7 +235,7 @@ fn an_open_tube_is_meshed_on_its_surface_with_caps() {
     let options = HexOptions { hexes: Some(1000), ..HexOptions::default() };
     let result = from_surface(&mesh, None, &options, &Context::new()).unwrap();
     let f = &result.figures;
-    assert!(f.certified && f.scaled_jacobian_min > 0.3, "{f:?}");
+    assert!(f.quality.certified && f.quality.scaled_jacobian_min > 0.3, "{f:?}");
     assert!((400..=1000).contains(&f.hexes));
     assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
     let mut kinds = result.mesh.tags.clone();
@@ -253,7 +263,11 @@ fn a_given_skeleton_is_used_and_a_torus_stays_one() {
     let net = CurveNet::new((0..24).map(at).collect(), vec![0.5; 24], (0..24).map(|k| [k, (k + 1) % 24]).collect());
     let options = HexOptions { hexes: Some(900), ..HexOptions::default() };
     let result = from_surface(&mesh, Some(&net), &options, &Context::new()).unwrap();
-    assert!(result.figures.certified && result.figures.scaled_jacobian_min > 0.4, "{:?}", result.figures);
+    assert!(
+        result.figures.quality.certified && result.figures.quality.scaled_jacobian_min > 0.4,
+        "{:?}",
+        result.figures
+    );
     assert_conforming(&result.mesh.hexes, &result.mesh.points, &[1]);
     assert!(result.mesh.tags.iter().all(|&t| t == 1));
 }

@@ -33,7 +33,7 @@ pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
     fill_dips(net, &around);
     let mut lid_of = vec![0; net.points.len()];
     let mut taken = vec![false; target.lids().len()];
-    for tip in (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1) {
+    for tip in around.tips() {
         let (direction, radius) = heading(net, &around, tip);
         let from = net.points[tip as usize];
         let near = |k: &usize| {

@@ -1,11 +1,10 @@
 //! A look at any hexahedral mesh: conformity, quality, certificate.
 
-use super::figures::{irregular_edges, shapes};
-use crate::geometry::hexes::{Corners, is_certified};
+use super::figures::HexQuality;
+use crate::geometry::hexes::uncertified;
 use crate::mesh::{HEX_FACES, HexMesh, boundary_faces};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What is to be known of a hexahedral mesh; its boundary is a surface and looked at as such.
 #[derive(Debug, Clone, Serialize)]
@@ -20,52 +19,27 @@ pub struct Validity {
     pub unused_vertices: usize,
     /// Faces of one cell.
     pub boundary_quads: usize,
-    /// Whether the Jacobian of every cell is proven positive.
-    pub certified: bool,
-    /// The cells without that proof.
-    pub uncertified: Vec<u32>,
-    /// Smallest scaled Jacobian of all corners of all cells.
-    pub scaled_jacobian_min: f64,
-    /// Mean over the cells of the smallest of their corners.
-    pub scaled_jacobian_mean: f64,
-    /// Cells with a corner that is not positive.
-    pub inverted: usize,
-    /// Sum of the volumes of the cells.
-    pub volume: f64,
-    /// Edges off the boundary with other than four cells, by that number.
-    pub irregular_edges: BTreeMap<u32, usize>,
+    /// What the cells are worth.
+    #[serde(flatten)]
+    pub quality: HexQuality,
 }
 
 impl Validity {
     /// Looks at a mesh; its list of boundary faces is not used. Corners must be valid.
     pub fn of(mesh: &HexMesh) -> Validity {
-        let quads = boundary_faces(&mesh.hexes).into_iter().map(|f| f.0).collect();
-        let own = HexMesh { points: mesh.points.clone(), hexes: mesh.hexes.clone(), quads, tags: Vec::new() };
-        let shapes = shapes(&own);
-        let bad_faces = bad_faces(&own.hexes);
-        let uncertified: Vec<u32> = (0..own.hexes.len() as u32)
-            .into_par_iter()
-            .filter(|&h| {
-                let corners: Corners = own.hexes[h as usize].map(|v| own.points[v as usize]);
-                !is_certified(&corners)
-            })
-            .collect();
-        let mut used = vec![false; own.points.len()];
-        own.hexes.as_flattened().iter().for_each(|&v| used[v as usize] = true);
+        let HexMesh { points, hexes, .. } = mesh;
+        let quads: Vec<[u32; 4]> = boundary_faces(hexes).into_iter().map(|f| f.0).collect();
+        let bad_faces = bad_faces(hexes);
+        let mut used = vec![false; points.len()];
+        hexes.as_flattened().iter().for_each(|&v| used[v as usize] = true);
         let is_degenerate = |h: &&[u32; 8]| (1..8).any(|k| h[..k].contains(&h[k]));
         Validity {
             conforming: bad_faces == 0,
             bad_faces,
-            degenerate: own.hexes.iter().filter(is_degenerate).count(),
+            degenerate: hexes.iter().filter(is_degenerate).count(),
             unused_vertices: used.iter().filter(|u| !**u).count(),
-            boundary_quads: own.quads.len(),
-            certified: uncertified.is_empty(),
-            uncertified,
-            scaled_jacobian_min: shapes.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min),
-            scaled_jacobian_mean: shapes.iter().map(|s| s[0]).sum::<f64>() / shapes.len().max(1) as f64,
-            inverted: shapes.iter().filter(|s| s[0] <= 0.0).count(),
-            volume: shapes.iter().map(|s| s[1]).sum(),
-            irregular_edges: irregular_edges(&own),
+            boundary_quads: quads.len(),
+            quality: HexQuality::of(points, hexes, &quads, uncertified(points, hexes)),
         }
     }
 }
@@ -106,13 +80,13 @@ mod tests {
     #[test]
     fn a_row_is_fine_and_what_is_done_to_it_is_seen() {
         let v = Validity::of(&row(3));
-        assert!(v.conforming && v.certified && v.irregular_edges.is_empty(), "{v:?}");
-        assert_eq!((v.boundary_quads, v.unused_vertices, v.degenerate, v.inverted), (14, 0, 0, 0));
-        assert!((v.volume - 3.0).abs() < 1e-12 && (v.scaled_jacobian_min - 1.0).abs() < 1e-12);
+        assert!(v.conforming && v.quality.certified && v.quality.irregular_edges.is_empty(), "{v:?}");
+        assert_eq!((v.boundary_quads, v.unused_vertices, v.degenerate, v.quality.inverted), (14, 0, 0, 0));
+        assert!((v.quality.volume - 3.0).abs() < 1e-12 && (v.quality.scaled_jacobian_min - 1.0).abs() < 1e-12);
         let mut twisted = row(3);
         twisted.hexes[1] = [4, 7, 6, 5, 8, 11, 10, 9];
         let v = Validity::of(&twisted);
-        assert!(!v.conforming && v.bad_faces == 2 && v.uncertified == [1] && v.inverted == 1, "{v:?}");
+        assert!(!v.conforming && v.bad_faces == 2 && v.quality.uncertified == [1] && v.quality.inverted == 1, "{v:?}");
         let mut third = row(3);
         third.hexes.push(third.hexes[1]);
         third.points.push(DVec3::ONE);

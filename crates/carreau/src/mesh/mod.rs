@@ -63,4 +63,5 @@ pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};
+pub(crate) use triangulate::split_quad;
 pub use weld::{first_at_same_position, leaders_within};

@@ -146,6 +146,12 @@ fn sorted(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
+/// Splits a quad along its shorter diagonal; on a tie along that of its first corner.
+pub(crate) fn split_quad(points: &[DVec3], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+    let length = |p: u32, q: u32| points[p as usize].distance(points[q as usize]);
+    if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,6 +12,7 @@
 //! ```
 
 use crate::field::Field;
+use crate::geometry::search_tree::closest_on_triangle;
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -156,9 +157,7 @@ impl Sheet {
     /// Distance of a point from the segment between two vertices.
     pub fn distance(&self, a: u32, b: u32, p: DVec3) -> f64 {
         let [a, b] = [a, b].map(|v| self.points[v as usize]);
-        let along = b - a;
-        let share = along.dot(p - a) / along.length_squared().max(f64::MIN_POSITIVE);
-        p.distance(a + along * share.clamp(0.0, 1.0))
+        closest_on_triangle(p, [a, b, b]).distance(p)
     }
 
     /// The half-edges that leave a vertex, counter-clockwise; from the border, where there is one.

@@ -6,6 +6,7 @@
 
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::mesh::split_quad;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -41,7 +42,7 @@ pub(super) fn polygonise(field: &impl Field, edge: f64, context: &Context) -> Re
         context.check()?;
         points = spread(field, &points, &neighbours, edge);
     }
-    let triangles = quads.iter().flat_map(|q| split(&points, *q)).collect();
+    let triangles = quads.iter().flat_map(|q| split_quad(&points, *q)).collect();
     Ok((points, triangles))
 }
 
@@ -285,10 +286,4 @@ fn project(field: &impl Field, mut p: DVec3, edge: f64) -> DVec3 {
 fn gradient(field: &impl Field, p: DVec3, step: f64) -> DVec3 {
     let slope = |d: DVec3| (field.value(p + d * step) - field.value(p - d * step)) / (2.0 * step);
     DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z))
-}
-
-/// Splits a quad along its shorter diagonal.
-fn split(points: &[DVec3], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
-    let length = |p: u32, q: u32| points[p as usize].distance(points[q as usize]);
-    if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
 }

@@ -118,7 +118,7 @@ fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
         let around = net.incidence();
         let mut goes_into = vec![NONE; net.points.len()];
         let mut shortest: Vec<Option<(f64, Vec<u32>)>> = vec![None; net.points.len()];
-        for tip in (0..net.points.len() as u32).filter(|&v| around.valence(v) == 1) {
+        for tip in around.tips() {
             let Some((branch, fork)) = branch_to_fork(&around, tip) else { continue };
             let centre = net.points[fork as usize];
             let reach = branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max);

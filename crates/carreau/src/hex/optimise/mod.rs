@@ -12,7 +12,7 @@ mod energy;
 
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::hexes::{Corners, is_certified, scaled_jacobian};
+use crate::geometry::hexes::{Corners, is_certified, scaled_jacobian, uncertified};
 use crate::mesh::HEX_EDGES;
 use crate::numeric::lbfgs::{Stop, minimise};
 use energy::cell_energy;
@@ -292,11 +292,8 @@ impl<'a> Optimiser<'a> {
     }
 
     /// Step 3: the cells without a certificate.
-    pub fn uncertified(&self, points: &[DVec3]) -> Vec<u32> {
-        (0..self.hexes.len() as u32)
-            .into_par_iter()
-            .filter(|&h| !is_certified(&self.cell(points, h as usize)))
-            .collect()
+    fn uncertified(&self, points: &[DVec3]) -> Vec<u32> {
+        uncertified(points, self.hexes)
     }
 
     /// The scaled Jacobian of every cell.

@@ -52,6 +52,11 @@ impl Incidence {
     pub fn valence(&self, node: u32) -> usize {
         self.slots(node).len()
     }
+
+    /// The nodes with one segment, in ascending order.
+    pub fn tips(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.offsets.len() as u32 - 1).filter(|&v| self.valence(v) == 1)
+    }
 }
 
 impl CurveNet {
