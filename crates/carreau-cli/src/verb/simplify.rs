@@ -159,7 +159,8 @@ impl Remesh {
     fn run(&self, verb: &'static str, options: &Options, method: Method) -> Result<(), Failure> {
         Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
             session.record.set("options", options);
-            let mesh = session.read_triangles(&self.input)?;
+            let source = session.read(&self.input)?.into_surface()?;
+            let mesh = source.clone().triangulated()?;
             let context = session.context.clone();
             let diagonal = mesh.diagonal();
             let mut wanted = options.remesh.clone();
@@ -168,7 +169,7 @@ impl Remesh {
             wanted.min_size = options.min_size.map_or(wanted.min_size, share);
             wanted.max_size = options.max_size.map_or(wanted.max_size, share);
             let result = context.install(|| method(&mesh, &wanted, &context))?;
-            self.tell(session, &mesh, result)
+            self.tell(session, &source, result)
         })
     }
 

@@ -14,17 +14,17 @@ const SHORT: f64 = 0.85;
 /// Relocations of all vertices after every round.
 const SMOOTHINGS: usize = 2;
 
-/// Rounds of splits, collapses, flips and relocations.
-const ROUNDS: usize = 4;
-
-/// Relocations for better shapes at the end.
-const RESHAPINGS: usize = 2;
+/// Rounds of splits, collapses, flips and relocations, and relocations for better shapes at the end: for scans, and for clean
+/// models, whose ridges want more of them.
+const ROUNDS: [usize; 2] = [3, 8];
+const RESHAPINGS: [usize; 2] = [1, 4];
 
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow; with a wanted number of triangles the sizes are
     /// scaled on the way until that is what they give.
     pub fn adapt(&mut self, wanted: Option<usize>, context: &Context) -> Result<()> {
-        let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1 };
+        let (rounds, reshapings) = (ROUNDS[usize::from(self.limits.clean)], RESHAPINGS[usize::from(self.limits.clean)]);
+        let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1, ears: false };
         {
             let _stage = context.stage("decimate");
             let most = wanted.map_or(0, |n| (1.1 * n as f64) as usize);
@@ -32,13 +32,13 @@ impl Work<'_> {
             self.swap(4, context)?;
             self.decimate(1.0, &strict, most, context)?;
         }
-        for round in 1..=ROUNDS {
+        for round in 1..=rounds {
             if let Some(wanted) = wanted {
                 self.steer(1.06 * wanted as f64);
             }
             self.balance(context)?;
             if let Some(wanted) = wanted
-                && round == ROUNDS
+                && round == rounds
             {
                 self.steer(wanted as f64);
                 self.trim(wanted, 0.001, context)?;
@@ -55,7 +55,9 @@ impl Work<'_> {
                 self.relocate(Accept::Better, context)?;
             }
             // The tips of equilateral triangles are no aim where edges are to be stretched.
-            for _ in 0..if self.stretch.is_empty() { RESHAPINGS } else { 0 } {
+            for _ in 0..if self.stretch.is_empty() { reshapings } else { 0 } {
+                self.reshape(context)?;
+                self.regularise(context)?;
                 self.reshape(context)?;
                 self.swap(2, context)?;
             }
@@ -68,6 +70,9 @@ impl Work<'_> {
         if !self.curved {
             let _stage = context.stage("fit");
             self.fit(context)?;
+            if self.limits.clean {
+                self.close_gaps(context)?;
+            }
         }
         Ok(())
     }
@@ -80,8 +85,12 @@ impl Work<'_> {
         }
         {
             let _stage = context.stage("collapse");
-            let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5 };
+            let demand = Demand { good_length: 0.72, longest: LONG, least_shape: 0.5, ears: false };
             self.decimate(SHORT, &demand, 0, context)?;
+        }
+        if self.limits.clean {
+            let _stage = context.stage("space");
+            self.space_ridges(context)?;
         }
         let _stage = context.stage("swap");
         self.swap(4, context)?;

@@ -32,6 +32,8 @@ pub struct Demand {
     pub longest: f64,
     /// No shape may fall below this, unless it was as low before.
     pub least_shape: f32,
+    /// Ears may go: a border triangle with one neighbour, if the border stays within its tolerance.
+    pub ears: bool,
 }
 
 impl Work<'_> {
@@ -157,7 +159,7 @@ impl Work<'_> {
         if !shape_holds || !self.allows_cosine(after.cosine, before.cosine) {
             return None;
         }
-        if on_curve && !self.curve_collapse_holds(h, gone, kept) {
+        if on_curve && !self.curve_collapse_holds(h, gone, kept, demand) {
             return None;
         }
         self.strain_allows(gone, p, kept).then_some(after.shape)
@@ -173,8 +175,13 @@ impl Work<'_> {
         quality >= demand.good_length || quality > length_quality(self.length(gone, other))
     }
 
+    /// Whether a vertex is the tip of a border triangle with one neighbour.
+    pub fn is_ear(&self, v: u32) -> bool {
+        self.mesh.is_border(v) && self.mesh.around(v).take(2).count() == 1
+    }
+
     /// The curve on the other side of the vertex that goes gets a longer edge: does that hold?
-    fn curve_collapse_holds(&self, h: u32, gone: u32, kept: u32) -> bool {
+    fn curve_collapse_holds(&self, h: u32, gone: u32, kept: u32, demand: &Demand) -> bool {
         let mesh = &self.mesh;
         let Some((chain, own)) = self.on_chain(h) else { return false };
         let mut other = NONE;
@@ -202,7 +209,7 @@ impl Work<'_> {
         let at_gone = if mesh.vertex(h) == gone { [own[0], own[1]] } else { [own[1], own[0]] };
         let onward = self.span(chain, gone, other);
         let span = [at_gone[1], at_gone[0] + (onward[1] - onward[0])];
-        self.curve_allows(chain, span, 0.0)
+        self.curve_allows(chain, span, 0.0) || (demand.ears && self.is_ear(gone) && self.border_allows(chain, span))
     }
 }
 

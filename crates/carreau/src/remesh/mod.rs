@@ -14,9 +14,11 @@
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
 //! | splits of long edges | `divide` | Part I |
 //! | flips | `swap` | §2 |
+//! | ridges with few, even edges | `spacing` | – |
 //! | edges keep their nature | `creases` | – |
 //! | relocation | `relocate` | §3, "bougé de points" |
 //! | the worst first | `polish` | – |
+//! | vertices where the surface is farthest from the mesh | `gaps` | – |
 //! | vertices where the mesh is nearest to the surface | `fit` | – |
 //! | the order of all this | `adapt` | §3 |
 //! | a wanted number of triangles, a wanted distance | `search`, `target` | – |
@@ -35,6 +37,7 @@ mod divide;
 mod fading;
 mod features;
 mod fit;
+mod gaps;
 mod geometric;
 mod output;
 mod polish;
@@ -43,6 +46,7 @@ mod relocate;
 mod search;
 mod size;
 mod source;
+mod spacing;
 mod support;
 mod swap;
 mod target;
@@ -108,7 +112,7 @@ impl Default for RemeshOptions {
             labels: None,
             min_size: 2e-4,
             max_size: 0.2,
-            ridge_tolerance: 4.5e-4,
+            ridge_tolerance: 4.8e-4,
             scale: 1.0,
             triangles: None,
             distance: None,
@@ -167,7 +171,8 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     let enriched = match options.enrich {
         Some(deviation) => {
             let first = RemeshOptions { deviation, enrich: None, triangles: None, distance: None, ..options.clone() };
-            enrich(&cleaned, &first, context)?.mesh
+            first.check()?;
+            enriched(&cleaned, &first, context)?
         }
         None => cleaned,
     };
@@ -196,11 +201,16 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
 pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.check()?;
     let (mesh, repaired) = clean(mesh, context)?;
-    let mut source = Source::new(&mesh, options, context)?;
-    source.set_sizes(options, context)?;
-    let out = source.adapted(&mesh, options, true, context)?;
+    let out = enriched(&mesh, options, context)?;
     let quality = quality::measure(&out)?;
     Ok(Remeshed { mesh: out, quality, repaired })
+}
+
+/// A clean mesh, refined.
+fn enriched(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<SurfaceMesh> {
+    let mut source = Source::new(mesh, options, context)?;
+    source.set_sizes(options, context)?;
+    source.adapted(mesh, options, true, context)
 }
 
 /// Triangles in the order of space, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in

@@ -81,7 +81,7 @@ impl Work<'_> {
     fn better(&mut self, t: u32) -> bool {
         let mut sides = [3 * t, 3 * t + 1, 3 * t + 2];
         sides.sort_by(|&a, &b| self.edge_length(b).total_cmp(&self.edge_length(a)));
-        let [long, _, short] = sides;
+        let [long, middle, short] = sides;
         if sides.iter().any(|&side| self.try_swap(side, 1.02)) {
             return true;
         }
@@ -93,7 +93,10 @@ impl Work<'_> {
         if self.mesh.is_triangle(t) && self.triangle_goodness(t) >= 1.0 {
             return true;
         }
-        if self.collapse_if_better(short) {
+        // Of an ear the shortest side may be the one that stays.
+        if self.collapse_if_better(short)
+            || (corners.iter().any(|&v| self.is_ear(v)) && self.collapse_if_better(middle))
+        {
             return true;
         }
         if self.mesh.is_triangle(t) && self.triangle_goodness(t) < POOR {
@@ -125,7 +128,9 @@ impl Work<'_> {
         for keep in [Keep::Head, Keep::Tail] {
             let (gone, _) = self.mesh.gone_and_kept(h, keep);
             let goodness = self.goodness_after(h, keep);
-            if self.rank[gone as usize] != Rank::Corner && goodness > before + 1e-3 {
+            // Of an ear nothing is left: as good is better.
+            let gain = if self.is_ear(gone) { -1e-9 } else { 1e-3 };
+            if self.rank[gone as usize] != Rank::Corner && goodness > before + gain {
                 self.collapse(h, keep);
                 return true;
             }
@@ -136,7 +141,7 @@ impl Work<'_> {
     /// Goodness of the cavity after a collapse; negative where it is not allowed.
     fn goodness_after(&self, h: u32, keep: Keep) -> f64 {
         use super::decimate::Demand;
-        let demand = Demand { good_length: 0.0, longest: f64::INFINITY, least_shape: 0.0 };
+        let demand = Demand { good_length: 0.0, longest: f64::INFINITY, least_shape: 0.0, ears: true };
         if !self.may_go(h, keep) {
             return -1.0;
         }

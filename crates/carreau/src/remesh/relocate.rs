@@ -14,6 +14,7 @@ use super::size::{Metric, length_between, length_quality};
 use super::work::{Face, Spot, Work};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::normals::unit;
 use crate::mesh::{NONE, next, previous};
 use glam::DVec3;
 
@@ -56,7 +57,7 @@ struct CurveSite<'a> {
 
 /// What a ball is worth.
 #[derive(Clone, Copy)]
-struct Ball {
+pub struct Ball {
     shape: f32,
     cosine: f32,
     mean: f32,
@@ -110,35 +111,58 @@ impl<'a> Work<'a> {
         shares.iter().any(|share| self.try_free(v, wedge, p + step * *share, &before, accept))
     }
 
-    /// Moves every free vertex to where the triangles around it are best shaped, if that makes their mean better.
+    /// Moves every vertex to where the triangles around it are best shaped, if that makes their mean better.
     pub fn reshape(&mut self, context: &Context) -> Result<usize> {
         let mut done = 0;
         for v in 0..self.mesh.vertex_slots() {
             context.check_every(v as usize)?;
-            if self.mesh.is_vertex(v) && self.rank[v as usize] == Rank::Free {
-                done += usize::from(self.reshape_vertex(v));
+            if !self.mesh.is_vertex(v) {
+                continue;
             }
+            done += usize::from(match self.rank[v as usize] {
+                Rank::Free => self.reshape_vertex(v),
+                Rank::Curve => self.reshape_curve(v),
+                Rank::Corner => false,
+            });
         }
         Ok(done)
     }
 
-    /// The proposal is the mean of the tips of equilateral triangles on the sides opposite to the vertex.
     fn reshape_vertex(&mut self, v: u32) -> bool {
         let Some(first) = self.mesh.around(v).next() else { return false };
-        let wedge = self.mesh.wedge(first);
-        let n = self.normal[wedge as usize];
+        self.slide(v, self.mesh.wedge(first), self.way_to_tips(v), &[1.0, 0.5], Accept::Better)
+    }
+
+    /// The way to the mean of the tips of equilateral triangles on the sides opposite to the vertex.
+    fn way_to_tips(&self, v: u32) -> DVec3 {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for h in self.mesh.around(v) {
+            let n = self.normal[self.mesh.wedge(h) as usize];
             let [b, c] = [next(h), previous(h)].map(|x| self.point(self.mesh.vertex(x)));
             // Seen from outside the triangle lies on the left of b → c.
             sum += 0.5 * (b + c) + HALF_SQRT_3 * n.cross(c - b);
             count += 1.0;
         }
-        self.slide(v, wedge, sum / count - self.point(v), &[1.0, 0.5], Accept::Better)
+        sum / count - self.point(v)
+    }
+
+    /// The same, as far as the curve leads there.
+    fn reshape_curve(&mut self, v: u32) -> bool {
+        let Some(site) = self.curve_site(v) else { return false };
+        let step = self.way_to_tips(v);
+        let s = self.parameter[v as usize];
+        let [a, b] = site.ways.map(|w| site.chain.at(s + w).0);
+        let along = unit(b - a) * (site.ways[1] - site.ways[0]).signum();
+        let step = along.dot(step);
+        if !(step.abs() > LEAST_STEP * self.size[v as usize]) {
+            return false;
+        }
+        let ball = self.ball(v);
+        [1.0, 0.5].iter().any(|share| self.try_curve(v, &site, share * step, &ball, Accept::Better))
     }
 
     /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
-    fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> bool {
+    pub fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> bool {
         let spot = self.spot(self.seat[wedge as usize], p);
         let to = Move {
             point: spot.point,
@@ -189,6 +213,16 @@ impl<'a> Work<'a> {
         }
         let ball = self.ball(v);
         [1.0, 0.5, 0.25].iter().any(|share| self.try_curve(v, &site, share * step, &ball, accept))
+    }
+
+    /// Moves a curve vertex along its chain by a step, or by the first share of it that spoils nothing.
+    pub fn move_along(&mut self, v: u32, step: f64) -> bool {
+        if !(step.abs() >= LEAST_STEP * self.size[v as usize]) {
+            return false;
+        }
+        let Some(site) = self.curve_site(v) else { return false };
+        let ball = self.ball(v);
+        [1.0, 0.5, 0.25].iter().any(|share| self.try_curve(v, &site, share * step, &ball, Accept::Harmless))
     }
 
     /// A curve vertex with a bad ball tries places on both sides; the step shrinks until one is better.
@@ -267,7 +301,7 @@ impl<'a> Work<'a> {
     }
 
     /// What the triangles and edges around a vertex are worth as they are.
-    fn ball(&self, v: u32) -> Ball {
+    pub fn ball(&self, v: u32) -> Ball {
         let mut ball = Ball { shape: f32::INFINITY, cosine: f32::INFINITY, mean: 0.0, length: f64::INFINITY };
         let mut count = 0.0;
         for h in self.mesh.around(v) {
@@ -307,7 +341,7 @@ impl<'a> Work<'a> {
             after.length = after.length.min(length_quality(l));
         });
         let accepted = match accept {
-            Accept::Better => after.is_better_than(before),
+            Accept::Better => after.is_better_than(before, self.limits.good),
             Accept::Harmless => after.length >= before.length.min(f64::from(TOLERABLE)),
         };
         if !accepted || !self.allows_cosine(after.cosine, before.cosine) {
@@ -338,8 +372,8 @@ impl Ball {
     }
 
     /// A bad ball must get a better worst, be it a shape or a length; a good one a better mean.
-    fn is_better_than(&self, before: &Ball) -> bool {
-        let worst = |b: &Ball| (f64::from(b.shape) / 0.75).min(b.length / 0.65).min(1.0);
+    fn is_better_than(&self, before: &Ball, good: [f64; 2]) -> bool {
+        let worst = |b: &Ball| (f64::from(b.shape) / good[0]).min(b.length / good[1]).min(1.0);
         let (new, old) = (worst(self), worst(before));
         if new < 1.0 || old < 1.0 {
             return new > old + 1e-4;

@@ -12,11 +12,11 @@ use crate::mesh::{Column, EditMesh, SurfaceMesh};
 use glam::DVec3;
 
 /// Ridges get edges whose sag is this share of what they are allowed: there is room to move along the curve.
-const SAG_SHARE: f64 = 0.7;
+const SAG_SHARE: f64 = 0.85;
 /// Sag of curve edges over their length.
 const CURVE_SAG: f64 = 0.3;
 /// On clean models edges of the surface sag by no more than this many tolerances of the ridges.
-const SURFACE_SAG: f64 = 3.0;
+const SURFACE_SAG: f64 = 2.5;
 /// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
 const BORDER_RADIUS: f64 = 0.07;
 /// Corners of a ragged border are turns over so many sizes.
@@ -118,10 +118,15 @@ impl Source {
         curved: bool,
         context: &Context,
     ) -> Result<SurfaceMesh> {
-        let mut work = Work::new(&self.support, &self.curves, self.limits(options));
+        let mut work = self.at_work(options);
         work.curved = curved;
         work.adapt(options.triangles, context)?;
         self.finish(mesh, &work)
+    }
+
+    /// The source itself, as the mesh to begin with.
+    pub fn at_work(&self, options: &RemeshOptions) -> Work<'_> {
+        Work::new(&self.support, &self.curves, self.limits(options))
     }
 
     /// What was adapted, as a surface mesh.
@@ -147,6 +152,8 @@ impl Source {
             cos_cap: f64::to_radians(cap).cos(),
             curve_sag_share: CURVE_SAG,
             ridge_sag: options.ridge_tolerance * self.diagonal,
+            clean: !self.noisy,
+            good: if self.noisy { [0.75, 0.65] } else { [0.6, 0.6] },
             border_sag: BORDER_RADIUS * self.diagonal * (1.0 - theta.cos()),
             tilt_weight: if options.anisotropic { STRETCHED_TILT } else { (TILT / theta.sin()).min(1.0) },
             dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),

@@ -1,6 +1,6 @@
 //! Edges are flipped where that makes the worse of the two triangles better by one per cent, or repairs constraint (1).
 //!
-//! Departure: a triangle is worth q cos⁴ of its deviation instead of q alone. Of two diagonals with about the same shapes
+//! Departure: a triangle is worth q cos² of its deviation instead of q alone. Of two diagonals with about the same shapes
 //! the one that follows the surface wins, which costs nothing and lowers the mean deviation by several per cent.
 
 use super::work::{Face, Work};
@@ -12,12 +12,14 @@ use crate::mesh::{NONE, next, previous};
 const GAIN: f32 = 1.01;
 /// Shapes may fall by this factor where valences become regular.
 const REGULAR_LOSS: f32 = 0.6;
+/// And cosines with the normals not below this, unless they were.
+const REGULAR_COSINE: f32 = 0.8;
 /// Flips make no edges longer than this, unless the old one was as long.
 const LONGEST: f64 = 1.6;
 
 /// What flips make better: the shape, and how well the triangle fits the surface.
 fn value(face: Face) -> f32 {
-    face.shape * face.cosine.max(0.0).powi(4)
+    face.shape * face.cosine.max(0.0).powi(2)
 }
 
 impl Work<'_> {
@@ -97,7 +99,9 @@ impl Work<'_> {
             && after.cosine > before.cosine + 0.01
             && after.shape > 0.7 * before.shape;
         let [old, new] = [[old_f, old_g], [f, g]].map(|pair| value(pair[0]).min(value(pair[1])));
-        let improves = new > gain * old && self.allows_cosine(after.cosine, before.cosine);
+        // What only makes valences regular turns no face away from the surface.
+        let turns = gain < 1.0 && after.cosine < before.cosine.min(REGULAR_COSINE);
+        let improves = new > gain * old && !turns && self.allows_cosine(after.cosine, before.cosine);
         if !improves && !repairs {
             return false;
         }

@@ -87,7 +87,7 @@ impl Work<'_> {
             if self.mesh.triangle_count() <= most {
                 break;
             }
-            let demand = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55 };
+            let demand = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55, ears: false };
             self.decimate(limit, &demand, most, context)?;
             self.swap(2, context)?;
             self.relocate(Accept::Better, context)?;

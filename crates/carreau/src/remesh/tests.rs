@@ -51,6 +51,26 @@ fn a_wanted_number_of_triangles_is_met() {
 }
 
 #[test]
+fn ridges_get_as_few_edges_as_their_sag_allows() {
+    let mesh = model("cylinder");
+    // At such an angle the tolerance decides on the rims.
+    let options = at(40.0);
+    let out = simplify(&mesh, &options, &Context::new()).unwrap().mesh;
+    let ridges = feature_edges(&out, &FeatureOptions::default()).unwrap();
+    let inner = |c: &CornerId| ridges.contains(*c) && out.opposite(*c).is_none_or(|o| *c < o);
+    let rims: Vec<CornerId> = (0..out.corner_count()).map(CornerId::new).filter(inner).collect();
+    let ends = |c: CornerId| [c, out.next(c)].map(|c| out.points()[out.vertex(c).index()]);
+    let radius = rims.iter().flat_map(|&c| ends(c)).map(|p| p.truncate().length()).fold(0.0, f64::max);
+    let tolerance = options.ridge_tolerance * mesh.diagonal();
+    let sag = |c: &CornerId| radius - ends(*c).into_iter().sum::<glam::DVec3>().truncate().length() / 2.0;
+    // The tolerance is that from the edges of the source, which sag themselves.
+    assert!(rims.iter().map(sag).fold(0.0, f64::max) <= 1.4 * tolerance);
+    // Of a circle edges that sag by all they may make so many.
+    let fewest = 2.0 * std::f64::consts::PI / (1.0 - tolerance / radius).acos();
+    assert!((rims.len() as f64) < 1.35 * fewest, "{} edges, {fewest} would do", rims.len());
+}
+
+#[test]
 fn least_error_is_nearer_than_good_shapes_and_stops_at_the_count() {
     let (mesh, context) = (model("torus"), Context::new());
     let wanted = mesh.face_count() / 4;

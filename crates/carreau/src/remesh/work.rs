@@ -27,6 +27,10 @@ pub struct Limits {
     pub ridge_sag: f64,
     /// Sag of a border edge, absolute.
     pub border_sag: f64,
+    /// A model without noise: its ridges are spaced evenly, its gaps closed, and there is time for more rounds.
+    pub clean: bool,
+    /// Shape and length quality from which on a ball is good: there the mean counts, below the worst.
+    pub good: [f64; 2],
     /// Weight of the tilt of edges against that of the gap where vertices are fitted.
     pub tilt_weight: f64,
     /// Dihedral angles, on models without noise.
@@ -283,6 +287,13 @@ impl<'a> Work<'a> {
         };
         let allowed = (self.limits.curve_sag_share * chord).min(absolute).max(before);
         chain.sag(span) <= allowed
+    }
+
+    /// Whether a border may run between two points of its chain, were it as short as it likes.
+    pub fn border_allows(&self, chain: &Chain, span: [f64; 2]) -> bool {
+        chain.kind == Kind::Border
+            && (!chain.closed || (span[1] - span[0]).abs() <= 0.45 * chain.length())
+            && chain.sag(span) <= self.limits.border_sag
     }
 
     /// The place on the surface that is closest to a point, seen from a source triangle.

@@ -1,0 +1,179 @@
+//! Ridges with no more edges than their sag asks for, evenly spaced.
+//!
+//! A collapse on a ridge has to leave a chord within the tolerance. Edges that sag by half of it can therefore not be
+//! collapsed, though with their neighbours moved on there would be room for fewer:
+//!
+//! ```text
+//!     •───•───•───•───•───•    sag 0.6: none of the five may go
+//!     •────•────•────•────•    sag 0.95: four do as well
+//! ```
+//!
+//! So the number of edges comes first, the least for which an even spacing in the metric is within the tolerance; what is
+//! too many is collapsed without a look at the sag, the rest moves to its places, and a chord that is beyond the tolerance
+//! even so is split again.
+
+use super::curves::{Chain, Kind, Rank};
+use super::decimate::Demand;
+use super::relocate::Accept;
+use super::size::metric_length;
+use super::work::Work;
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::{Keep, NONE};
+
+/// What goes for the sake of the spacing leaves shapes no worse than this and edges no longer.
+const DEMAND: Demand = Demand { good_length: 0.0, longest: 2.2, least_shape: 0.2, ears: false };
+/// Sweeps in which the vertices of a ridge move to their places.
+const SWEEPS: usize = 4;
+/// Edges that a closed chain keeps.
+const LEAST_CLOSED: usize = 3;
+
+/// The vertices of a chain in order, from end to end; in a closed one the first is repeated.
+struct Row<'a> {
+    chain: &'a Chain,
+    vertices: Vec<u32>,
+    /// Their parameters, ascending.
+    at: Vec<f64>,
+}
+
+impl<'a> Work<'a> {
+    /// Spaces the vertices of all ridges evenly, with as few edges as sizes and sag ask for.
+    pub fn space_ridges(&mut self, context: &Context) -> Result<()> {
+        let mut on_chain: Vec<Vec<u32>> = vec![Vec::new(); self.curves.chains.len()];
+        for v in (0..self.mesh.vertex_slots()).filter(|&v| self.mesh.is_vertex(v)) {
+            if self.rank[v as usize] == Rank::Curve
+                && let Some(h) = self.mesh.around(v).find(|&h| self.mesh.curve(h) != NONE)
+            {
+                on_chain[self.mesh.curve(h) as usize].push(v);
+            }
+        }
+        for (chain, inner) in self.curves.chains.iter().zip(on_chain) {
+            context.check()?;
+            if matches!(chain.kind, Kind::Ridge | Kind::Crease) && inner.len() > usize::from(chain.closed) {
+                self.space(chain, inner);
+            }
+        }
+        Ok(())
+    }
+
+    fn space(&mut self, chain: &'a Chain, inner: Vec<u32>) {
+        let mut row = self.row(chain, inner);
+        let edges = row.vertices.len() - 1;
+        let least = if chain.closed { LEAST_CLOSED } else { 1 };
+        let wanted = (self.ways(&row).last().copied().unwrap_or(0.0).round() as usize).max(least);
+        let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &self.places(&row, n))) else { return };
+        self.thin(&mut row, fewest);
+        let places = self.places(&row, row.vertices.len() - 1);
+        for _ in 0..SWEEPS {
+            self.shift_row(&row, &places);
+        }
+        self.split_what_sags(chain, &row);
+    }
+
+    fn row(&self, chain: &'a Chain, mut inner: Vec<u32>) -> Row<'a> {
+        let of = |v: &u32| self.parameter[*v as usize];
+        inner.sort_by(|a, b| of(a).total_cmp(&of(b)).then(a.cmp(b)));
+        let mut at: Vec<f64> = inner.iter().map(of).collect();
+        if chain.closed {
+            at.push(at[0] + chain.length());
+            inner.push(inner[0]);
+        } else {
+            at.insert(0, 0.0);
+            at.push(chain.length());
+            inner.insert(0, chain.vertices[0]);
+            inner.push(chain.vertices[chain.vertices.len() - 1]);
+        }
+        Row { chain, vertices: inner, at }
+    }
+
+    /// Length in the metric from the first vertex to every other.
+    fn ways(&self, row: &Row) -> Vec<f64> {
+        let size = |k: usize| self.size[row.vertices[k] as usize];
+        let mut ways = vec![0.0];
+        for k in 1..row.at.len() {
+            ways.push(ways[k - 1] + metric_length(row.at[k] - row.at[k - 1], size(k - 1), size(k)));
+        }
+        ways
+    }
+
+    /// The parameters that cut a row into pieces of the same length.
+    fn places(&self, row: &Row, pieces: usize) -> Vec<f64> {
+        let ways = self.ways(row);
+        let whole = ways[ways.len() - 1];
+        let place = |j: usize| {
+            let way = whole * j as f64 / pieces as f64;
+            let k = ways.partition_point(|&w| w <= way).clamp(1, ways.len() - 1);
+            let share = (way - ways[k - 1]) / (ways[k] - ways[k - 1]).max(f64::MIN_POSITIVE);
+            row.at[k - 1] + share.clamp(0.0, 1.0) * (row.at[k] - row.at[k - 1])
+        };
+        (0..=pieces).map(place).collect()
+    }
+
+    fn holds(&self, chain: &Chain, places: &[f64]) -> bool {
+        places.windows(2).all(|w| self.curve_allows(chain, [w[0], w[1]], 0.0))
+    }
+
+    /// Collapses the vertices between the shortest edges until there are `fewest`, or as few as the triangles allow.
+    fn thin(&mut self, row: &mut Row<'a>, fewest: usize) {
+        let limits = self.limits;
+        (self.limits.ridge_sag, self.limits.curve_sag_share) = (f64::INFINITY, 0.5);
+        let mut stays: Vec<u32> = Vec::new();
+        while row.vertices.len() - 1 > fewest {
+            let ways = self.ways(row);
+            let free = (1..row.vertices.len() - 1).filter(|&k| !stays.contains(&row.vertices[k]));
+            let both = |k: usize| ways[k + 1] - ways[k - 1];
+            let Some(k) = free.min_by(|&a, &b| both(a).total_cmp(&both(b))) else { break };
+            if self.give_up(row.vertices[k], [row.vertices[k - 1], row.vertices[k + 1]]) {
+                row.vertices.remove(k);
+                row.at.remove(k);
+            } else {
+                stays.push(row.vertices[k]);
+            }
+        }
+        self.limits = limits;
+    }
+
+    /// Collapses a vertex into the better of two neighbours.
+    fn give_up(&mut self, v: u32, neighbours: [u32; 2]) -> bool {
+        let ways = neighbours.map(|w| {
+            let h = self.mesh.half_edge(v, w).or(self.mesh.half_edge(w, v))?;
+            let keep = if self.mesh.gone_and_kept(h, Keep::Head).0 == v { Keep::Head } else { Keep::Tail };
+            let allowed = self.may_go(h, keep) && self.mesh.check_collapse(h).is_ok();
+            let shape = if allowed { self.try_collapse(h, keep, &DEMAND)? } else { return None };
+            Some((shape, h, keep))
+        });
+        let better = ways.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, h, keep)) = better {
+            self.collapse(h, keep);
+        }
+        better.is_some()
+    }
+
+    /// Moves the vertices of a row towards their places, and their neighbours after them.
+    fn shift_row(&mut self, row: &Row, places: &[f64]) {
+        for (&v, &place) in row.vertices.iter().zip(places) {
+            if self.rank[v as usize] != Rank::Curve {
+                continue;
+            }
+            let [from, to] = row.chain.span(self.parameter[v as usize], row.chain.wrapped(place));
+            self.move_along(v, to - from);
+            let mut around = Vec::new();
+            self.mesh.for_neighbours(v, |w| around.push(w));
+            around.retain(|&w| self.rank[w as usize] == Rank::Free);
+            for w in around {
+                self.relocate_vertex(w, Accept::Harmless);
+            }
+        }
+    }
+
+    fn split_what_sags(&mut self, chain: &Chain, row: &Row) {
+        for pair in row.vertices.windows(2) {
+            let Some(h) = self.mesh.half_edge(pair[0], pair[1]).or(self.mesh.half_edge(pair[1], pair[0])) else {
+                continue;
+            };
+            if self.mesh.curve(h) != NONE && !self.curve_allows(chain, self.span(chain, pair[0], pair[1]), 0.0) {
+                self.split(h);
+            }
+        }
+    }
+}
