@@ -1,10 +1,12 @@
 //! Options that every verb has.
 
 use crate::choice::choice;
+use crate::host::Host;
 use carreau::io::cad::Unit;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Options that every verb has.
 #[derive(Args, Clone, Default)]
@@ -36,6 +38,9 @@ pub struct Common {
     /// Tells what is going on (-vv: in detail)
     #[arg(short, long, action = clap::ArgAction::Count, help_heading = "Common options")]
     pub verbose: u8,
+    /// The program that runs the verb, if it is not a terminal
+    #[arg(skip)]
+    pub host: Option<Arc<Host>>,
 }
 
 /// The common options that belong to a record: what replays a run.

@@ -11,9 +11,11 @@
 //! | `replay` | options files |
 //! | `progress` | progress bar on a terminal |
 //! | `timings` | seconds per stage, from tracing spans |
+//! | `host` | verbs inside another program, on meshes in memory |
 
 mod choice;
 mod common;
+pub mod host;
 mod progress;
 mod record;
 mod replay;

@@ -26,7 +26,7 @@ pub struct Compare {
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]

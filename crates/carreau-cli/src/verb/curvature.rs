@@ -2,6 +2,7 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found as Handed;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
@@ -42,7 +43,7 @@ pub struct Curvature {
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// What replays a run.
@@ -110,6 +111,7 @@ impl Curvature {
                 json!({ "file": file.to_string_lossy(), "vertices": out.points.len(), "faces": out.faces.len() });
             session.record.set("output", counts);
         }
+        session.keep(|| Handed::Mesh(out));
         Ok(())
     }
 }

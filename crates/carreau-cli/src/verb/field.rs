@@ -3,6 +3,7 @@
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
@@ -51,7 +52,7 @@ pub struct Field {
     #[arg(long)]
     classic: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// What replays a run.
@@ -98,7 +99,7 @@ impl Field {
         let mesh = session.read(&self.input)?.into_surface()?;
         let context = session.context.clone();
         let mut wanted = options.field.clone();
-        wanted.features = options.features.load()?;
+        wanted.features = options.features.load(session)?;
         let found = context.install(|| field::field(&mesh, &wanted, &context))?;
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, session);
@@ -120,6 +121,7 @@ impl Field {
 
     fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
         session.draw_as(|| field_figure(&found))?;
+        session.keep(|| Found::Field(found.clone()));
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }

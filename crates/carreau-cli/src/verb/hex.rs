@@ -2,17 +2,18 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
-use carreau::io::{self, WriteOptions, is_skeleton_file};
+use carreau::io::WriteOptions;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Meshes a tubular surface, or the tubes around a skeleton, with hexahedra
 ///
@@ -61,7 +62,7 @@ pub struct Hex {
     #[arg(long)]
     allow_invalid: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// All options of a run.
@@ -125,13 +126,14 @@ impl Hex {
             allow_invalid: options.allow_invalid,
         };
         let context = session.context.clone();
-        let HexResult { mesh, figures, warnings, .. } = context.install(|| match &shape {
+        let found = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
             Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
         })?;
-        warnings.into_iter().for_each(|w| session.warn(w));
-        session.draw_as(|| hex_figure(&mesh))?;
-        session.record.set_all(&figures);
+        let HexResult { mesh, figures, warnings, .. } = &found;
+        warnings.iter().for_each(|w| session.warn(w));
+        session.draw_as(|| hex_figure(mesh))?;
+        session.record.set_all(figures);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
         session.say(format!(
             "{} hexes on {} segments, scaled Jacobian {:.3} at least, {:.3} on average",
@@ -141,19 +143,19 @@ impl Hex {
             0 => "every cell is certified".into(),
             n => format!("{n} cells are not certified"),
         });
-        match &self.output {
-            Some(file) => session.write_mesh(file, &RawMesh::from(mesh), &WriteOptions::default()),
-            None => Ok(()),
+        if let Some(file) = &self.output {
+            session.write_mesh(file, &RawMesh::from(mesh.clone()), &WriteOptions::default())?;
         }
+        session.keep(|| Found::Hexes(found));
+        Ok(())
     }
 
     /// What the files hold; a file of lines and faces is a surface.
     fn read(&self, session: &mut Session, options: &Options) -> Result<Shape, Error> {
-        let is_graph = is_skeleton_file(&self.input)
+        let is_graph = session.is_skeleton(&self.input)
             || session.read(&self.input).is_ok_and(|m| m.faces.is_empty() && m.cells.is_empty());
-        let surface_of = |file: &Path| io::read(file)?.into_surface()?.triangulated();
         if !is_graph {
-            let net = options.skeleton.as_deref().map(io::read_skeleton).transpose()?;
+            let net = options.skeleton.as_deref().map(|file| session.load_skeleton(file)).transpose()?;
             return Ok(Shape::Surface(Box::new(session.read_triangles(&self.input)?), net));
         }
         if options.skeleton.is_some() {
@@ -161,7 +163,10 @@ impl Hex {
         }
         let net = session.read_skeleton(&self.input)?;
         Ok(match &options.surface {
-            Some(file) => Shape::Surface(Box::new(surface_of(file)?), Some(net)),
+            Some(file) => {
+                let surface = session.load_mesh(file)?.into_surface()?.triangulated()?;
+                Shape::Surface(Box::new(surface), Some(net))
+            }
             None => Shape::Graph(net),
         })
     }

@@ -17,8 +17,11 @@ mod shell;
 mod simplify;
 mod skeleton;
 
+use crate::common::Common;
 use crate::session::Failure;
 use clap::Subcommand;
+
+pub use features::read_edges;
 
 /// What to do.
 #[derive(Subcommand)]
@@ -43,6 +46,25 @@ pub enum Verb {
 }
 
 impl Verb {
+    /// The common options of a verb that a program may call.
+    pub fn common_mut(&mut self) -> Option<&mut Common> {
+        match self {
+            Verb::Info(verb) => Some(&mut verb.common),
+            Verb::Repair(verb) => Some(&mut verb.common),
+            Verb::Compare(verb) => Some(&mut verb.common),
+            Verb::Curvature(verb) => Some(&mut verb.common),
+            Verb::Patch(verb) => Some(&mut verb.common),
+            Verb::Segment(verb) => Some(&mut verb.common),
+            Verb::Field(verb) => Some(&mut verb.common),
+            Verb::Quad(verb) => Some(&mut verb.common),
+            Verb::Hex(verb) => Some(&mut verb.common),
+            Verb::Skeleton(verb) => Some(&mut verb.common),
+            Verb::Enrich(verb) => Some(&mut verb.remesh.common),
+            Verb::Simplify(verb) => Some(&mut verb.remesh.common),
+            Verb::Demo(_) | Verb::Sample(_) | Verb::Convert(_) | Verb::Completions(_) | Verb::Man(_) => None,
+        }
+    }
+
     /// Does it.
     pub fn run(&self) -> Result<(), Failure> {
         match self {

@@ -2,6 +2,7 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
@@ -75,7 +76,7 @@ pub struct Segment {
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -166,6 +167,7 @@ impl Segment {
         tell(session, &result);
         let mut out = labelled(mesh, &result);
         session.draw(&out)?;
+        session.keep(|| Found::Mesh(out.clone()));
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
                 group(&mut out, &result);

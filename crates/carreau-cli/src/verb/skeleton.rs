@@ -1,6 +1,7 @@
 //! `skeleton`: the curve skeleton of a surface, with radii.
 
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
@@ -38,7 +39,7 @@ pub struct Skeleton {
     #[arg(long)]
     no_prune: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// All options of a run.
@@ -86,9 +87,10 @@ impl Skeleton {
             "{} nodes, {} segments; {} extremities, {} branchings, {} cycles",
             f.nodes, f.segments, f.extremities, f.branchings, f.cycles
         ));
-        match &self.output {
-            Some(file) => session.write_skeleton(file, &found.net),
-            None => Ok(()),
+        if let Some(file) = &self.output {
+            session.write_skeleton(file, &found.net)?;
         }
+        session.keep(|| Found::Skeleton(found));
+        Ok(())
     }
 }
