@@ -35,8 +35,8 @@ pub enum Found {
     Mesh(RawMesh),
     /// Quad patches, and the mesh of their cells.
     Patches(RawMesh, PatchResult),
-    /// A frame field.
-    Field(Field),
+    /// A frame field, and the mesh that carries it.
+    Field(RawMesh, Field),
     /// A skeleton.
     Skeleton(Skeleton),
     /// A mesh of hexahedra.
@@ -58,11 +58,11 @@ pub struct Outcome {
 #[derive(Default)]
 pub struct Host {
     /// Stops the run once it is set.
-    pub cancel: Arc<AtomicBool>,
+    pub(crate) cancel: Arc<AtomicBool>,
     /// Where progress is told.
-    pub progress: Option<Arc<dyn Progress>>,
+    pub(crate) progress: Option<Arc<dyn Progress>>,
     /// What stands for files, by the names that the arguments use.
-    pub inputs: BTreeMap<PathBuf, Input>,
+    pub(crate) inputs: BTreeMap<PathBuf, Input>,
     outcome: Mutex<Outcome>,
 }
 
@@ -75,6 +75,11 @@ pub enum Value {
 }
 
 impl Host {
+    /// A host that can stop the run by a flag, is told the progress, and holds these inputs.
+    pub fn new(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, inputs: BTreeMap<PathBuf, Input>) -> Self {
+        Host { cancel, progress: Some(progress), inputs, ..Host::default() }
+    }
+
     /// What stands for this file.
     pub(crate) fn input(&self, file: &Path) -> Option<&Input> {
         self.inputs.get(file)
@@ -126,7 +131,11 @@ pub fn call(verb: &str, inputs: &[String], options: &[(String, Value)], host: Ho
     Ok(outcome)
 }
 
-fn arguments(verb: &str, inputs: &[String], options: &[(String, Value)]) -> Result<Vec<String>> {
+/// The words of the command line that runs a verb with these options, its own name first.
+///
+/// # Errors
+/// [`Error::Options`] for verbs and options that do not exist, and for flags that are neither true nor false.
+pub fn arguments(verb: &str, inputs: &[String], options: &[(String, Value)]) -> Result<Vec<String>> {
     let command = Cli::command();
     let verb_command =
         command.find_subcommand(verb).ok_or_else(|| Error::Options(format!("there is no verb '{verb}'")))?;

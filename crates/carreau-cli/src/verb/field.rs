@@ -121,7 +121,6 @@ impl Field {
 
     fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
         session.draw_as(|| field_figure(&found))?;
-        session.keep(|| Found::Field(found.clone()));
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }
@@ -133,16 +132,22 @@ impl Field {
         });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());
-            let mut out = RawMesh::from(found.mesh);
-            let vectors = |v: Vec<DVec3>| Column::Vector3(v.into_iter().map(|d| d.to_array()).collect());
-            let columns = [("u", vectors(found.u)), ("v", vectors(found.v))];
-            out.attributes.face.extend(columns.map(|(name, column)| (name.to_string(), column)));
-            (out.edge_tags, out.edges) = (vec![1; found.features.len()], found.features);
-            session.write_mesh(file, &out, &WriteOptions::default())?;
+            session.write_mesh(file, &with_frames(&found), &WriteOptions::default())?;
         }
         session.record.set("output", counts);
+        session.keep(|| Found::Field(with_frames(&found), found));
         Ok(())
     }
+}
+
+/// The mesh that carries the field, with its frames and features.
+fn with_frames(found: &field::Field) -> RawMesh {
+    let mut out = RawMesh::from(found.mesh.clone());
+    let vectors = |v: &[DVec3]| Column::Vector3(v.iter().map(DVec3::to_array).collect());
+    let columns = [("u", vectors(&found.u)), ("v", vectors(&found.v))];
+    out.attributes.face.extend(columns.map(|(name, column)| (name.to_string(), column)));
+    (out.edge_tags, out.edges) = (vec![1; found.features.len()], found.features.clone());
+    out
 }
 
 /// The record's figures and the summary.

@@ -1,0 +1,138 @@
+"""Where jobs run. An engine maps `run_one` over jobs and hands back rows as they come, whatever happens to its workers.
+
+Jobs are drawn as they are needed: a manifest of a million files is never held as tasks.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
+from typing import Any
+
+from ._child import lost, run_one
+from ._job import Job
+
+__all__ = ["ENGINES"]
+
+Row = dict[str, Any]
+Engine = Callable[..., Iterator[Row]]
+#: Files that a task of a cluster has at most: its scheduler is one process, and each task costs it about a millisecond.
+_CHUNK = 50
+#: Tasks in flight per worker: enough that none waits.
+_AHEAD = 3
+
+
+def local(jobs: Iterable[Job], workers: int, **_: Any) -> Iterator[Row]:
+    """Threads that each watch one child process."""
+    jobs = iter(jobs)
+    with ThreadPoolExecutor(workers) as pool:
+        waiting: set[Future[Row]] = {pool.submit(run_one, job) for job in islice(jobs, _AHEAD * workers)}
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            waiting |= {pool.submit(run_one, job) for job in islice(jobs, len(done))}
+            yield from (future.result() for future in done)
+
+
+def dask(jobs: Iterable[Job], workers: int, *, address: str | None = None, client: Any = None, **cluster: Any) -> Iterator[Row]:
+    """Dask distributed: the cluster at an address, that of a client, or one of this machine for the time of the run.
+
+    A task that takes its worker down is tried again job by job, so that only the job that did it is lost.
+    """
+    from distributed import Client, LocalCluster, as_completed
+
+    if client is not None:
+        yield from _over_dask(client, as_completed, jobs, workers)
+    elif address is not None:
+        with Client(address) as client:
+            yield from _over_dask(client, as_completed, jobs, workers)
+    else:
+        options = {"n_workers": workers, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+        with LocalCluster(**(options | cluster)) as machine, Client(machine) as client:
+            yield from _over_dask(client, as_completed, jobs, workers)
+
+
+def _over_dask(client: Any, as_completed: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
+    chunks = _chunks(jobs, workers)
+    chunk_of: dict[str, list[Job]] = {}
+
+    def submit(chunk: list[Job]) -> Any:
+        future = client.submit(_run_all, chunk, pure=False, retries=0)
+        chunk_of[future.key] = chunk
+        return future
+
+    slots = _AHEAD * max(workers, sum(client.nthreads().values()))
+    running = as_completed([submit(chunk) for chunk in islice(chunks, slots)])
+    for future in running:
+        chunk = chunk_of.pop(future.key)
+        if future.status == "finished":
+            yield from future.result()
+        elif len(chunk) == 1:
+            yield lost(chunk[0], f"the worker died: {future.exception()}")
+        else:
+            for job in chunk:
+                running.add(submit([job]))
+        future.release()
+        for chunk in islice(chunks, 1):
+            running.add(submit(chunk))
+
+
+def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init: Any) -> Iterator[Row]:
+    """Ray Data: the cluster at an address, the one that runs already, or one of this machine for the time of the run."""
+    import ray as framework
+    from ray.data import DataContext, TaskPoolStrategy
+
+    started = not framework.is_initialized()
+    if started:
+        machine = {"num_cpus": workers, "include_dashboard": False, "log_to_driver": False, "logging_level": "ERROR"}
+        framework.init(**({"address": address} if address else machine) | init)
+    try:
+        context = DataContext.get_current()
+        # A block whose worker dies is tried once more, then given up: by default it is tried for ever.
+        context.max_errored_blocks = -1
+        context.enable_progress_bars = False
+        known = list(jobs)
+        missing = dict(enumerate(known))
+        rows = framework.data.from_items([{"number": k} for k in missing], override_num_blocks=_blocks(len(known), workers))
+        rows = rows.map(_numbered(known), compute=TaskPoolStrategy(size=workers), max_retries=1, num_cpus=1)
+        for row in rows.iter_rows():
+            missing.pop(row["number"], None)
+            yield json.loads(row["row"])
+        yield from (lost(job, "the worker died") for job in missing.values())
+    finally:
+        if started:
+            framework.shutdown()
+
+
+def _numbered(jobs: list[Job]) -> Callable[[Row], Row]:
+    """Rows as text: those of different verbs have different columns, and a data set has one schema."""
+
+    def run(item: Row) -> Row:
+        return {"number": item["number"], "row": json.dumps(run_one(jobs[item["number"]]))}
+
+    return run
+
+
+def _run_all(jobs: list[Job]) -> list[Row]:
+    return [run_one(job) for job in jobs]
+
+
+def _blocks(count: int, workers: int) -> int:
+    """Small blocks: a block whose worker dies loses all its rows."""
+    return max(1, min(count, max(_AHEAD * workers, count // _CHUNK)))
+
+
+def _chunks(jobs: Iterable[Job], workers: int) -> Iterator[list[Job]]:
+    """Lists of jobs for one task: single ones at first, so that a short manifest is spread evenly, then longer ones."""
+    jobs = iter(jobs)
+    size, count = 1, 0
+    while chunk := list(islice(jobs, size)):
+        yield chunk
+        count += 1
+        if count % (_AHEAD * workers) == 0:
+            size = min(2 * size, _CHUNK)
+
+
+#: By name.
+ENGINES: dict[str, Engine] = {"local": local, "dask": dask, "ray": ray}

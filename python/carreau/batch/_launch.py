@@ -1,0 +1,26 @@
+"""The command line without the package around it, as the child processes of a batch run it.
+
+Neither carreau's Python half nor numpy is imported: that would take longer than a small job. Run as a script.
+"""
+
+import importlib.util
+import os
+import sys
+from pathlib import Path
+
+
+def main() -> int:
+    """Run the command line on this process's arguments."""
+    package = Path(__file__).resolve().parent.parent
+    library = next(path for path in sorted(package.glob("_core.*")) if path.suffix in (".so", ".pyd"))
+    spec = importlib.util.spec_from_file_location("_core", library)
+    native = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(native)
+    return native.main(["carreau", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    # Nothing is left to tidy up, and an interpreter takes its time for it.
+    os._exit(code)
