@@ -174,7 +174,7 @@ def from_pyvista(mesh: pyvista.DataSet, source: str = "pyvista") -> Mesh:
         return from_meshio(pyvista.to_meshio(mesh), source)
     flat = np.asarray(mesh.faces)
     faces = mesh.regular_faces if mesh.is_all_triangles else _unpadded(flat)
-    columns = mesh.cell_data if mesh.n_cells == mesh.n_faces_strict else {}
+    columns = mesh.cell_data if mesh.n_lines == mesh.n_verts == 0 else {}
     return Mesh(
         mesh.points,
         faces,

@@ -36,29 +36,37 @@ def local(jobs: Iterable[Job], workers: int, **_: Any) -> Iterator[Row]:
 
 
 def dask(jobs: Iterable[Job], workers: int, *, address: str | None = None, client: Any = None, **cluster: Any) -> Iterator[Row]:
-    """Dask distributed: the cluster at an address, that of a client, or one of this machine for the time of the run.
-
-    A task that takes its worker down is tried again job by job, so that only the job that did it is lost.
-    """
-    from distributed import Client, LocalCluster, as_completed
+    """Dask distributed: the cluster at an address, that of a client, or one of this machine for the time of the run."""
+    import dask as framework
+    from distributed import Client, LocalCluster
 
     if client is not None:
-        yield from _over_dask(client, as_completed, jobs, workers)
+        yield from _over_dask(client, jobs, workers)
     elif address is not None:
         with Client(address) as client:
-            yield from _over_dask(client, as_completed, jobs, workers)
+            yield from _over_dask(client, jobs, workers)
     else:
         options = {"n_workers": workers, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
-        with LocalCluster(**(options | cluster)) as machine, Client(machine) as client:
-            yield from _over_dask(client, as_completed, jobs, workers)
+        # A task whose worker died is not handed to the next one: `_over_dask` sees to it.
+        with (
+            framework.config.set({"distributed.scheduler.allowed-failures": 0}),
+            LocalCluster(**(options | cluster)) as machine,
+            Client(machine) as client,
+        ):
+            yield from _over_dask(client, jobs, workers)
 
 
-def _over_dask(client: Any, as_completed: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
+def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
+    """Chunks with a bounded number in flight. When a worker dies all its tasks are suspects; these run again in the end, one job
+    at a time, so that only the job that did it is lost."""
+    from distributed import as_completed
+
     chunks = _chunks(jobs, workers)
     chunk_of: dict[str, list[Job]] = {}
+    suspects: list[Job] = []
 
     def submit(chunk: list[Job]) -> Any:
-        future = client.submit(_run_all, chunk, pure=False, retries=0)
+        future = client.submit(_run_all, chunk, pure=False)
         chunk_of[future.key] = chunk
         return future
 
@@ -68,14 +76,14 @@ def _over_dask(client: Any, as_completed: Any, jobs: Iterable[Job], workers: int
         chunk = chunk_of.pop(future.key)
         if future.status == "finished":
             yield from future.result()
-        elif len(chunk) == 1:
-            yield lost(chunk[0], f"the worker died: {future.exception()}")
         else:
-            for job in chunk:
-                running.add(submit([job]))
-        future.release()
+            suspects += chunk
         for chunk in islice(chunks, 1):
             running.add(submit(chunk))
+    for job in suspects:
+        future = client.submit(run_one, job, pure=False)
+        error = future.exception()
+        yield future.result() if error is None else lost(job, f"the worker died: {error}")
 
 
 def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init: Any) -> Iterator[Row]:
