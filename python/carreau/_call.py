@@ -10,6 +10,7 @@ import os
 import re
 import sys
 import tempfile
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
@@ -24,6 +25,8 @@ from ._results import Result
 
 __all__ = ["run"]
 
+#: Seconds after which a run that goes on shows its progress.
+_SILENT = 1.0
 R = TypeVar("R", bound=Result)
 #: Called with the name of a stage and the share of it that is done.
 Watch = Callable[[str, float], None]
@@ -178,10 +181,17 @@ def _watch(progress: bool | Watch | None, quiet: bool) -> Iterator[Watch | None]
         yield None
         return
 
+    start, shown = time.monotonic(), ("", 0)
+
     def show(stage: str, share: float) -> None:
-        bar.set_description(stage, refresh=False)
-        bar.n = round(100 * share)
-        bar.refresh()
+        nonlocal shown
+        now = stage, round(100 * share)
+        # Short runs show none.
+        if now != shown and time.monotonic() - start > _SILENT:
+            shown = now
+            bar.set_description(stage, refresh=False)
+            bar.n = now[1]
+            bar.refresh()
 
     with bar:
         yield show
@@ -194,8 +204,11 @@ def _is_watched() -> bool:
 
 def _bar() -> Any:
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # It says that a notebook without widgets gets a bar of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
         return None
-    # Short runs show none.
-    return tqdm(total=100, unit="%", leave=False, delay=1, bar_format="{desc} {bar} {percentage:.0f} % {elapsed}")
+    # The delay keeps it from showing itself before it is told anything.
+    return tqdm(total=100, leave=False, delay=_SILENT, bar_format="{desc} {bar} {percentage:.0f} % {elapsed}")

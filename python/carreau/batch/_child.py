@@ -72,17 +72,21 @@ def _head(job: Job) -> Row:
 
 
 def _run(job: Job, folder: Path) -> Row:
-    record, messages = folder / "record.json", folder / "stderr"
+    record, messages, told = folder / "record.json", folder / "stderr", folder / "peak"
+    environment = os.environ | ({"CARREAU_PEAK_FILE": str(told)} if sys.platform == "linux" else {})
     command = list(job.command or (sys.executable, "-I", str(Path(__file__).with_name("_launch.py"))))
     words = job.arguments()
-    files = ["--json", str(record), *(["--output", job.output] if job.output else [])]
+    written = ["--json", str(record), *(["--output", job.output] if job.output else [])]
     limit = ["--deadline", repr(job.deadline)] if job.deadline else []
     # Options come before the input, which stands behind a double dash.
-    command += [words[0], *files, *limit, *words[1:]]
+    command += [words[0], *written, *limit, *words[1:]]
     with open(messages, "wb") as stderr, open(os.devnull, "r+b") as null:
-        child = subprocess.Popen(command, stdin=null, stdout=null, stderr=stderr, start_new_session=True)
+        files = {"stdin": null, "stdout": null, "stderr": stderr}
+        child = subprocess.Popen(command, **files, env=environment, start_new_session=True)
         with _ended(child):
             code, peak, reason = _watch(child, job)
+    if told.exists():
+        peak = round(int(told.read_text()) / 1024, 1)
     message = reason or _last_words(messages, code)
     row = {"exit_code": code, "peak_memory_mb": peak, "message": message}
     return row | (_flat(json.loads(record.read_text("utf-8"))) if code == 0 and record.exists() else {})
@@ -121,7 +125,7 @@ def _watch(child: subprocess.Popen[bytes], job: Job) -> tuple[int, float | None,
         pause = min(1.5 * pause, _POLL)
     child.returncode = os.waitstatus_to_exitcode(status)
     code = child.returncode if child.returncode >= 0 else 128 - child.returncode
-    # The system counts what this process held when it started the child: its figure is the child's own only above that.
+    # The system's figure includes what this process held when it started the child: it is the child's own only above that.
     total = usage.ru_maxrss / (1 << 10 if sys.platform != "darwin" else 1 << 20)
     if peak is None or before is None or total > before:
         peak = total
