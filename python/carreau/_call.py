@@ -80,9 +80,9 @@ class _Job:
         if isinstance(item, (str, os.PathLike)):
             return os.fspath(item)
         if isinstance(item, Skeleton):
-            return self._host("skeleton", item._core)
+            return self._host("skeleton", item._native)
         mesh = _as_mesh(item)
-        return self._host(mesh.source, mesh._core)
+        return self._host(mesh.source, mesh._native)
 
     def _host(self, name: str, what: Any) -> str:
         while name in self.hosted:
@@ -94,9 +94,9 @@ class _Job:
         if name == "features" and not isinstance(value, (str, os.PathLike)):
             return self._host("<features>", as_edges(value))
         if isinstance(value, Skeleton):
-            return self._host(f"<{name}>", value._core)
+            return self._host(f"<{name}>", value._native)
         if isinstance(value, Mesh):
-            return self._host(f"<{name}>", value._core)
+            return self._host(f"<{name}>", value._native)
         if name == "options" and not isinstance(value, (str, os.PathLike)):
             return _options_text(value)
         return _word(name, value)

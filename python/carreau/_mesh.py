@@ -6,6 +6,7 @@ import json
 import os
 import warnings
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
@@ -60,10 +61,10 @@ class Mesh(Frozen):
     False
     """
 
-    __slots__ = ("__weakref__", "_core", "source")
+    __slots__ = ("__weakref__", "_native", "source")
 
     source: str
-    _core: _core.Mesh
+    _native: _core.Mesh
 
     def __init__(
         self,
@@ -93,12 +94,12 @@ class Mesh(Frozen):
             _columns(vertex_attributes, len(points), "vertices"),
             _columns(face_attributes, len(sizes), "faces"),
         )
-        self._set(_core=made, source=str(source))
+        self._set(_native=made, source=str(source))
 
     @classmethod
     def _wrap(cls, made: _core.Mesh, source: str) -> Mesh:
         mesh = cls.__new__(cls)
-        mesh._set(_core=made, source=source)
+        mesh._set(_native=made, source=source)
         return mesh
 
     # ---- arrays ----------------------------------------------------------------------------------------------------
@@ -106,88 +107,88 @@ class Mesh(Frozen):
     @property
     def points(self) -> NDArray[np.float64]:
         """Positions of the vertices, (n, 3)."""
-        return self._core.points
+        return self._native.points
 
     @property
     def faces(self) -> NDArray[np.uint32] | tuple[NDArray[np.uint32], ...]:
         """Vertices of the faces: a table where all have as many corners, else one array per face."""
-        table = self._core.faces
+        table = self._native.faces
         if table is not None:
             return table
-        corners, offsets = self._core.corners, self._core.offsets
-        return tuple(corners[a:b] for a, b in zip(offsets[:-1], offsets[1:], strict=True))
+        corners, offsets = self._native.corners, self._native.offsets
+        return tuple(corners[a:b] for a, b in pairwise(offsets))
 
     @property
     def face_corners(self) -> NDArray[np.uint32]:
         """Vertices of all faces, one after the other."""
-        return self._core.corners
+        return self._native.corners
 
     @property
     def face_offsets(self) -> NDArray[np.uint32]:
         """Where each face begins in `face_corners`, and where the last one ends, (m + 1,)."""
-        return self._core.offsets
+        return self._native.offsets
 
     @property
     def edges(self) -> NDArray[np.uint32]:
         """Marked edges, (k, 2): features that methods keep. Not all edges of the mesh."""
-        return self._core.edges
+        return self._native.edges
 
     @property
     def edge_tags(self) -> NDArray[np.int32]:
         """Reference numbers of the marked edges."""
-        return self._core.edge_tags
+        return self._native.edge_tags
 
     @property
     def hexes(self) -> NDArray[np.uint32]:
         """Hexahedra, corners in VTK order, (h, 8)."""
-        return self._core.hexes
+        return self._native.hexes
 
     @property
     def tets(self) -> NDArray[np.uint32]:
         """Tetrahedra, (t, 4)."""
-        return self._core.tets
+        return self._native.tets
 
     @property
     def wedges(self) -> NDArray[np.uint32]:
         """Triangular prisms, (w, 6)."""
-        return self._core.wedges
+        return self._native.wedges
 
     @property
     def pyramids(self) -> NDArray[np.uint32]:
         """Pyramids, (p, 5)."""
-        return self._core.pyramids
+        return self._native.pyramids
 
     @property
     def vertex_attributes(self) -> Mapping[str, NDArray[Any]]:
         """Values on vertices, by name."""
-        return MappingProxyType(self._core.vertex)
+        return MappingProxyType(self._native.vertex)
 
     @property
     def face_attributes(self) -> Mapping[str, NDArray[Any]]:
         """Values on faces, by name."""
-        return MappingProxyType(self._core.face)
+        return MappingProxyType(self._native.face)
 
     @property
     def names(self) -> Mapping[tuple[str, int], str]:
         """Words for the values of label attributes: ``(attribute, label)`` to name."""
-        return MappingProxyType(dict(self._core.names))
+        return MappingProxyType(dict(self._native.names))
 
     # ---- what it is ------------------------------------------------------------------------------------------------
 
     @property
     def n_points(self) -> int:
         """Number of vertices, unreferenced ones included."""
-        return len(self._core.points)
+        return len(self._native.points)
 
     @property
     def n_faces(self) -> int:
         """Number of faces."""
-        return len(self._core.offsets) - 1
+        return len(self._native.offsets) - 1
 
     @property
     def n_cells(self) -> int:
         """Number of volume cells."""
-        m = self._core
+        m = self._native
         return len(m.hexes) + len(m.tets) + len(m.wedges) + len(m.pyramids)
 
     @property
@@ -199,11 +200,11 @@ class Mesh(Frozen):
 
     def topology(self) -> Mapping[str, Any]:
         """Counts, Euler number, genus, volume and defects with their places; of the boundary, for a volume mesh."""
-        return freeze(json.loads(self._core.describe()[0]))
+        return freeze(json.loads(self._native.describe()[0]))
 
     def quality(self) -> Mapping[str, Any]:
         """Area and the distributions of edge lengths, angles and shapes; of the boundary, for a volume mesh."""
-        return freeze(json.loads(self._core.describe()[1]))
+        return freeze(json.loads(self._native.describe()[1]))
 
     # ---- other meshes ----------------------------------------------------------------------------------------------
 
@@ -213,15 +214,15 @@ class Mesh(Frozen):
         """The same mesh with more attributes."""
         vertex = _columns(vertex, self.n_points, "vertices")
         face = _columns(face, self.n_faces, "faces")
-        return Mesh._wrap(self._core.with_attributes(vertex, face), self.source)
+        return Mesh._wrap(self._native.with_attributes(vertex, face), self.source)
 
     def triangulated(self) -> Mesh:
         """The surface with every polygon cut into triangles; face attributes follow."""
-        return Mesh._wrap(self._core.triangulated(), self.source)
+        return Mesh._wrap(self._native.triangulated(), self.source)
 
     def boundary(self) -> Mesh:
         """The surface of a volume mesh."""
-        return Mesh._wrap(self._core.boundary(), self.source)
+        return Mesh._wrap(self._native.boundary(), self.source)
 
     # ---- files and pictures ----------------------------------------------------------------------------------------
 
@@ -238,11 +239,11 @@ class Mesh(Frozen):
         path = os.fspath(path)
         if path.lower().endswith(CAD_EXTENSIONS):
             raise OptionsError(f"{path}: CAD files hold patches; write one by cr.patch(mesh, output={path!r})")
-        _warn(self._core.write(path, ascii))
+        _warn(self._native.write(path, ascii))
 
     def picture(self) -> bytes:
         """A picture of the mesh (PNG)."""
-        return self._core.picture()
+        return self._native.picture()
 
     def to_trimesh(self, **options: Any):
         """This mesh as a `trimesh.Trimesh`; see `carreau.to_trimesh`."""
@@ -267,7 +268,12 @@ class Mesh(Frozen):
         return f"<carreau.Mesh {self.source!r}: {self.n_points} vertices, {self.n_faces} faces{cells}>"
 
     def _repr_html_(self) -> str:
-        rows = {"vertices": self.n_points, "faces": self.n_faces, "cells": self.n_cells, "marked edges": len(self.edges)}
+        rows = {
+            "vertices": self.n_points,
+            "faces": self.n_faces,
+            "cells": self.n_cells,
+            "marked edges": len(self.edges),
+        }
         return page(self.source, {name: n for name, n in rows.items() if n}, self.picture())
 
     def __getstate__(self) -> dict[str, Any]:
@@ -279,14 +285,20 @@ class Mesh(Frozen):
         if len(self.tets) + len(self.wedges) + len(self.pyramids):
             raise TypeError("a mesh of tetrahedra, wedges or pyramids cannot be pickled: write it to a file")
         flat = (np.array(self.face_corners), np.diff(self.face_offsets).astype(np.uint32))
-        return {"points": np.array(self.points), "flat": flat, "hexes": np.array(self.hexes), **edges, **columns,
-                "source": self.source}
+        return {
+            "points": np.array(self.points),
+            "flat": flat,
+            "hexes": np.array(self.hexes),
+            **edges,
+            **columns,
+            "source": self.source,
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         corners, sizes = state["flat"]
         columns = state["vertex_attributes"], state["face_attributes"]
         parts = state["points"], corners, sizes, state["edges"], state["edge_tags"], state["hexes"]
-        self._set(_core=_core.Mesh(*parts, *columns), source=state["source"])
+        self._set(_native=_core.Mesh(*parts, *columns), source=state["source"])
 
 
 class Skeleton(Frozen):
@@ -308,9 +320,9 @@ class Skeleton(Frozen):
     <carreau.Skeleton: 2 nodes, 1 segments>
     """
 
-    __slots__ = ("__weakref__", "_core")
+    __slots__ = ("__weakref__", "_native")
 
-    _core: _core.Net
+    _native: _core.Net
 
     def __init__(self, points: ArrayLike, segments: ArrayLike, radii: ArrayLike | None = None) -> None:
         points = _points(points)
@@ -320,39 +332,39 @@ class Skeleton(Frozen):
         segments = np.asarray(segments)
         if segments.ndim != 2 or segments.shape[1] != 2 or segments.dtype.kind not in "iu":
             raise TypeError("segments are an array of integers with two columns")
-        self._set(_core=_core.Net(points, radii, np.ascontiguousarray(segments, np.int64)))
+        self._set(_native=_core.Net(points, radii, np.ascontiguousarray(segments, np.int64)))
 
     @classmethod
     def _wrap(cls, made: _core.Net) -> Skeleton:
         skeleton = cls.__new__(cls)
-        skeleton._set(_core=made)
+        skeleton._set(_native=made)
         return skeleton
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Skeleton:
         """Read a graph: .cgr, .cg, .skel, .swc, .tgf, or the lines of a .vtp, .vtk or .obj file."""
         skeleton = cls._wrap(_core.Net.read(os.fspath(path)))
-        _warn(skeleton._core.notes)
+        _warn(skeleton._native.notes)
         return skeleton
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a graph; the extension decides the format."""
-        _warn(self._core.write(os.fspath(path)))
+        _warn(self._native.write(os.fspath(path)))
 
     @property
     def points(self) -> NDArray[np.float64]:
         """Positions of the nodes, (n, 3)."""
-        return self._core.points
+        return self._native.points
 
     @property
     def segments(self) -> NDArray[np.uint32]:
         """Pairs of nodes, (k, 2)."""
-        return self._core.segments
+        return self._native.segments
 
     @property
     def radii(self) -> NDArray[np.float64]:
         """Radii of the nodes, (n,); NaN where none is known."""
-        return self._core.radii
+        return self._native.radii
 
     def __repr__(self) -> str:
         return f"<carreau.Skeleton: {len(self.points)} nodes, {len(self.segments)} segments>"

@@ -22,9 +22,9 @@ def page(title: str, figures: Mapping[str, Any], picture: bytes | None) -> str:
     picture : bytes or None
         PNG.
     """
+    cell = "<td style='text-align:right'>"
     rows = "".join(
-        f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:right'>{escape(_text(value))}</td></tr>"
-        for name, value in figures.items()
+        f"<tr><th>{escape(name)}</th>{cell}{escape(_text(value))}</td></tr>" for name, value in figures.items()
     )
     image = ""
     if picture:

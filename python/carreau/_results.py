@@ -91,8 +91,8 @@ class Result(Frozen):
         return f"<carreau.{type(self).__name__}: {'; '.join(self.summary)}>"
 
     def _repr_html_(self) -> str:
-        rows = {str(n + 1): line for n, line in enumerate(self.summary)}
-        rows |= {f"seconds, {stage}": s for stage, s in self.seconds.items() if stage == "total"}
+        rows: dict[str, Any] = {str(n): line for n, line in enumerate(self.summary, 1)}
+        rows["seconds"] = self.seconds["total"]
         return page(f"{self.record['verb']} {self._source}", rows, self.picture())
 
 

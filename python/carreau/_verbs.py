@@ -1,8 +1,8 @@
 """The verbs: one function each, with the options of the command line as keyword arguments.
 
-Options keep the command line's names, with underscores, and its meaning: what is not given (None) is the default, angles are
-in degrees, a length is a number in the unit of the mesh or a share of the bounding-box diagonal ("1%"), and words such as
-"none", "auto" or "off" are strings. Names and values are checked by the command line's own parser.
+Options keep the command line's names, with underscores, and its meaning: what is not given (None) is the default,
+angles are in degrees, a length is a number in the unit of the mesh or a share of the bounding-box diagonal ("1%"), and
+words such as "none", "auto" or "off" are strings. Names and values are checked by the command line's own parser.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ._call import Watch, run
 from ._mesh import Mesh, Skeleton
@@ -79,8 +79,8 @@ class Common(TypedDict, total=False):
     verbose : bool or int
         Logs to stderr; 2 in detail.
     progress : bool or callable
-        A progress bar (needs tqdm), or a function of a stage's name and the share of it that is done. By default a bar where
-        stderr is a terminal or in a notebook.
+        A progress bar (needs tqdm), or a function of a stage's name and the share of it that is done. By default a bar
+        where stderr is a terminal or in a notebook.
     """
 
     output: File | None

@@ -5,6 +5,7 @@ Positions, faces, marked edges, hexahedra and attributes are kept as far as the 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,8 +68,8 @@ def from_trimesh(mesh: trimesh.Trimesh, source: str = "trimesh") -> Mesh:
 def to_meshio(mesh: Mesh) -> meshio.Mesh:
     """A mesh as a `meshio.Mesh`: faces in their order, then marked edges and volume cells.
 
-    Attributes of faces become cell data; cells that are no faces have NaN or 0 there. Tags of marked edges are in the cell data
-    ``edge_tag``.
+    Attributes of faces become cell data; cells that are no faces have NaN or 0 there. Tags of marked edges are in the
+    cell data ``edge_tag``.
     """
     import meshio
 
@@ -114,7 +115,11 @@ def from_meshio(mesh: meshio.Mesh, source: str = "meshio") -> Mesh:
     blocks: list[int] = []
     lines: list[int] = []
     for k, block in enumerate(mesh.cells):
-        if block.type.startswith(_FACES) and np.asarray(block.data).ndim == 2 and block.type.rstrip("0123456789") in _FACES:
+        if (
+            block.type.startswith(_FACES)
+            and np.asarray(block.data).ndim == 2
+            and block.type.rstrip("0123456789") in _FACES
+        ):
             faces.append(np.asarray(block.data))
             blocks.append(k)
         elif block.type == "line":
@@ -148,7 +153,8 @@ def from_meshio(mesh: meshio.Mesh, source: str = "meshio") -> Mesh:
 def to_pyvista(mesh: Mesh) -> pyvista.PolyData | pyvista.UnstructuredGrid:
     """A mesh as a `pyvista.PolyData`, or as an `UnstructuredGrid` of its cells where it has hexahedra.
 
-    A grid holds the volume cells only; its surface with the tags is ``to_pyvista(carreau.Mesh(mesh.points, mesh.faces, ...))``.
+    A grid holds the volume cells only; its surface with the tags is ``to_pyvista(carreau.Mesh(mesh.points, mesh.faces,
+    ...))``.
     """
     import pyvista
 
@@ -178,7 +184,7 @@ def from_pyvista(mesh: pyvista.DataSet, source: str = "pyvista") -> Mesh:
     return Mesh(
         mesh.points,
         faces,
-        edges=[pair for line in _unpadded(np.asarray(mesh.lines)) for pair in zip(line[:-1], line[1:], strict=True)],
+        edges=[pair for line in _unpadded(np.asarray(mesh.lines)) for pair in pairwise(line)],
         vertex_attributes=_fitting(mesh.point_data),
         face_attributes=_fitting(columns),
         source=source,

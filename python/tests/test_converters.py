@@ -11,8 +11,28 @@ import carreau as cr
 
 def mixed() -> cr.Mesh:
     """A house: five quads, two triangles, a pentagon; an attribute of each kind."""
-    points = [[0, 0, 0], [2, 0, 0], [2, 3, 0], [0, 3, 0], [0, 0, 2], [2, 0, 2], [2, 3, 2], [0, 3, 2], [1, 0, 3], [1, 3, 3]]
-    faces = [[0, 3, 2, 1], [1, 2, 6, 5], [3, 0, 4, 7], [0, 1, 5, 8, 4], [2, 3, 7, 9], [2, 9, 6], [5, 6, 9, 8], [4, 8, 9, 7]]
+    points = [
+        [0, 0, 0],
+        [2, 0, 0],
+        [2, 3, 0],
+        [0, 3, 0],
+        [0, 0, 2],
+        [2, 0, 2],
+        [2, 3, 2],
+        [0, 3, 2],
+        [1, 0, 3],
+        [1, 3, 3],
+    ]
+    faces = [
+        [0, 3, 2, 1],
+        [1, 2, 6, 5],
+        [3, 0, 4, 7],
+        [0, 1, 5, 8, 4],
+        [2, 3, 7, 9],
+        [2, 9, 6],
+        [5, 6, 9, 8],
+        [4, 8, 9, 7],
+    ]
     return cr.Mesh(
         points,
         faces,
@@ -48,7 +68,9 @@ def test_trimesh_there_and_back(bracket):
     labelled = cr.segment(bracket).mesh
     same(labelled, cr.from_trimesh(cr.to_trimesh(labelled)))
     flat = mixed().to_trimesh()
-    assert len(flat.faces) == sum(len(face) - 2 for face in mixed().faces) and np.allclose(sorted(set(flat.face_attributes["wall"].tolist())), range(8))
+    assert len(flat.faces) == sum(len(face) - 2 for face in mixed().faces) and np.allclose(
+        sorted(set(flat.face_attributes["wall"].tolist())), range(8)
+    )
 
 
 def test_trimesh_makes_what_carreau_reads():
@@ -145,7 +167,11 @@ def test_hexahedra_in_pyvista(tube):
     grid = result.mesh.to_pyvista()
     assert grid.n_cells == len(result.hexes) and set(grid.celltypes.tolist()) == {12}
     assert np.isclose(grid.volume, result.record["volume"], rtol=0.02)
-    skin = grid.extract_surface(algorithm="geometry") if "algorithm" in grid.extract_surface.__doc__ else grid.extract_surface()
+    skin = (
+        grid.extract_surface(algorithm="geometry")
+        if "algorithm" in grid.extract_surface.__doc__
+        else grid.extract_surface()
+    )
     assert skin.n_cells == len(result.quads)
     back = cr.from_pyvista(grid)
     assert np.array_equal(back.hexes, result.hexes)
@@ -156,7 +182,9 @@ def test_pyvista_makes_what_carreau_reads():
     cylinder = pyvista.Cylinder(radius=1.0, height=4.0, resolution=48, capping=True).clean()
     mesh = cr.from_pyvista(cylinder)
     assert {len(face) for face in mesh.faces} == {4, 48}
-    assert mesh.topology()["closed"] and np.isclose(mesh.triangulated().topology()["volume"], cylinder.volume, rtol=1e-6)
+    assert mesh.topology()["closed"] and np.isclose(
+        mesh.triangulated().topology()["volume"], cylinder.volume, rtol=1e-6
+    )
     kinds = sorted(region["primitive"]["type"] for region in cr.segment(mesh, quiet=True).regions)
     assert kinds == ["cylinder", "plane", "plane"]
 

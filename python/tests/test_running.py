@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 import pytest
+from conftest import need
 
 import carreau as cr
 from carreau import _core
@@ -110,7 +111,7 @@ def test_progress_is_told_and_can_stop_a_run(large):
 
 
 def test_a_bar_is_shown_when_asked_for(large, capsys):
-    pytest.importorskip("tqdm")
+    need("tqdm")
     with pytest.raises(cr.DeadlineError):
         cr.quad(large, deadline=2.5, progress=True)
     assert "%" in capsys.readouterr().err

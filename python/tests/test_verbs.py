@@ -14,7 +14,20 @@ import pytest
 
 import carreau as cr
 
-VERBS = ["segment", "enrich", "simplify", "patch", "field", "quad", "skeleton", "hex", "repair", "curvature", "info", "compare"]
+VERBS = [
+    "segment",
+    "enrich",
+    "simplify",
+    "patch",
+    "field",
+    "quad",
+    "skeleton",
+    "hex",
+    "repair",
+    "curvature",
+    "info",
+    "compare",
+]
 #: Options that only Python has.
 OWN = {"progress"}
 
@@ -83,7 +96,10 @@ def test_numbers_words_and_shares_are_understood(bracket):
     assert cr.quad(bracket, edge_length="4%", quiet=True).options["edge_length"] == "4%"
     assert cr.segment(bracket, surfaces=False).options["surfaces"] is False
     assert cr.segment(bracket, surfaces=True).options["surfaces"] is True
-    assert cr.simplify(bracket, gradation="off", geometric=True, triangles=500, ignore_tags=False).options["gradation"] is None
+    assert (
+        cr.simplify(bracket, gradation="off", geometric=True, triangles=500, ignore_tags=False).options["gradation"]
+        is None
+    )
 
 
 def test_results_are_frozen(bracket):
@@ -137,7 +153,11 @@ def test_segment(bracket):
     result = cr.segment(bracket)
     assert len(result.labels) == bracket.n_faces and len(result.regions) == result.labels.max() + 1
     truth = bracket.face_attributes["truth"]
-    assert len({*zip(result.labels.tolist(), truth.tolist(), strict=True)}) == len(result.regions) == len(set(truth.tolist()))
+    assert (
+        len({*zip(result.labels.tolist(), truth.tolist(), strict=True)})
+        == len(result.regions)
+        == len(set(truth.tolist()))
+    )
     again = cr.segment(bracket, labels=truth, rectify="none")
     assert len(again.regions) == len(set(truth.tolist()))
     assert all(boundary["vertices"] for boundary in result.boundaries)
@@ -145,9 +165,9 @@ def test_segment(bracket):
 
 def test_enrich_and_simplify(torus):
     fine = cr.enrich(torus, deviation=3)
-    coarse = cr.simplify(torus, triangles=900)
+    coarse = cr.simplify(torus, triangles=1500)
     assert fine.mesh.n_faces > torus.n_faces > coarse.mesh.n_faces
-    assert abs(coarse.mesh.n_faces - 900) <= 9
+    assert abs(coarse.mesh.n_faces - 1500) <= 15
     for mesh in (fine.mesh, coarse.mesh):
         assert mesh.topology()["euler"] == 0 and (mesh.vertex_attributes["size"] > 0).all()
     sizes = np.full(torus.n_points, 0.2 * np.linalg.norm(np.ptp(torus.bounds, axis=0)) / 10)
@@ -163,7 +183,9 @@ def test_patch(torus):
     assert cells + len(result.leftover) == result.mesh.n_faces
     faces = np.asarray(torus.faces)
     for patch in result.patches:
-        corners = np.stack([patch.vertices[:-1, :-1], patch.vertices[1:, 1:], patch.vertices[:-1, 1:], patch.vertices[1:, :-1]])
+        corners = np.stack(
+            [patch.vertices[:-1, :-1], patch.vertices[1:, 1:], patch.vertices[:-1, 1:], patch.vertices[1:, :-1]]
+        )
         for r, c in np.ndindex(patch.triangles.shape[:2]):
             assert set(faces[patch.triangles[r, c]].ravel().tolist()) == set(corners[:, r, c].tolist())
         assert not patch.vertices.flags.writeable

@@ -110,8 +110,8 @@ pub fn option_names(verb: &str) -> Vec<String> {
 /// Runs a verb on these inputs, which are files or names in the host's table.
 ///
 /// # Errors
-/// [`Error::Options`] for names and values that the command line would refuse, else the errors of the verb. Messages name
-/// options as the command line does.
+/// [`Error::Options`] for names and values that the command line would refuse, else the errors of the verb. Messages
+/// name options as the command line does.
 pub fn call(verb: &str, inputs: &[String], options: &[(String, Value)], host: Host) -> Result<Outcome> {
     let host = Arc::new(host);
     let arguments = arguments(verb, inputs, options)?;

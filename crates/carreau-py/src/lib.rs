@@ -9,8 +9,8 @@
 //! | `run` | runs work beside Python: interrupts, progress, panics |
 //! | `raise` | errors as exceptions |
 //!
-//! Verbs run through `carreau_cli::host`: their options, defaults and records are those of the command line. The classes that
-//! users see are Python's, in `python/carreau`.
+//! Verbs run through `carreau_cli::host`: their options, defaults and records are those of the command line. The
+//! classes that users see are Python's, in `python/carreau`.
 
 mod found;
 mod mesh;

@@ -192,8 +192,8 @@ fn polygons(mut corners: impl Iterator<Item = u32>, sizes: impl Iterator<Item = 
     faces
 }
 
-/// Attributes from arrays of these kinds, which the Python half converts to: float64 of one to three columns, int32, and uint8
-/// of four columns.
+/// Attributes from arrays of these kinds, which the Python half converts to: float64 of one to three columns, int32,
+/// and uint8 of four columns.
 fn columns(arrays: &Bound<'_, PyDict>) -> PyResult<Columns> {
     arrays.iter().map(|(name, values)| Ok((name.extract()?, column(&values)?))).collect()
 }

@@ -1,5 +1,5 @@
-//! Work beside Python: on a thread of its own, without the interpreter's lock, while this thread looks after interrupts and
-//! progress.
+//! Work beside Python: on a thread of its own, without the interpreter's lock, while this thread looks after interrupts
+//! and progress.
 
 use crate::raise;
 use carreau::Error;
@@ -41,9 +41,9 @@ impl Progress for Board {
     }
 }
 
-/// Runs `work` with a flag that stops it and a place for its progress. `watch`, if any, is called with a stage's name and the
-/// share of it that is done, from time to time. An exception, of a signal's handler or of `watch`, stops the work and is raised
-/// once it has stopped.
+/// Runs `work` with a flag that stops it and a place for its progress. `watch`, if any, is called with a stage's name
+/// and the share of it that is done, from time to time. An exception, of a signal's handler or of `watch`, stops the
+/// work and is raised once it has stopped.
 pub fn beside<T: Send>(
     py: Python<'_>,
     watch: Option<&Bound<'_, PyAny>>,

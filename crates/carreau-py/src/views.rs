@@ -16,8 +16,8 @@ pub type Owner<'a, 'py> = &'a Bound<'py, PyAny>;
 /// `owner` must own `values`, and must not change them.
 pub fn list<'py, T: Element>(owner: Owner<'_, 'py>, values: &[T]) -> Bound<'py, PyAny> {
     let view = ArrayView1::from(values);
-    // SAFETY: every caller passes values that a frozen class holds, and that class as their owner. They live as long as it,
-    // and nothing changes them.
+    // SAFETY: every caller passes values that a frozen class holds, and that class as their owner. They live as long as
+    // it, and nothing changes them.
     let array = unsafe { PyArray1::borrow_from_array(&view, owner.clone()) };
     array.readwrite().make_nonwriteable();
     array.into_any()

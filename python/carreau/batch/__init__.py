@@ -4,8 +4,8 @@
 >>> summary = batch.run("parts.csv", "rows.parquet", verb="segment", deadline=60, memory=2000)  # doctest: +SKIP
 >>> summary = batch.run("parts.csv", "rows.parquet", verb="segment", engine="dask", workers=8)  # doctest: +SKIP
 
-A job that crashes, hangs or eats memory loses its own row only, and says so there. Finished jobs are skipped when the same call
-is made again.
+A job that crashes, hangs or eats memory loses its own row only, and says so there. Finished jobs are skipped when the
+same call is made again.
 """
 
 from ._child import run_one

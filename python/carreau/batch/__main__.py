@@ -23,7 +23,9 @@ def main() -> int:
     parser.add_argument("--deadline", type=float, help="seconds per job")
     parser.add_argument("--memory", type=float, help="megabytes per job")
     parser.add_argument("--retry", action="store_true", help="run jobs again that failed before")
-    parser.add_argument("-O", "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the verb")
+    parser.add_argument(
+        "-O", "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the verb"
+    )
     given = vars(parser.parse_args())
     options = dict(pair.partition("=")[::2] for pair in given.pop("option"))
     given["options"] = {name: _number(value) for name, value in options.items()}

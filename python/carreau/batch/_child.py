@@ -43,9 +43,9 @@ def run_one(job: Job | Mapping[str, Any]) -> Row:
     Returns
     -------
     dict
-        ``hash``, ``file``, ``verb``, ``options`` (JSON), ``exit_code`` (the command line's; 128 + n for signal n, 124 beyond the
-        deadline, 137 beyond the memory), ``seconds``, ``peak_memory_mb``, ``output``, ``message``, and every number and word of
-        the result record, such as ``input.faces``, ``output.faces`` and ``quality.shape_min``.
+        ``hash``, ``file``, ``verb``, ``options`` (JSON), ``exit_code`` (the command line's; 128 + n for signal n, 124
+        beyond the deadline, 137 beyond the memory), ``seconds``, ``peak_memory_mb``, ``output``, ``message``, and every
+        number and word of the result record, such as ``input.faces``, ``output.faces`` and ``quality.shape_min``.
     """
     start = time.monotonic()
     row: Row = {}
@@ -55,7 +55,10 @@ def run_one(job: Job | Mapping[str, Any]) -> Row:
         with tempfile.TemporaryDirectory(prefix="carreau-") as folder:
             row |= _run(job, Path(folder))
     except Exception as error:
-        row |= {"exit_code": getattr(error, "exit_code", _LOST), "message": f"{type(error).__name__}: {error}"[:_MESSAGE]}
+        row |= {
+            "exit_code": getattr(error, "exit_code", _LOST),
+            "message": f"{type(error).__name__}: {error}"[:_MESSAGE],
+        }
     row["seconds"] = round(time.monotonic() - start, 4)
     return row
 
@@ -81,8 +84,9 @@ def _run(job: Job, folder: Path) -> Row:
     # Options come before the input, which stands behind a double dash.
     command += [words[0], *written, *limit, *words[1:]]
     with open(messages, "wb") as stderr, open(os.devnull, "r+b") as null:
-        files = {"stdin": null, "stdout": null, "stderr": stderr}
-        child = subprocess.Popen(command, **files, env=environment, start_new_session=True)
+        child = subprocess.Popen(
+            command, stdin=null, stdout=null, stderr=stderr, env=environment, start_new_session=True
+        )
         with _ended(child):
             code, peak, reason = _watch(child, job)
     if told.exists():
@@ -125,7 +129,8 @@ def _watch(child: subprocess.Popen[bytes], job: Job) -> tuple[int, float | None,
         pause = min(1.5 * pause, _POLL)
     child.returncode = os.waitstatus_to_exitcode(status)
     code = child.returncode if child.returncode >= 0 else 128 - child.returncode
-    # The system's figure includes what this process held when it started the child: it is the child's own only above that.
+    # The system's figure includes what this process held when it started the child: it is the child's own only above
+    # that.
     total = usage.ru_maxrss / (1 << 10 if sys.platform != "darwin" else 1 << 20)
     if peak is None or before is None or total > before:
         peak = total

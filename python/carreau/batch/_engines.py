@@ -35,7 +35,9 @@ def local(jobs: Iterable[Job], workers: int, **_: Any) -> Iterator[Row]:
             yield from (future.result() for future in done)
 
 
-def dask(jobs: Iterable[Job], workers: int, *, address: str | None = None, client: Any = None, **cluster: Any) -> Iterator[Row]:
+def dask(
+    jobs: Iterable[Job], workers: int, *, address: str | None = None, client: Any = None, **cluster: Any
+) -> Iterator[Row]:
     """Dask distributed: the cluster at an address, that of a client, or one of this machine for the time of the run."""
     import dask as framework
     from distributed import Client, LocalCluster
@@ -57,8 +59,8 @@ def dask(jobs: Iterable[Job], workers: int, *, address: str | None = None, clien
 
 
 def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
-    """Chunks with a bounded number in flight. When a worker dies all its tasks are suspects; these run again in the end, one job
-    at a time, so that only the job that did it is lost."""
+    """Chunks with a bounded number in flight. When a worker dies all its tasks are suspects; these run again in the
+    end, one job at a time, so that only the job that did it is lost."""
     from distributed import as_completed
 
     chunks = _chunks(jobs, workers)
@@ -87,7 +89,8 @@ def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
 
 
 def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init: Any) -> Iterator[Row]:
-    """Ray Data: the cluster at an address, the one that runs already, or one of this machine for the time of the run."""
+    """Ray Data: the cluster at an address, the one that runs already, or one of this machine for the time of the
+    run."""
     import ray as framework
     from ray.data import DataContext, TaskPoolStrategy
 
@@ -102,8 +105,10 @@ def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init
         context.enable_progress_bars = False
         known = list(jobs)
         missing = dict(enumerate(known))
-        rows = framework.data.from_items([{"number": k} for k in missing], override_num_blocks=_blocks(len(known), workers))
-        rows = rows.map(_numbered(known), compute=TaskPoolStrategy(size=workers), max_retries=1, num_cpus=1)
+        items = framework.data.from_items(
+            [{"number": k} for k in missing], override_num_blocks=_blocks(len(known), workers)
+        )
+        rows = items.map(_numbered(known), compute=TaskPoolStrategy(size=workers), max_retries=1, num_cpus=1)
         for row in rows.iter_rows():
             missing.pop(row["number"], None)
             yield json.loads(row["row"])

@@ -3,6 +3,7 @@
 Neither carreau's Python half nor numpy is imported: that would take longer than a small job. Run as a script.
 """
 
+import importlib.machinery
 import importlib.util
 import os
 import sys
@@ -13,9 +14,10 @@ def main() -> int:
     """Run the command line on this process's arguments."""
     package = Path(__file__).resolve().parent.parent
     library = next(path for path in sorted(package.glob("_core.*")) if path.suffix in (".so", ".pyd"))
-    spec = importlib.util.spec_from_file_location("_core", library)
+    loader = importlib.machinery.ExtensionFileLoader("_core", str(library))
+    spec = importlib.machinery.ModuleSpec("_core", loader, origin=str(library))
     native = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(native)
+    loader.exec_module(native)
     return native.main(["carreau", *sys.argv[1:]])
 
 

@@ -59,14 +59,15 @@ def run(
 ) -> Summary:
     """Run the jobs of a manifest, each in a child process, and write a row for each.
 
-    Jobs that a run into the same table has finished before are not run again: those whose file has the same bytes, with the same
-    verb, options and version of carreau, and whose output is still there. A run that is stopped loses the jobs in flight only.
+    Jobs that a run into the same table has finished before are not run again: those whose file has the same bytes, with
+    the same verb, options and version of carreau, and whose output is still there. A run that is stopped loses the jobs
+    in flight only.
 
     Parameters
     ----------
     manifest : path or iterable
-        A table (.csv, .jsonl, .parquet) with the columns ``file``, ``verb``, ``output``, ``deadline``, ``memory``, others being
-        options; or jobs, mappings, names of files.
+        A table (.csv, .jsonl, .parquet) with the columns ``file``, ``verb``, ``output``, ``deadline``, ``memory``,
+        others being options; or jobs, mappings, names of files.
     out : path
         The table to write: .csv, .jsonl or .parquet (needs pyarrow).
     engine : {"local", "dask", "ray"}
@@ -92,7 +93,9 @@ def run(
         raise ValueError(f"there is no engine '{engine}'; known are {', '.join(ENGINES)}")
     defaults = {"verb": verb, "options": dict(options or {}), "deadline": deadline, "memory": memory}
     jobs = read_manifest(manifest, **defaults, command=tuple(command) if command else None)
-    journal, order, fresh = Journal(out), [], []
+    journal = Journal(out)
+    order: list[Name] = []
+    fresh: list[bool] = []
     try:
         todo = _unfinished(jobs, journal, order, retry)
         for row in ENGINES[engine](todo, workers or os.cpu_count() or 1, **settings):
