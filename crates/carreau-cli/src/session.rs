@@ -6,10 +6,13 @@ use crate::record::Record;
 use crate::timings::Timings;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::figure;
+use carreau::report::page::{Page, Role, Scene};
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use serde_json::json;
+use std::cell::RefCell;
+use std::ffi::OsString;
 use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -62,6 +65,33 @@ fn cancel_flag() -> Arc<AtomicBool> {
     }))
 }
 
+thread_local! {
+    /// The command line of the run on this thread, for pages.
+    static COMMAND: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Remembers the command line of the run that follows on this thread.
+pub fn remember_command(arguments: &[OsString]) {
+    let words = arguments.iter().skip(1).map(|word| quoted(&word.to_string_lossy()));
+    let line = std::iter::once("carreau".to_string()).chain(words).collect::<Vec<_>>().join(" ");
+    COMMAND.set(line);
+}
+
+/// The command line of the run on this thread.
+pub fn command_line() -> String {
+    COMMAND.with_borrow(String::clone)
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%^".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
 /// A run in progress.
 pub struct Session {
     /// Threads, deadline, cancellation, progress.
@@ -70,6 +100,9 @@ pub struct Session {
     pub record: Record,
     json: Option<PathBuf>,
     picture: Option<PathBuf>,
+    report: Option<PathBuf>,
+    /// What the page will show, with the files it came from or went to.
+    scenes: Vec<(PathBuf, Scene)>,
     quiet: bool,
     timings: Timings,
     /// Lines for a person, printed when the record does not go to stdout.
@@ -120,6 +153,8 @@ impl Session {
             record,
             json: common.json.clone(),
             picture: common.picture.clone(),
+            report: common.report.clone(),
+            scenes: Vec::new(),
             quiet: common.quiet,
             timings,
             summary: Vec::new(),
@@ -154,6 +189,7 @@ impl Session {
         };
         self.record.set("input", input);
         std::mem::take(&mut mesh.notes).into_iter().for_each(|note| self.warn(note));
+        self.show(file, Role::Before, |name, _| Scene::of_mesh(name, &mesh))?;
         Ok(mesh)
     }
 
@@ -172,6 +208,7 @@ impl Session {
             cells: 0,
         };
         self.record.set("input", input);
+        self.show(file, Role::Before, |name, _| Ok(Scene::of_net(name, &net)))?;
         Ok(net)
     }
 
@@ -194,6 +231,7 @@ impl Session {
     /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has.
     pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
         self.draw(mesh)?;
+        self.show_result(file, |name, _| Scene::of_mesh(name, mesh))?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = file {
             counts["file"] = json!(file.to_string_lossy());
@@ -237,7 +275,70 @@ impl Session {
         self.write_bytes(&file, &png)
     }
 
+    /// Shows a scene on the page, where one was asked for; the scene takes the name that `make` is given. A file that is
+    /// there already is replaced.
+    pub fn show(
+        &mut self,
+        file: &Path,
+        role: Role,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        if self.report.is_none() {
+            return Ok(());
+        }
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+        let context = self.context.clone();
+        let scene = context.install(|| {
+            let _stage = context.stage("report");
+            make(name, &context)
+        })?;
+        let scene = scene.role(role);
+        match self.scenes.iter_mut().find(|(shown, _)| shown == file) {
+            Some(place) => place.1 = scene,
+            None => self.scenes.push((file.to_path_buf(), scene)),
+        }
+        Ok(())
+    }
+
+    /// Shows the result of the verb on the page, under the name of its file where it has one.
+    pub fn show_result(
+        &mut self,
+        file: Option<&Path>,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        let name = format!("result of {}", self.record.verb());
+        // A file that replaces the input is shown beside it.
+        let file = file.filter(|file| self.scenes.iter().all(|(shown, _)| shown != file));
+        self.show(file.unwrap_or(Path::new(&name)), Role::After, make)
+    }
+
+    /// Puts the scene of a file first.
+    pub fn show_first(&mut self, file: &Path) {
+        self.scenes.sort_by_key(|(shown, _)| shown != file);
+    }
+
+    /// The page of the run.
+    pub fn page(&self, title: &str) -> Page {
+        let scenes = self.scenes.iter().map(|(_, scene)| scene.clone());
+        Page::new(title).command(command_line()).record(self.record.brief(&self.timings)).scenes(scenes)
+    }
+
+    fn write_report(&mut self) -> Result<(), Error> {
+        let Some(file) = self.report.clone() else { return Ok(()) };
+        let input = self.record.input_file().unwrap_or_default();
+        let page = self.page(format!("carreau {} {input}", self.record.verb()).trim_end());
+        let context = self.context.clone();
+        let html = context.install(|| {
+            let _stage = context.stage("report");
+            page.html()
+        })?;
+        self.write_bytes(&file, html.as_bytes())?;
+        self.say(format!("open {}", file.display()));
+        Ok(())
+    }
+
     fn finish(&mut self) -> Result<(), Error> {
+        self.write_report()?;
         let record = self.record.to_json(&self.timings);
         match &self.json {
             Some(to) if to.as_os_str() == "-" => print(&record),

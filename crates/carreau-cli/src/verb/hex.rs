@@ -8,6 +8,7 @@ use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
 use carreau::io::{self, WriteOptions, is_skeleton_file};
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -125,12 +126,15 @@ impl Hex {
             allow_invalid: options.allow_invalid,
         };
         let context = session.context.clone();
-        let HexResult { mesh, figures, warnings, .. } = context.install(|| match &shape {
+        let HexResult { mesh, figures, warnings, skeleton } = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
             Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
         })?;
         warnings.into_iter().for_each(|w| session.warn(w));
         session.draw_as(|| hex_figure(&mesh))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(Scene::of_hexes(name, &mesh)?.net("skeleton", &skeleton))
+        })?;
         session.record.set_all(&figures);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
         session.say(format!(

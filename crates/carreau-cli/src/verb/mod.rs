@@ -16,6 +16,7 @@ mod segment;
 mod shell;
 mod simplify;
 mod skeleton;
+mod view;
 
 use crate::session::Failure;
 use clap::Subcommand;
@@ -38,6 +39,7 @@ pub enum Verb {
     Skeleton(skeleton::Skeleton),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
+    View(view::View),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -61,6 +63,7 @@ impl Verb {
             Verb::Skeleton(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
+            Verb::View(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),
         }

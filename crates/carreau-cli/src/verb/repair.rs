@@ -5,6 +5,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, RepairOptions, repair};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -75,6 +76,7 @@ impl Repair {
             }
             let out = RawMesh::from(done.mesh);
             session.draw(&out)?;
+            session.show_result(Some(&self.output), |name, _| Scene::of_mesh(name, &out))?;
             session.write_mesh(&self.output, &out, &WriteOptions::default())?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
             session.record.set("repair", done.report);

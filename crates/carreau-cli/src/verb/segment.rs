@@ -8,6 +8,7 @@ use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{Column, RawMesh, SurfaceMesh};
+use carreau::report::page::Scene;
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
 use carreau::{Error, Length, Place};
 use clap::Args;
@@ -166,6 +167,9 @@ impl Segment {
         tell(session, &result);
         let mut out = labelled(mesh, &result);
         session.draw(&out)?;
+        session.show_result(self.output.as_deref(), |name, context| {
+            Scene::of_mesh(name, &worded(&out, &result))?.show("region").with_curvature(context)
+        })?;
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
                 group(&mut out, &result);
@@ -224,6 +228,33 @@ pub fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
     let face = &mut mesh.attributes.face;
     face.extend([("region".into(), region), ("primitive".into(), kind), ("fit_error".into(), error)]);
     RawMesh::from(mesh)
+}
+
+/// The mesh with words for its regions and their kinds, for pages.
+pub fn worded(out: &RawMesh, result: &Segmentation) -> RawMesh {
+    let mut out = out.clone();
+    let kinds = ["plane", "sphere", "cylinder", "cone", "torus", "freeform"];
+    let mut word = |column: &str, label: i32, word: String| out.attributes.names.insert((column.into(), label), word);
+    for (label, kind) in (0..).zip(kinds) {
+        word("primitive", label, kind.into());
+    }
+    for (label, region) in (0..).zip(&result.regions) {
+        word("region", label, described(region));
+    }
+    out
+}
+
+/// A region's surface in a few words.
+fn described(region: &Region) -> String {
+    let measures = match region.primitive {
+        Some(Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. }) => format!(", radius {radius:.6}"),
+        Some(Primitive::Cone { half_angle, .. }) => format!(", half angle {:.3}°", half_angle.to_degrees()),
+        Some(Primitive::Torus { major_radius, minor_radius, .. }) => {
+            format!(", radii {major_radius:.6} and {minor_radius:.6}")
+        }
+        _ => String::new(),
+    };
+    format!("{}{measures}", kind(region))
 }
 
 /// Regions as named groups, for OBJ, which knows no face properties.
