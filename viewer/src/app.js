@@ -15,7 +15,7 @@ import { State } from './state.js';
 import { themeOf } from './theme.js';
 
 /** Overlays that are drawn unless switched off. */
-const SHOWN = ['region', 'sharp', 'border', 'feature', 'field', 'marks'];
+const SHOWN = ['region', 'border', 'feature', 'field', 'marks'];
 /** Opacity of a surface around a skeleton. */
 const GLASS = 0.32;
 
@@ -126,10 +126,11 @@ export class App {
     this.state.set({ overlays: { ...this.state.overlays, [kind]: !this.overlayOn(kind) } });
   }
 
-  /** Whether an overlay is shown: as chosen; a skeleton unless it is inside cells, its radii where there is nothing else. */
+  /** Whether an overlay is shown: as chosen; else sharp edges unless there are too many, a skeleton unless it is inside cells, its radii where there is nothing else. */
   overlayOn(kind, models = this.shown()) {
     const chosen = this.state.overlays[kind];
     if (chosen !== undefined) return chosen;
+    if (kind === 'sharp') return models.every((m) => m.isVolume || m.faces.count === 0 || this.stage.actor(m).overlays.sharpIsClear);
     if (kind === 'skeleton') return models.some((m) => m.nets.length > 0 && !m.isVolume);
     if (kind === 'tube') return models.some((m) => m.nets.length > 0 && m.faces.count === 0 && m.cells.count === 0);
     return false;
@@ -179,7 +180,7 @@ export class App {
     material.transparent = opacity < 1;
     material.depthWrite = opacity === 1;
     const labels = layer?.kind === 'label' && layer.on === 'face' ? layer : null;
-    const options = { angle: state.angle, labels, normals: () => skin.normals };
+    const options = { angle: state.angle, labels };
     for (const kind of overlays.kinds()) overlays.set(kind, this.overlayOn(kind, [model]), options, theme);
     overlays.theme(theme);
     pane.netsShown = model.nets.length > 0 && this.overlayOn('skeleton', [model]);

@@ -9,6 +9,8 @@ document.body.append(wait);
 
 async function start() {
   const page = await readPage();
+  // Before the drawing is fitted: it takes the place of the text.
+  wait.hidden = true;
   // For tests and for the curious.
   window.carreau = new App(page);
   wait.remove();
@@ -19,4 +21,5 @@ start().catch((error) => {
   console.error(error);
   wait.textContent = `This page cannot be shown: ${error.message}`;
   wait.className = 'failed';
+  wait.hidden = false;
 });

@@ -36,10 +36,16 @@ export function cornerNormals(soup, normals, vertexCount) {
   const limit = Math.cos((CREASE * Math.PI) / 180);
   const out = new Int8Array(4 * corners.length);
   for (let c = 0; c < corners.length; c++) {
+    // Plain numbers: this loop runs millions of times.
     const f = 3 * owner[(c / 3) | 0];
-    const [nx, ny, nz] = [normals[f], normals[f + 1], normals[f + 2]];
-    let [x, y, z] = [0, 0, 0];
-    for (let k = start[corners[c]]; k < start[corners[c] + 1]; k++) {
+    const nx = normals[f];
+    const ny = normals[f + 1];
+    const nz = normals[f + 2];
+    let x = 0;
+    let y = 0;
+    let z = 0;
+    const end = start[corners[c] + 1];
+    for (let k = start[corners[c]]; k < end; k++) {
       const g = 3 * around[k];
       if (nx * normals[g] + ny * normals[g + 1] + nz * normals[g + 2] < limit) continue;
       x += normals[g];

@@ -23,8 +23,9 @@ export const KINDS = {
 const MOST_GLYPHS = 30000;
 
 export class Overlays {
-  constructor(model) {
+  constructor(model, normals) {
     this.model = model;
+    this.normals = normals;
     this.group = new THREE.Group();
     this.parts = new Map();
     this.group.add(this.mark = new THREE.Group());
@@ -43,6 +44,13 @@ export class Overlays {
       skeleton: model.nets.length > 0, tube: model.nets.length > 0,
     };
     return Object.keys(KINDS).filter((kind) => there[kind]);
+  }
+
+  /** Whether sharp edges tell something: on a rough scan they would cover everything. */
+  get sharpIsClear() {
+    const { edges } = this.model;
+    return this.model.once('sharp is clear', () => edges.count < 500
+      || edges.sharp(this.normals(), 35).length / 2 < 0.08 * edges.count);
   }
 
   /** What the list of layers calls a kind, by the names of the parts. */
@@ -112,7 +120,7 @@ export class Overlays {
   segmentsOf(kind, options = {}) {
     const { model } = this;
     if (kind === 'border') return model.once('border', () => this.between(model.edges.borders()));
-    if (kind === 'sharp') return this.between(model.edges.sharp(model.once('face normals', () => options.normals()), options.angle));
+    if (kind === 'sharp') return this.between(model.edges.sharp(this.normals(), options.angle));
     if (kind === 'region') return options.labels ? this.between(model.edges.between(options.labels.values)) : new Float32Array();
     if (kind === 'vectors') return concat(this.vectorLayers().map((layer) => glyphs(model, layer)));
     return concat(model.lines.filter((l) => l.style === kind).map((l) => l.segments ?? this.between(l.edges)));
@@ -248,7 +256,7 @@ function tubes(model) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.Float32BufferAttribute(positions, 3));
   geometry.computeVertexNormals();
-  const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.16, depthWrite: false, side: THREE.DoubleSide });
+  const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.3, side: THREE.DoubleSide });
   const mesh = new THREE.Mesh(geometry, material);
   mesh.frustumCulled = false;
   mesh.renderOrder = 1;

@@ -1,6 +1,6 @@
 // What is under the pointer: the nearest triangle of the drawn soup, or a node of a net.
 
-/** Parameters of a ray in local coordinates. */
+/** The nearest triangle that a ray meets (local coordinates), among those that are drawn. */
 export function pickFace(skin, origin, direction, options) {
   const { model, soup } = skin;
   const { points } = model;
@@ -14,30 +14,46 @@ export function pickFace(skin, origin, direction, options) {
   };
   let best = Infinity;
   let found = -1;
-  const p = new Float64Array(9);
+  const isShrunk = shrink < 1 && model.isVolume;
+  // Plain numbers: this loop runs over all triangles.
   for (let t = 0; t < soup.count; t++) {
-    for (let k = 0; k < 3; k++) {
-      const v = 3 * soup.corners[3 * t + k];
-      p[3 * k] = points[v];
-      p[3 * k + 1] = points[v + 1];
-      p[3 * k + 2] = points[v + 2];
-    }
-    if (shrink < 1 && model.isVolume) {
-      const c = 3 * soup.owner[t];
-      for (let k = 0; k < 9; k++) p[k] = model.cellFaces.centres[c + (k % 3)] * (1 - shrink) + p[k] * shrink;
+    const a = 3 * soup.corners[3 * t];
+    const b = 3 * soup.corners[3 * t + 1];
+    const c = 3 * soup.corners[3 * t + 2];
+    let px = points[a];
+    let py = points[a + 1];
+    let pz = points[a + 2];
+    let ux = points[b] - px;
+    let uy = points[b + 1] - py;
+    let uz = points[b + 2] - pz;
+    let vx = points[c] - px;
+    let vy = points[c + 1] - py;
+    let vz = points[c + 2] - pz;
+    if (isShrunk) {
+      const m = 3 * soup.owner[t];
+      const { centres } = model.cellFaces;
+      px = centres[m] + (px - centres[m]) * shrink;
+      py = centres[m + 1] + (py - centres[m + 1]) * shrink;
+      pz = centres[m + 2] + (pz - centres[m + 2]) * shrink;
+      ux *= shrink; uy *= shrink; uz *= shrink;
+      vx *= shrink; vy *= shrink; vz *= shrink;
     }
     // Möller and Trumbore.
-    const [ux, uy, uz] = [p[3] - p[0], p[4] - p[1], p[5] - p[2]];
-    const [vx, vy, vz] = [p[6] - p[0], p[7] - p[1], p[8] - p[2]];
-    const [hx, hy, hz] = [dy * vz - dz * vy, dz * vx - dx * vz, dx * vy - dy * vx];
+    const hx = dy * vz - dz * vy;
+    const hy = dz * vx - dx * vz;
+    const hz = dx * vy - dy * vx;
     const det = ux * hx + uy * hy + uz * hz;
     if (det === 0) continue;
-    const [sx, sy, sz] = [ox - p[0], oy - p[1], oz - p[2]];
-    const a = (sx * hx + sy * hy + sz * hz) / det;
-    if (a < 0 || a > 1) continue;
-    const [qx, qy, qz] = [sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux];
-    const b = (dx * qx + dy * qy + dz * qz) / det;
-    if (b < 0 || a + b > 1) continue;
+    const sx = ox - px;
+    const sy = oy - py;
+    const sz = oz - pz;
+    const first = (sx * hx + sy * hy + sz * hz) / det;
+    if (first < 0 || first > 1) continue;
+    const qx = sy * uz - sz * uy;
+    const qy = sz * ux - sx * uz;
+    const qz = sx * uy - sy * ux;
+    const second = (dx * qx + dy * qy + dz * qz) / det;
+    if (second < 0 || first + second > 1) continue;
     const distance = (vx * qx + vy * qy + vz * qz) / det;
     if (distance <= 0 || distance >= best) continue;
     if (plane && !model.isVolume) {

@@ -30,7 +30,7 @@ export class Stage {
       const group = new THREE.Group();
       scene.add(group);
       const skin = new Skin(model, this.ramps);
-      const overlays = new Overlays(model);
+      const overlays = new Overlays(model, () => skin.normals);
       group.add(skin.mesh, overlays.group);
       this.actors.set(model, { model, scene, group, skin, overlays });
     }

@@ -27,11 +27,6 @@ impl Record {
         self.verb
     }
 
-    /// The file of the part `input`.
-    pub fn input_file(&self) -> Option<&str> {
-        self.parts.get("input")?.get("file")?.as_str()
-    }
-
     /// Sets a part of the record.
     pub fn set(&mut self, name: &str, value: impl Serialize) {
         let value = serde_json::to_value(value).unwrap_or(Value::Null);

@@ -312,21 +312,26 @@ impl Session {
         self.show(file.unwrap_or(Path::new(&name)), Role::After, make)
     }
 
-    /// Puts the scene of a file first.
-    pub fn show_first(&mut self, file: &Path) {
-        self.scenes.sort_by_key(|(shown, _)| shown != file);
+    /// Puts the scenes of files in this order, none of them before or after another.
+    pub fn show_equal(&mut self, files: &[&Path]) {
+        let place = |file: &PathBuf| files.iter().position(|f| *f == file);
+        self.scenes.sort_by_key(|(file, _)| place(file));
+        self.scenes =
+            std::mem::take(&mut self.scenes).into_iter().map(|(file, s)| (file, s.role(Role::Other))).collect();
     }
 
-    /// The page of the run.
-    pub fn page(&self, title: &str) -> Page {
+    /// The page of the run; its title names what the run was given.
+    pub fn page(&self) -> Page {
         let scenes = self.scenes.iter().map(|(_, scene)| scene.clone());
-        Page::new(title).command(command_line()).record(self.record.brief(&self.timings)).scenes(scenes)
+        let given = self.scenes.iter().map(|(_, scene)| scene).filter(|scene| scene.as_role() != Role::After);
+        let names: Vec<&str> = given.map(Scene::name).collect();
+        let title = format!("carreau {} {}", self.record.verb(), names.join(", "));
+        Page::new(title.trim_end()).command(command_line()).record(self.record.brief(&self.timings)).scenes(scenes)
     }
 
     fn write_report(&mut self) -> Result<(), Error> {
         let Some(file) = self.report.clone() else { return Ok(()) };
-        let input = self.record.input_file().unwrap_or_default();
-        let page = self.page(format!("carreau {} {input}", self.record.verb()).trim_end());
+        let page = self.page();
         let context = self.context.clone();
         let html = context.install(|| {
             let _stage = context.stage("report");

@@ -52,7 +52,7 @@ impl Compare {
             // The record's `input` is the first file: it is read last, so that its counts stay.
             let b = read(session, &self.b)?;
             let a = read(session, &self.a)?;
-            session.show_first(&self.a);
+            session.show_equal(&[&self.a, &self.b]);
             let context = session.context.clone();
             let found = context.install(|| {
                 let _stage = context.stage("distance");

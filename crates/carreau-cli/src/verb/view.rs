@@ -52,9 +52,11 @@ impl View {
             for file in &self.inputs {
                 self.add(session, file)?;
             }
+            session.show_equal(&self.inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>());
+            session.record.set("inputs", &self.inputs);
             session.record.set("output", json!({ "file": self.output.to_string_lossy(), "scenes": self.inputs.len() }));
             if let Some(copy) = &self.common.report {
-                let html = session.page("carreau view").html()?;
+                let html = session.page().html()?;
                 session.write_bytes(copy, html.as_bytes())?;
             }
             Ok(())
