@@ -8,7 +8,7 @@ import { Skin, rampTexture } from './skin.js';
 export class Stage {
   constructor(canvas, ramps) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.localClippingEnabled = true;
     this.renderer.autoClear = false;
     this.ramps = { sequential: rampTexture(ramps.sequential), diverging: rampTexture(ramps.diverging) };
