@@ -17,7 +17,7 @@ import { themeOf } from './theme.js';
 /** Overlays that are drawn unless switched off. */
 const SHOWN = ['region', 'border', 'feature', 'field', 'marks'];
 /** Opacity of a surface around a skeleton. */
-const GLASS = 0.32;
+const GLASS = 0.45;
 
 export class App {
   constructor({ head, read }) {
@@ -51,7 +51,8 @@ export class App {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.apply(new Set(['theme'])));
     this.state.listen((changed) => this.apply(changed));
     this.apply(new Set(['left', 'right', 'layout', 'theme', 'tab', 'sidebar']));
-    const { eye, up } = this.shown()[0] ?? { eye: [0, -1, 0.4], up: [0, 0, 1] };
+    const solid = this.shown().find((m) => m.faces.count > 0 || m.isVolume) ?? this.shown()[0];
+    const { eye, up } = solid ?? { eye: [0, -1, 0.4], up: [0, 0, 1] };
     this.stage.orbit.lookFrom(eye, up);
     this.home = { eye, up };
     this.stage.resize();
@@ -86,6 +87,7 @@ export class App {
       shrink: 1,
       measure: 'quality',
       keep: null,
+      stretch: false,
       picked: null,
     };
   }
@@ -114,6 +116,13 @@ export class App {
       if (other !== model && (name === 'plain' || other.layerNamed(name))) colours[other.index] = name;
     }
     this.state.set({ colours });
+  }
+
+  /** The numbers that the colours of a layer span: quality 0 to 1, or stretched over what the models have. */
+  rangeOf(layer) {
+    if (layer.range !== 'quality' || !this.state.stretch) return [layer.stats.low, layer.stats.high];
+    const lows = this.shown().map((m) => m.quality?.stats.p02 ?? 1);
+    return [Math.min(0.99, ...lows), 1];
   }
 
   /** The layer of numbers that is measured, of one model. */
@@ -175,10 +184,8 @@ export class App {
     const faint = overlays.kinds().includes('field') && this.overlayOn('field') ? 0.25 : 1;
     material.uniforms.lines.value = state.edges ? strength * faint : 0;
     material.uniforms.flatFaces.value = !state.smooth || model.isVolume;
-    const opacity = this.opacityOf(model);
-    material.uniforms.opacity.value = opacity;
-    material.transparent = opacity < 1;
-    material.depthWrite = opacity === 1;
+    skin.opacity = this.opacityOf(model);
+    if (layer?.kind === 'scalar') material.uniforms.range.value.set(...this.rangeOf(layer));
     const labels = layer?.kind === 'label' && layer.on === 'face' ? layer : null;
     const options = { angle: state.angle, labels };
     for (const kind of overlays.kinds()) overlays.set(kind, this.overlayOn(kind, [model]), options, theme);

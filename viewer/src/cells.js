@@ -73,14 +73,13 @@ export class CellFaces {
     });
   }
 
-  /** Triangles of the faces of visible cells that no visible cell hides; of all their faces where cells are shrunk. */
-  skin(visible, shrunk) {
+  /** Triangles of the faces of visible cells that no visible cell hides; of all faces where `visible` is null. */
+  skin(visible) {
     const shown = [];
     let triangles = 0;
     for (let f = 0; f < this.count; f++) {
-      if (!visible[this.cell[f]]) continue;
       const twin = this.twin[f];
-      if (!shrunk && twin >= 0 && visible[this.cell[twin]]) continue;
+      if (visible && (!visible[this.cell[f]] || (twin >= 0 && visible[this.cell[twin]]))) continue;
       shown.push(f);
       triangles += this.corners[4 * f + 3] === ABSENT ? 1 : 2;
     }

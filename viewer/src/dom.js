@@ -12,7 +12,19 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
-export const clear = (element, ...children) => element.replaceChildren(...children.flat(3).filter((c) => c != null && c !== false));
+/** Replaces the children of an element; the one that had the focus gives it to its successor. */
+export function clear(element, ...children) {
+  const focused = element.contains(document.activeElement) && nameOf(document.activeElement);
+  element.replaceChildren(...children.flat(3).filter((c) => c != null && c !== false));
+  if (focused) element.querySelector(focused)?.focus({ preventScroll: true });
+}
+
+/** A selector that finds a control again after its panel was rebuilt. */
+function nameOf({ id, dataset, parentElement }) {
+  if (id) return `#${CSS.escape(id)}`;
+  if (dataset.key) return `[data-key="${dataset.key}"]`;
+  return dataset.value && `[aria-label="${parentElement.ariaLabel}"] [data-value="${dataset.value}"]`;
+}
 
 export function select(label, options, value, onchange, id) {
   const box = h('select', { id, 'aria-label': label, onchange: () => onchange(box.value) },

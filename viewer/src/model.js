@@ -103,17 +103,18 @@ function decodeLayer(layer, read) {
 function statistics(values, range) {
   const finite = values.filter(Number.isFinite).sort();
   const n = finite.length;
-  if (n === 0) return { count: 0, min: 0, max: 0, mean: 0, low: 0, high: 1 };
+  if (n === 0) return { count: 0, min: 0, max: 0, mean: 0, low: 0, high: 1, p02: 0 };
   const at = (share) => finite[Math.min(n - 1, Math.max(0, Math.ceil(share * n) - 1))];
   const mean = finite.reduce((sum, x) => sum + x, 0) / n;
-  let [low, high] = [at(0.02), at(0.98)];
+  const p02 = at(0.02);
+  let [low, high] = [p02, at(0.98)];
   if (range === 'quality') [low, high] = [0, 1];
   if (range === 'diverging') {
     const bound = Math.max(Math.abs(low), Math.abs(high));
     [low, high] = [-bound, bound];
   }
   if (!(high > low)) [low, high] = finite[0] < finite[n - 1] ? [finite[0], finite[n - 1]] : [low - 0.5, low + 0.5];
-  return { count: n, min: finite[0], max: finite[n - 1], mean, low, high };
+  return { count: n, min: finite[0], max: finite[n - 1], mean, low, high, p02 };
 }
 
 /** The value of a layer at an element, as a person reads it. */

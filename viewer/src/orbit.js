@@ -2,6 +2,8 @@
 import * as THREE from 'three';
 
 const FIELD_OF_VIEW = 25;
+/** Room around what is fitted: below and above it are bars. */
+const MARGIN = 1.13;
 
 export class Orbit {
   constructor(changed) {
@@ -27,6 +29,21 @@ export class Orbit {
     this.target.fromArray(middle);
     const half = (FIELD_OF_VIEW / 2) * (Math.PI / 180);
     this.distance = radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, aspect)));
+    this.changed();
+  }
+
+  /** Looks at a place from as near as all points allow. */
+  frame(middle, aspect, points) {
+    this.target.copy(middle);
+    const back = this.turn.clone().invert();
+    const half = Math.tan((FIELD_OF_VIEW / 2) * (Math.PI / 180)) / MARGIN;
+    const q = new THREE.Vector3();
+    let distance = 0;
+    points((p) => {
+      q.copy(p).sub(middle).applyQuaternion(back);
+      distance = Math.max(distance, q.z + Math.max(Math.abs(q.x) / aspect, Math.abs(q.y)) / half);
+    });
+    this.distance = Math.max(distance, 1e-3 * this.reach);
     this.changed();
   }
 

@@ -218,12 +218,13 @@ function skeleton(model, overlays) {
   for (const net of model.nets) {
     if (net.edges.length > 0) {
       const lines = fatLines(overlays.between(net.edges, net.points), KINDS.skeleton.width);
-      lines.material.depthTest = false;
+      // In the pass of transparent things, so that glass does not cover it.
+      Object.assign(lines.material, { depthTest: false, transparent: true });
       lines.renderOrder = 3;
       group.add(lines);
     }
     const geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(net.points, 3));
-    const material = new THREE.PointsMaterial({ size: 5, sizeAttenuation: false, depthTest: false });
+    const material = new THREE.PointsMaterial({ size: 5, sizeAttenuation: false, depthTest: false, transparent: true });
     const nodes = new THREE.Points(geometry, material);
     nodes.frustumCulled = false;
     nodes.renderOrder = 3;
@@ -256,11 +257,11 @@ function tubes(model) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.Float32BufferAttribute(positions, 3));
   geometry.computeVertexNormals();
-  const material = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.3, side: THREE.DoubleSide });
-  const mesh = new THREE.Mesh(geometry, material);
-  mesh.frustumCulled = false;
-  mesh.renderOrder = 1;
-  return mesh;
+  // Depth first: where cones overlap, only the nearest is seen.
+  const depth = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ colorWrite: false, side: THREE.DoubleSide }));
+  const color = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ transparent: true, opacity: 0.4, side: THREE.DoubleSide }));
+  [depth, color].forEach((mesh, k) => Object.assign(mesh, { frustumCulled: false, renderOrder: 0.8 + 0.1 * k }));
+  return new THREE.Group().add(depth, color);
 }
 
 const MARK_VERTEX = /* glsl */ `

@@ -11,9 +11,7 @@ export class LayersPanel {
   update(changed) {
     // Sliders that are being dragged stay.
     if (this.element.contains(document.activeElement) && document.activeElement.type === 'range' && !changed.has('axis')) return;
-    const focused = document.activeElement?.dataset?.key;
     clear(this.element, this.overlays(), this.faces(), this.slice());
-    if (focused) this.element.querySelector(`[data-key="${focused}"]`)?.focus();
   }
 
   overlays() {

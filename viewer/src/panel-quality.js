@@ -15,7 +15,11 @@ export class QualityPanel {
   update(changed) {
     const relevant = ['left', 'right', 'layout', 'measure', 'theme', 'tab', 'sidebar'];
     if (relevant.some((name) => changed.has(name))) this.build();
-    if (changed.has('keep') || changed.has('axis') || changed.has('at') || changed.has('flip')) this.refresh();
+    else if (changed.has('keep')) {
+      // A slider that is being dragged stays.
+      if (document.activeElement?.type === 'range' && this.element.contains(document.activeElement)) this.refresh();
+      else this.build();
+    }
   }
 
   layers() {

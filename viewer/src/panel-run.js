@@ -36,7 +36,7 @@ export class RunPanel {
   part(title, values) {
     const rows = flat(values ?? {});
     return rows.length > 0 && h('section', {}, h('h2', {}, title), h('table', {}, h('tbody', {},
-      rows.map(([name, value]) => h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, value))))));
+      rows.map(([name, value]) => h('tr', {}, h('th', { scope: 'row' }, name.replaceAll('_', ' ')), h('td', {}, value))))));
   }
 
   /** Stages with bars. */
@@ -54,7 +54,7 @@ function flat(value, name = '') {
   if (value !== null && typeof value === 'object' && !Array.isArray(value)) {
     return Object.entries(value).flatMap(([key, inner]) => flat(inner, name ? `${name}.${key}` : key));
   }
-  if (Array.isArray(value)) return [[name, value.length > 12 ? `${grouped(value.length)} entries` : value.map(text).join(', ')]];
+  if (Array.isArray(value)) return [[name, value.length > 12 ? `${grouped(value.length)} entries` : value.map(text).join(', ') || 'none']];
   return [[name, text(value)]];
 }
 

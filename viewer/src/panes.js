@@ -1,5 +1,5 @@
 // Over each pane: which scene, coloured by which layer, and the legend. Between two: the slider of the split.
-import { clear, h, select } from './dom.js';
+import { checkbox, clear, h, select } from './dom.js';
 import { grouped, number } from './model.js';
 
 /** Labels in a legend. */
@@ -36,13 +36,11 @@ export class PaneBars {
     this.rule.hidden = !isSplit;
     this.divider.value = app.state.split;
     this.rule.style.left = `${100 * app.state.split}%`;
-    if (!['left', 'right', 'layout', 'colours', 'theme'].some((name) => changed.has(name))) return;
-    const focused = document.activeElement?.id;
+    if (!['left', 'right', 'layout', 'colours', 'theme', 'stretch'].some((name) => changed.has(name))) return;
     this.bars.forEach((bar, k) => {
       bar.hidden = !models[k];
       if (models[k]) clear(bar, this.chooser(models[k], k), this.legend(models[k]));
     });
-    if (focused) document.getElementById(focused)?.focus();
   }
 
   chooser(model, k) {
@@ -71,10 +69,14 @@ export class PaneBars {
     });
     const bar = h('div', { class: 'ramp', style: `background: linear-gradient(to right, ${stops.join(', ')})` });
     const text = (x) => number(x * layer.unit, 3);
-    const ends = h('div', { class: 'ends' }, h('span', {}, text(layer.stats.low)), h('b', {}, layer.name), h('span', {}, text(layer.stats.high)));
+    const [low, high] = this.app.rangeOf(layer);
+    const ends = h('div', { class: 'ends' }, h('span', {}, text(low)), h('b', {}, layer.name), h('span', {}, text(high)));
+    const { state } = this.app;
+    const stretch = layer.range === 'quality' && checkbox('Stretch', state.stretch, (on) => state.set({ stretch: on }),
+      { id: `stretch-${layer.on}`, title: 'Spread the colours over the values that occur, the same in both panes' });
     const invalid = layer.range === 'quality' && layer.stats.min <= 0
       ? h('div', { class: 'invalid' }, h('i', { style: `background:${this.app.theme.invalid}` }), 'invalid (0 and below)') : null;
-    return [bar, ends, invalid];
+    return [bar, ends, stretch, invalid];
   }
 
   labelLegend(layer) {

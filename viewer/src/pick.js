@@ -8,7 +8,8 @@ export function pickFace(skin, origin, direction, options) {
   const [ox, oy, oz] = origin;
   const [dx, dy, dz] = direction;
   const isKept = (t) => {
-    if (!range || model.isVolume || layer.on === 'vertex') return true;
+    if (model.isVolume) return skin.visible[soup.owner[t]] === 1;
+    if (!range || layer.on === 'vertex') return true;
     const value = layer.values[soup.owner[t]];
     return value >= range[0] && value <= range[1];
   };

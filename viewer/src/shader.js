@@ -42,6 +42,7 @@ const FRAGMENT = /* glsl */ `
   uniform float opacity;
   uniform bool flatFaces;
   uniform bool hasInvalid;
+  uniform bool filtered;
   uniform vec2 range;
   uniform vec2 keep;
   uniform sampler2D ramp;
@@ -71,7 +72,7 @@ const FRAGMENT = /* glsl */ `
 
   void main() {
     #include <clipping_planes_fragment>
-    if (vKept < keep.x || vKept > keep.y) discard;
+    if (filtered && !(vKept >= keep.x && vKept <= keep.y)) discard;
     vec3 facing = normalize(cross(dFdx(vEye), dFdy(vEye)));
     vec3 n = flatFaces || dot(vNormal, vNormal) < 1e-6 ? facing : normalize(vNormal);
     if (dot(n, facing) < 0.0) n = -n;
@@ -98,7 +99,7 @@ export function faceMaterial() {
     polygonOffsetUnits: 2,
     uniforms: {
       mode: { value: 0 }, ramp: { value: null }, range: { value: new THREE.Vector2(0, 1) },
-      keep: { value: new THREE.Vector2(-3e38, 3e38) }, lines: { value: 0.5 }, opacity: { value: 1 },
+      keep: { value: new THREE.Vector2() }, filtered: { value: false }, lines: { value: 0.5 }, opacity: { value: 1 },
       flatFaces: { value: false }, hasInvalid: { value: false }, shrink: { value: 1 },
       plain: color(), missing: color(), invalid: color(), line: color(), inside: color(),
     },

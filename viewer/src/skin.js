@@ -13,6 +13,12 @@ export class Skin {
     this.material = faceMaterial();
     this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), this.material);
     this.mesh.frustumCulled = false;
+    // Drawn first where faces are transparent: only the nearest of them is seen.
+    this.depth = new THREE.Mesh(this.mesh.geometry, faceMaterial());
+    Object.assign(this.depth.material, { colorWrite: false, uniforms: this.material.uniforms });
+    this.depth.renderOrder = -1;
+    this.depth.frustumCulled = false;
+    this.depth.visible = false;
     if (model.isVolume) this.visible = new Uint8Array(model.cells.count).fill(1);
     this.rebuild(false);
   }
@@ -21,7 +27,8 @@ export class Skin {
   rebuild(shrunk) {
     const { model } = this;
     this.shrunk = shrunk;
-    this.soup = model.isVolume ? model.cellFaces.skin(this.visible, shrunk) : model.soup;
+    // Shrunk cells are all there, hidden ones are left out by their `kept`.
+    this.soup = model.isVolume ? model.cellFaces.skin(shrunk ? null : this.visible) : model.soup;
     const { corners, count, sides, owner } = this.soup;
     const position = new Float32Array(9 * count);
     const bary = new Uint8Array(12 * count);
@@ -49,6 +56,8 @@ export class Skin {
     }
     this.mesh.geometry.dispose();
     this.mesh.geometry = geometry;
+    this.depth.geometry = geometry;
+    if (model.isVolume) this.keep(null);
     this.paint(this.layer);
     this.keepBy(this.filter);
   }
@@ -79,7 +88,6 @@ export class Skin {
     } else if (layer.kind === 'scalar') {
       uniforms.mode.value = MODE.ramp;
       uniforms.ramp.value = layer.range === 'diverging' ? this.ramps.diverging : this.ramps.sequential;
-      uniforms.range.value.set(layer.stats.low, layer.stats.high);
       uniforms.hasInvalid.value = layer.range === 'quality';
       const values = this.spread(layer, new Float32Array(n), 1, (out, c, at) => { out[c] = at < 0 ? NaN : layer.values[at]; });
       geometry.setAttribute('value', new THREE.BufferAttribute(values, 1));
@@ -87,6 +95,24 @@ export class Skin {
       uniforms.mode.value = MODE.tint;
       geometry.setAttribute('tint', new THREE.BufferAttribute(this.spread(layer, new Uint8Array(4 * n), 4, tints(layer)), 4, true));
     }
+  }
+
+  /** Opaque, or as glass. */
+  set opacity(value) {
+    this.material.uniforms.opacity.value = value;
+    this.material.transparent = value < 1;
+    this.depth.visible = value < 1;
+  }
+
+  /** Draws only what has a `kept` in this range; `null`: everything. */
+  keep(range) {
+    this.material.uniforms.filtered.value = range !== null;
+    if (range) this.material.uniforms.keep.value.set(Math.max(-3e38, range[0]), Math.min(3e38, range[1]));
+  }
+
+  set clippingPlanes(planes) {
+    this.material.clippingPlanes = planes;
+    this.depth.material.clippingPlanes = planes;
   }
 
   /** Surfaces: elements whose value of this layer is outside the range are not drawn. */
@@ -114,7 +140,14 @@ export class Skin {
         changed = true;
       }
     }
-    if (changed) this.rebuild(shrunk);
+    if (!changed) return;
+    if (!shrunk || !this.shrunk) this.rebuild(shrunk);
+    if (!shrunk) return;
+    const { owner } = this.soup;
+    const kept = new Float32Array(3 * owner.length);
+    for (let t = 0; t < owner.length; t++) kept.fill(visible[owner[t]], 3 * t, 3 * t + 3);
+    this.mesh.geometry.setAttribute('kept', new THREE.BufferAttribute(kept, 1));
+    this.keep([0.5, 1.5]);
   }
 
   get visibleCount() {
@@ -130,6 +163,7 @@ export class Skin {
   dispose() {
     this.mesh.geometry.dispose();
     this.material.dispose();
+    this.depth.material.dispose();
   }
 }
 

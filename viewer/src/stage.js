@@ -28,10 +28,11 @@ export class Stage {
     if (!this.actors.has(model)) {
       const scene = new THREE.Scene();
       const group = new THREE.Group();
-      scene.add(group);
+      // Only the cones of radii use it; faces have a light of their own.
+      scene.add(group, new THREE.HemisphereLight('#ffffff', '#777777', 3));
       const skin = new Skin(model, this.ramps);
       const overlays = new Overlays(model, () => skin.normals);
-      group.add(skin.mesh, overlays.group);
+      group.add(skin.depth, skin.mesh, overlays.group);
       this.actors.set(model, { model, scene, group, skin, overlays });
     }
     return this.actors.get(model);
@@ -55,12 +56,38 @@ export class Stage {
       pane.group.position.set(...t);
       pane.group.updateMatrixWorld(true);
     }
-    this.orbit.reach = Math.max(...this.panes.map((p) => reach(p))) || 1;
+    let most = 0;
+    this.points((p) => { most = Math.max(most, p.lengthSq()); });
+    this.orbit.reach = Math.sqrt(most) || 1;
     this.redraw();
   }
 
+  /** Everything is seen from the present side, as large as the panes allow. */
   fit() {
-    this.orbit.fit(this.orbit.reach * 1.04, [0, 0, 0], this.aspect());
+    const right = new THREE.Vector3(1, 0, 0).applyQuaternion(this.orbit.turn);
+    const up = new THREE.Vector3(0, 1, 0).applyQuaternion(this.orbit.turn);
+    const box = { x: [Infinity, -Infinity], y: [Infinity, -Infinity] };
+    this.points((p) => {
+      const [x, y] = [p.dot(right), p.dot(up)];
+      box.x = [Math.min(box.x[0], x), Math.max(box.x[1], x)];
+      box.y = [Math.min(box.y[0], y), Math.max(box.y[1], y)];
+    });
+    if (!(box.x[1] >= box.x[0])) return;
+    const middle = right.multiplyScalar((box.x[0] + box.x[1]) / 2).addScaledVector(up, (box.y[0] + box.y[1]) / 2);
+    this.orbit.frame(middle, this.aspect(), (each) => this.points(each));
+  }
+
+  /** Every drawn point, in the frame of the world. */
+  points(each) {
+    const p = new THREE.Vector3();
+    for (const { model, frame } of this.panes) {
+      for (const points of [model.points, ...model.nets.map((n) => n.points)]) {
+        for (let k = 0; k < points.length; k += 3) {
+          p.set(points[k] * frame.s + frame.t[0], points[k + 1] * frame.s + frame.t[1], points[k + 2] * frame.s + frame.t[2]);
+          each(p);
+        }
+      }
+    }
   }
 
   aspect() {
@@ -140,16 +167,18 @@ export class Stage {
   /** Applies slice, shrink and the range of values to a pane. */
   cut(pane, layer, range) {
     const { skin, overlays, model } = pane;
+    const fits = layer && (model.isVolume ? layer.on === 'cell' : layer.on !== 'cell');
+    if (!fits) [layer, range] = [null, null];
     pane.range = range;
     const planes = this.slice ? [new THREE.Plane(new THREE.Vector3(...this.slice.n).negate(), this.slice.d)] : null;
     if (model.isVolume) {
       skin.showCells(this.localPlane(pane), layer, range, this.shrink < 1);
       skin.material.uniforms.shrink.value = this.shrink;
     } else {
-      skin.material.clippingPlanes = planes;
+      skin.clippingPlanes = planes;
       overlays.clip(planes);
       if (skin.filter !== layer) skin.keepBy(layer);
-      skin.material.uniforms.keep.value.set(...(range ?? [-3e38, 3e38]));
+      skin.keep(range);
     }
     this.redraw();
   }
@@ -186,16 +215,4 @@ export class Stage {
     });
     this.ondraw?.();
   }
-}
-
-/** Largest distance of a drawn point from the origin of the world. */
-function reach({ model, frame }) {
-  let most = 0;
-  for (const points of [model.points, ...model.nets.map((n) => n.points)]) {
-    for (let k = 0; k < points.length; k += 3) {
-      const d = Math.hypot(...[0, 1, 2].map((i) => points[k + i] * frame.s + frame.t[i]));
-      if (d > most) most = d;
-    }
-  }
-  return most;
 }
