@@ -100,7 +100,8 @@ pub struct Session {
     pub record: Record,
     json: Option<PathBuf>,
     picture: Option<PathBuf>,
-    report: Option<PathBuf>,
+    /// Pages to write, all the same.
+    reports: Vec<PathBuf>,
     /// What the page will show, with the files it came from or went to.
     scenes: Vec<(PathBuf, Scene)>,
     quiet: bool,
@@ -153,7 +154,7 @@ impl Session {
             record,
             json: common.json.clone(),
             picture: common.picture.clone(),
-            report: common.report.clone(),
+            reports: common.report.iter().cloned().collect(),
             scenes: Vec::new(),
             quiet: common.quiet,
             timings,
@@ -275,6 +276,11 @@ impl Session {
         self.write_bytes(&file, &png)
     }
 
+    /// Writes the page to this file, too.
+    pub fn report_to(&mut self, file: &Path) {
+        self.reports.push(file.to_path_buf());
+    }
+
     /// Shows a scene on the page, where one was asked for; the scene takes the name that `make` is given. A file that is
     /// there already is replaced.
     pub fn show(
@@ -283,7 +289,7 @@ impl Session {
         role: Role,
         make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
     ) -> Result<(), Error> {
-        if self.report.is_none() {
+        if self.reports.is_empty() {
             return Ok(());
         }
         let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
@@ -321,29 +327,33 @@ impl Session {
     }
 
     /// The page of the run; its title names what the run was given.
-    pub fn page(&self) -> Page {
-        let scenes = self.scenes.iter().map(|(_, scene)| scene.clone());
-        let given = self.scenes.iter().map(|(_, scene)| scene).filter(|scene| scene.as_role() != Role::After);
+    fn page(&mut self) -> Page {
+        let scenes: Vec<Scene> = std::mem::take(&mut self.scenes).into_iter().map(|(_, scene)| scene).collect();
+        let given = scenes.iter().filter(|scene| scene.as_role() != Role::After);
         let names: Vec<&str> = given.map(Scene::name).collect();
         let title = format!("carreau {} {}", self.record.verb(), names.join(", "));
         Page::new(title.trim_end()).command(command_line()).record(self.record.brief(&self.timings)).scenes(scenes)
     }
 
-    fn write_report(&mut self) -> Result<(), Error> {
-        let Some(file) = self.report.clone() else { return Ok(()) };
+    fn write_reports(&mut self) -> Result<(), Error> {
+        if self.reports.is_empty() {
+            return Ok(());
+        }
         let page = self.page();
         let context = self.context.clone();
         let html = context.install(|| {
             let _stage = context.stage("report");
             page.html()
         })?;
-        self.write_bytes(&file, html.as_bytes())?;
-        self.say(format!("open {}", file.display()));
+        for file in std::mem::take(&mut self.reports) {
+            self.write_bytes(&file, html.as_bytes())?;
+            self.say(format!("open {}", file.display()));
+        }
         Ok(())
     }
 
     fn finish(&mut self) -> Result<(), Error> {
-        self.write_report()?;
+        self.write_reports()?;
         let record = self.record.to_json(&self.timings);
         match &self.json {
             Some(to) if to.as_os_str() == "-" => print(&record),
@@ -355,6 +365,16 @@ impl Session {
                 if self.quiet { Ok(()) } else { print(&text) }
             }
         }
+    }
+}
+
+/// An error about one of several inputs, with the name of that file.
+pub fn named(file: &Path, error: Error) -> Error {
+    match error {
+        Error::Input { what, place, remedy } => {
+            Error::Input { what: format!("{}: {what}", file.display()), place, remedy }
+        }
+        other => other,
     }
 }
 

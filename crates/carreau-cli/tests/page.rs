@@ -112,7 +112,11 @@ fn a_page_that_cannot_be_written_is_a_failure_to_write() {
     let fails = |line: &[&str]| carreau().args(line).assert().code(5).stderr(contains("page.html"));
     fails(&["view", text(&at("t.ply")), "-o", text(&nowhere)]);
     fails(&["info", text(&at("t.ply")), "--report", text(&nowhere)]);
-    carreau().args(["view", text(&at("none.ply")), "-o", text(&at("p.html"))]).assert().code(5).stderr(contains("none.ply"));
+    carreau()
+        .args(["view", text(&at("none.ply")), "-o", text(&at("p.html"))])
+        .assert()
+        .code(5)
+        .stderr(contains("none.ply"));
     assert!(!at("p.html").exists());
     carreau().args(["view", "-o", text(&at("p.html"))]).assert().code(2);
 }

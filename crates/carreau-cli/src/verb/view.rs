@@ -1,7 +1,7 @@
 //! `view`: files as one page to look at.
 
 use crate::common::{Common, CommonValues};
-use crate::session::{Failure, Session};
+use crate::session::{Failure, Session, named};
 use carreau::Error;
 use carreau::io::{self, is_skeleton_file};
 use carreau::report::page::{Role, Scene};
@@ -45,20 +45,15 @@ impl View {
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = Options { curvature: !self.no_curvature, common: self.common.over(CommonValues::default()) };
-        // A page is what this verb makes: `--report` is a second name for it.
-        let common = Common { report: Some(self.output.clone()), ..self.common.clone() };
-        Session::run("view", &common, &options.common, self.inputs.first().map(PathBuf::as_path), |session| {
+        Session::run("view", &self.common, &options.common, None, |session| {
+            session.report_to(&self.output);
             session.record.set("options", &options);
             for file in &self.inputs {
-                self.add(session, file)?;
+                self.add(session, file).map_err(|error| named(file, error))?;
             }
             session.show_equal(&self.inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>());
             session.record.set("inputs", &self.inputs);
             session.record.set("output", json!({ "file": self.output.to_string_lossy(), "scenes": self.inputs.len() }));
-            if let Some(copy) = &self.common.report {
-                let html = session.page().html()?;
-                session.write_bytes(copy, html.as_bytes())?;
-            }
             Ok(())
         })
     }
