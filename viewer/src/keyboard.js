@@ -21,7 +21,6 @@ export function listenToKeys(app) {
     const eye = [0, 0, 0];
     eye['xyz'.indexOf(axis)] = back ? -1 : 1;
     stage.orbit.lookFrom(eye, axis === 'z' ? [0, 1, 0] : [0, 0, 1]);
-    if (axis === 'z') stage.orbit.upward.set(0, 1, 0);
     stage.fit();
   };
   const move = (step) => state.axis !== 'off' && state.set({ at: Math.min(1, Math.max(0, state.at + step)) });

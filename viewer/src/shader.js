@@ -39,6 +39,7 @@ const FRAGMENT = /* glsl */ `
   uniform vec3 line;
   uniform vec3 inside;
   uniform float lines;
+  uniform float ratio;
   uniform float opacity;
   uniform bool flatFaces;
   uniform bool hasInvalid;
@@ -65,7 +66,7 @@ const FRAGMENT = /* glsl */ `
   // How much of a pixel the nearest side of the element covers; sides vanish where elements are as small as pixels.
   float side() {
     vec3 pixel = fwidth(vBary) + 1e-6;
-    vec3 near = smoothstep(vec3(0.15), vec3(1.05), vBary / pixel);
+    vec3 near = smoothstep(vec3(0.15), vec3(1.05), vBary / (pixel * ratio));
     float size = max(pixel.x, max(pixel.y, pixel.z));
     return (1.0 - min(near.x, min(near.y, near.z))) * (1.0 - smoothstep(0.06, 0.36, size));
   }
@@ -99,7 +100,7 @@ export function faceMaterial() {
     polygonOffsetUnits: 2,
     uniforms: {
       mode: { value: 0 }, ramp: { value: null }, range: { value: new THREE.Vector2(0, 1) },
-      keep: { value: new THREE.Vector2() }, filtered: { value: false }, lines: { value: 0.5 }, opacity: { value: 1 },
+      keep: { value: new THREE.Vector2() }, filtered: { value: false }, lines: { value: 0.5 }, ratio: { value: Math.min(2, window.devicePixelRatio || 1) }, opacity: { value: 1 },
       flatFaces: { value: false }, hasInvalid: { value: false }, shrink: { value: 1 },
       plain: color(), missing: color(), invalid: color(), line: color(), inside: color(),
     },

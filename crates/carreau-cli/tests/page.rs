@@ -52,7 +52,7 @@ fn every_verb_reports_its_input_its_result_and_its_run() {
     let (bracket, tree) = (path("bracket.ply"), path("tree.ply"));
     let made = report(&["sample", "bracket", "--resolution", "30", "-o", &bracket]);
     assert_eq!(scenes(&made), pairs(&[("bracket.ply", "after")]));
-    carreau().args(["sample", "tube-tree", "--resolution", "40", "-o", &tree]).assert().success();
+    carreau().args(["sample", "tube-tree", "--resolution", "50", "-o", &tree]).assert().success();
 
     let both = |after: &str| pairs(&[("bracket.ply", "before"), (after, "after")]);
     assert_eq!(scenes(&report(&["info", &bracket])), pairs(&[("bracket.ply", "before")]));
@@ -88,7 +88,7 @@ fn every_verb_reports_its_input_its_result_and_its_run() {
 fn view_shows_files_of_all_kinds() {
     let folder = TempDir::new().unwrap();
     let at = |name: &str| folder.path().join(name);
-    carreau().args(["sample", "tube-tree", "--resolution", "40", "-o", text(&at("t.ply"))]).assert().success();
+    carreau().args(["sample", "tube-tree", "--resolution", "50", "-o", text(&at("t.ply"))]).assert().success();
     carreau().args(["skeleton", text(&at("t.ply")), "-o", text(&at("t.cgr"))]).assert().success();
     carreau().args(["convert", text(&at("t.ply")), "-o", text(&at("t.stl"))]).assert().success();
     let page = at("page.html");

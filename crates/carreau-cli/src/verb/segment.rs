@@ -247,14 +247,21 @@ pub fn worded(out: &RawMesh, result: &Segmentation) -> RawMesh {
 /// A region's surface in a few words.
 fn described(region: &Region) -> String {
     let measures = match region.primitive {
-        Some(Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. }) => format!(", radius {radius:.6}"),
-        Some(Primitive::Cone { half_angle, .. }) => format!(", half angle {:.3}°", half_angle.to_degrees()),
+        Some(Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. }) => {
+            format!(", radius {}", rounded(radius))
+        }
+        Some(Primitive::Cone { half_angle, .. }) => format!(", half angle {}°", rounded(half_angle.to_degrees())),
         Some(Primitive::Torus { major_radius, minor_radius, .. }) => {
-            format!(", radii {major_radius:.6} and {minor_radius:.6}")
+            format!(", radii {} and {}", rounded(major_radius), rounded(minor_radius))
         }
         _ => String::new(),
     };
     format!("{}{measures}", kind(region))
+}
+
+/// A number to six digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// Regions as named groups, for OBJ, which knows no face properties.
