@@ -31,7 +31,7 @@ pub enum Role {
 /// Columns of signed numbers, also where all have one sign.
 const SIGNED: &[&str] = &["kmin", "kmax"];
 /// Crosses of a field along the diagonal.
-const CROSSES: f64 = 60.0;
+const CROSSES: f64 = 48.0;
 /// Edges sharper than this are features where curvature is measured, in degrees.
 const CREASE: f64 = 25.0;
 
