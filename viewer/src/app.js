@@ -64,16 +64,17 @@ export class App {
     const { scenes } = this.head;
     const asked = new URLSearchParams(location.hash.slice(1));
     const named = (key) => scenes.findIndex((s) => s.name === asked.get(key));
+    const oneOf = (key, known, otherwise) => (known.includes(asked.get(key)) ? asked.get(key) : otherwise);
     const of = (role) => scenes.findIndex((s) => s.role === role);
     const first = [named('left'), of('before'), 0].find((k) => k >= 0);
     const second = [named('right'), of('after'), scenes.length > 1 ? (first === 1 ? 0 : 1) : -1].find((k) => k >= 0 && k !== first) ?? null;
     return {
       left: first,
       right: second,
-      layout: asked.get('layout') ?? (second === null ? 'single' : 'side'),
+      layout: oneOf('layout', ['single', 'side', 'split'], second === null ? 'single' : 'side'),
       split: 0.5,
-      tab: asked.get('tab') ?? 'layers',
-      theme: asked.get('theme') ?? 'auto',
+      tab: oneOf('tab', ['layers', 'quality', 'run'], 'layers'),
+      theme: oneOf('theme', ['light', 'dark'], 'auto'),
       sidebar: true,
       colours: {},
       overlays: Object.fromEntries(SHOWN.map((kind) => [kind, true])),
@@ -159,7 +160,10 @@ export class App {
     if (['left', 'right', 'layout'].some((name) => changed.has(name))) {
       stage.layout = this.shown().length < 2 ? 'single' : state.layout;
       stage.show(this.shown());
-      if (state.picked && !this.shown().includes(state.picked.model)) state.values.picked = null;
+      if (state.picked && !this.shown().includes(state.picked.model)) {
+        state.values.picked = null;
+        changed.add('picked');
+      }
     }
     stage.split = state.split;
     stage.shrink = state.shrink;

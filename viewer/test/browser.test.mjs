@@ -172,6 +172,21 @@ describe('pages in a browser', { skip: browser === null }, () => {
     await page.close();
   });
 
+  test('the address says what is shown first, nonsense in it does no harm', async () => {
+    const shown = (page) => page.evaluate(() => [window.carreau.state.layout, window.carreau.state.tab, window.carreau.theme.name, window.carreau.shown().map((m) => m.name)]);
+    const asked = await bench.page('quad.html', { hash: '#layout=single&left=quads.obj&tab=run&theme=dark' });
+    assert.deepEqual(await shown(asked), ['single', 'run', 'dark', ['quads.obj']]);
+    const nonsense = await bench.page('quad.html', { hash: '#layout=7&left=none&tab=none&theme=none' });
+    assert.deepEqual(await shown(nonsense), ['side', 'layers', 'light', ['bracket.ply', 'quads.obj']]);
+    // Numbers of a model that is no longer shown go.
+    await nonsense.keyboard.press('n');
+    assert.notEqual((await card(nonsense)).title, null);
+    await nonsense.selectOption('#scene-right', '0');
+    assert.equal((await card(nonsense)).title, null);
+    assert.deepEqual([...asked.troubles, ...nonsense.troubles], []);
+    await Promise.all([asked.close(), nonsense.close()]);
+  });
+
   test('keys do what the help says', async () => {
     const page = await bench.page('quad.html', { colorScheme: 'dark' });
     const layout = () => page.evaluate(() => window.carreau.state.layout);

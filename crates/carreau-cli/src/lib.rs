@@ -9,6 +9,7 @@
 //! | `session` | one run: context, input, output, record |
 //! | `record` | the result record of the contract |
 //! | `replay` | options files |
+//! | `report` | the page of a run |
 //! | `progress` | progress bar on a terminal |
 //! | `timings` | seconds per stage, from tracing spans |
 
@@ -17,6 +18,7 @@ mod common;
 mod progress;
 mod record;
 mod replay;
+mod report;
 mod session;
 mod timings;
 mod verb;
@@ -52,7 +54,7 @@ pub fn command() -> clap::Command {
 /// Runs one command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    session::remember_command(&arguments);
+    report::remember_command(&arguments);
     let cli = match Cli::command().try_get_matches_from(arguments).and_then(|m| Cli::from_arg_matches(&m)) {
         Ok(cli) => cli,
         Err(error) => {

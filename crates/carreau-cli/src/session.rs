@@ -3,16 +3,15 @@
 use crate::common::{Common, CommonValues};
 use crate::progress::Bar;
 use crate::record::Record;
+use crate::report::Report;
 use crate::timings::Timings;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::figure;
-use carreau::report::page::{Page, Role, Scene};
+use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use serde_json::json;
-use std::cell::RefCell;
-use std::ffi::OsString;
 use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -65,33 +64,6 @@ fn cancel_flag() -> Arc<AtomicBool> {
     }))
 }
 
-thread_local! {
-    /// The command line of the run on this thread, for pages.
-    static COMMAND: RefCell<String> = const { RefCell::new(String::new()) };
-}
-
-/// Remembers the command line of the run that follows on this thread.
-pub fn remember_command(arguments: &[OsString]) {
-    let words = arguments.iter().skip(1).map(|word| quoted(&word.to_string_lossy()));
-    let line = std::iter::once("carreau".to_string()).chain(words).collect::<Vec<_>>().join(" ");
-    COMMAND.set(line);
-}
-
-/// The command line of the run on this thread.
-pub fn command_line() -> String {
-    COMMAND.with_borrow(String::clone)
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%^".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.into()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
 /// A run in progress.
 pub struct Session {
     /// Threads, deadline, cancellation, progress.
@@ -100,10 +72,7 @@ pub struct Session {
     pub record: Record,
     json: Option<PathBuf>,
     picture: Option<PathBuf>,
-    /// Pages to write, all the same.
-    reports: Vec<PathBuf>,
-    /// What the page will show, with the files it came from or went to.
-    scenes: Vec<(PathBuf, Scene)>,
+    report: Report,
     quiet: bool,
     timings: Timings,
     /// Lines for a person, printed when the record does not go to stdout.
@@ -154,8 +123,7 @@ impl Session {
             record,
             json: common.json.clone(),
             picture: common.picture.clone(),
-            reports: common.report.iter().cloned().collect(),
-            scenes: Vec::new(),
+            report: Report::to(common.report.clone()),
             quiet: common.quiet,
             timings,
             summary: Vec::new(),
@@ -278,32 +246,17 @@ impl Session {
 
     /// Writes the page to this file, too.
     pub fn report_to(&mut self, file: &Path) {
-        self.reports.push(file.to_path_buf());
+        self.report.files.push(file.to_path_buf());
     }
 
-    /// Shows a scene on the page, where one was asked for; the scene takes the name that `make` is given. A file that is
-    /// there already is replaced.
+    /// Shows a scene on the page, where one was asked for; see [`Report::add`].
     pub fn show(
         &mut self,
         file: &Path,
         role: Role,
         make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
     ) -> Result<(), Error> {
-        if self.reports.is_empty() {
-            return Ok(());
-        }
-        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-        let context = self.context.clone();
-        let scene = context.install(|| {
-            let _stage = context.stage("report");
-            make(name, &context)
-        })?;
-        let scene = scene.role(role);
-        match self.scenes.iter_mut().find(|(shown, _)| shown == file) {
-            Some(place) => place.1 = scene,
-            None => self.scenes.push((file.to_path_buf(), scene)),
-        }
-        Ok(())
+        self.report.add(file, role, &self.context, make)
     }
 
     /// Shows the result of the verb on the page, under the name of its file where it has one.
@@ -314,38 +267,23 @@ impl Session {
     ) -> Result<(), Error> {
         let name = format!("result of {}", self.record.verb());
         // A file that replaces the input is shown beside it.
-        let file = file.filter(|file| self.scenes.iter().all(|(shown, _)| shown != file));
+        let file = file.filter(|file| !self.report.has(file));
         self.show(file.unwrap_or(Path::new(&name)), Role::After, make)
     }
 
-    /// Puts the scenes of files in this order, none of them before or after another.
+    /// Shows files in this order, none of them before or after another.
     pub fn show_equal(&mut self, files: &[&Path]) {
-        let place = |file: &PathBuf| files.iter().position(|f| *f == file);
-        self.scenes.sort_by_key(|(file, _)| place(file));
-        self.scenes =
-            std::mem::take(&mut self.scenes).into_iter().map(|(file, s)| (file, s.role(Role::Other))).collect();
+        self.report.equal(files);
     }
 
-    /// The page of the run; its title names what the run was given.
-    fn page(&mut self) -> Page {
-        let scenes: Vec<Scene> = std::mem::take(&mut self.scenes).into_iter().map(|(_, scene)| scene).collect();
-        let given = scenes.iter().filter(|scene| scene.as_role() != Role::After);
-        let names: Vec<&str> = given.map(Scene::name).collect();
-        let title = format!("carreau {} {}", self.record.verb(), names.join(", "));
-        Page::new(title.trim_end()).command(command_line()).record(self.record.brief(&self.timings)).scenes(scenes)
-    }
-
-    fn write_reports(&mut self) -> Result<(), Error> {
-        if self.reports.is_empty() {
+    fn write_report(&mut self) -> Result<(), Error> {
+        let files = std::mem::take(&mut self.report.files);
+        if files.is_empty() {
             return Ok(());
         }
-        let page = self.page();
-        let context = self.context.clone();
-        let html = context.install(|| {
-            let _stage = context.stage("report");
-            page.html()
-        })?;
-        for file in std::mem::take(&mut self.reports) {
+        let record = self.record.brief(&self.timings);
+        let html = self.report.html(self.record.verb(), record, &self.context)?;
+        for file in files {
             self.write_bytes(&file, html.as_bytes())?;
             self.say(format!("open {}", file.display()));
         }
@@ -353,7 +291,7 @@ impl Session {
     }
 
     fn finish(&mut self) -> Result<(), Error> {
-        self.write_reports()?;
+        self.write_report()?;
         let record = self.record.to_json(&self.timings);
         match &self.json {
             Some(to) if to.as_os_str() == "-" => print(&record),

@@ -4,7 +4,8 @@ mod page;
 
 use super::segment::{labelled, worded};
 use crate::common::{Common, CommonValues};
-use crate::session::{Failure, Session, command_line};
+use crate::report::command_line;
+use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions};
 use carreau::hex::{self, HexOptions};
 use carreau::io::WriteOptions;

@@ -64,10 +64,9 @@ impl View {
         }
         let mesh = session.read(file)?;
         // Lines alone may be a skeleton with radii.
-        if mesh.faces.is_empty() && mesh.cells.is_empty() && !mesh.edges.is_empty() {
-            if let Ok(net) = io::read_skeleton(file) {
-                return session.show(file, Role::Other, |name, _| Ok(Scene::of_net(name, &net)));
-            }
+        let is_lines = mesh.faces.is_empty() && mesh.cells.is_empty() && !mesh.edges.is_empty();
+        if let Some(net) = is_lines.then(|| io::read_skeleton(file).ok()).flatten() {
+            return session.show(file, Role::Other, |name, _| Ok(Scene::of_net(name, &net)));
         }
         if Some(file) == self.inputs.first().map(PathBuf::as_path) {
             session.draw(&mesh)?;
