@@ -43,7 +43,7 @@ def run(verb: str, kind: type[R], inputs: tuple[Any, ...], options: dict[str, An
             found = _core.call(verb, job.names, list(job.options.items()), job.hosted, watch)
         except OptionsError as error:
             raise OptionsError(_as_keywords(str(error))) from None
-    result = kind(found, job.source)
+    result = kind(found, job.source, job.mesh)
     if not job.quiet:
         for warning in result.warnings:
             warnings.warn(warning, CarreauWarning, stacklevel=3)
@@ -56,6 +56,8 @@ class _Job:
     def __init__(self, verb: str, inputs: tuple[Any, ...], options: dict[str, Any]) -> None:
         self.verb = verb
         self.hosted: dict[str, Any] = {}
+        #: The first input, where it is a mesh.
+        self.mesh: Mesh | None = None
         self.quiet = bool(options.get("quiet"))
         given = {name: value for name, value in options.items() if value is not None}
         _check_names(verb, given)
@@ -82,6 +84,7 @@ class _Job:
         if isinstance(item, Skeleton):
             return self._host("skeleton", item._native)
         mesh = _as_mesh(item)
+        self.mesh = self.mesh or mesh
         return self._host(mesh.source, mesh._native)
 
     def _host(self, name: str, what: Any) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._errors import CarreauWarning, InputError, OptionsError
 from ._frozen import Frozen, freeze
-from ._notebook import page
+from ._notebook import framed
 
 __all__ = ["Mesh", "Skeleton", "as_edges", "read", "sample", "samples", "write"]
 
@@ -267,14 +267,12 @@ class Mesh(Frozen):
         cells = f", {self.n_cells} cells" if self.n_cells else ""
         return f"<carreau.Mesh {self.source!r}: {self.n_points} vertices, {self.n_faces} faces{cells}>"
 
+    def page(self) -> str:
+        """A page (HTML) to look at the mesh: turn it, slice it, colour it by its attributes."""
+        return self._native.page(self.source)
+
     def _repr_html_(self) -> str:
-        rows = {
-            "vertices": self.n_points,
-            "faces": self.n_faces,
-            "cells": self.n_cells,
-            "marked edges": len(self.edges),
-        }
-        return page(self.source, {name: n for name, n in rows.items() if n}, self.picture())
+        return framed(self.page())
 
     def __getstate__(self) -> dict[str, Any]:
         edges = {"edges": np.array(self.edges), "edge_tags": np.array(self.edge_tags)}

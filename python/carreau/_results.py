@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from . import _core
 from ._frozen import Frozen, freeze
 from ._mesh import Mesh, Skeleton
-from ._notebook import page
+from ._notebook import framed
 
 __all__ = [
     "CompareResult",
@@ -42,17 +42,19 @@ class Result(Frozen):
         What the command line would print.
     """
 
-    __slots__ = ("__weakref__", "_arrays", "_found", "_source", "record", "summary")
+    __slots__ = ("__weakref__", "_arrays", "_found", "_input", "_source", "record", "summary")
 
     record: Mapping[str, Any]
     summary: tuple[str, ...]
     _found: _core.Found
     _arrays: Mapping[str, NDArray[Any]]
     _source: str
+    _input: Mesh | None
 
-    def __init__(self, found: _core.Found, source: str) -> None:
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
         self._set(
             _found=found,
+            _input=given,
             _arrays=found.arrays,
             _source=source,
             record=freeze(json.loads(found.record)),
@@ -90,10 +92,13 @@ class Result(Frozen):
     def __repr__(self) -> str:
         return f"<carreau.{type(self).__name__}: {'; '.join(self.summary)}>"
 
+    def page(self) -> str:
+        """A page (HTML) to look at the result, beside the input where that was a mesh; with quality, options, timings."""
+        before = self._input._native if self._input is not None else None
+        return self._found.page(f"{self.record['verb']} {self._source}", before)
+
     def _repr_html_(self) -> str:
-        rows: dict[str, Any] = {str(n): line for n, line in enumerate(self.summary, 1)}
-        rows["seconds"] = self.seconds["total"]
-        return page(f"{self.record['verb']} {self._source}", rows, self.picture())
+        return framed(self.page())
 
 
 class _MeshResult(Result):
@@ -104,8 +109,8 @@ class _MeshResult(Result):
     mesh: Mesh
     """The mesh that the command line would write, attributes included."""
 
-    def __init__(self, found: _core.Found, source: str) -> None:
-        super().__init__(found, source)
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
+        super().__init__(found, source, given)
         self._set(mesh=Mesh._wrap(found.mesh, source))
 
 
@@ -235,8 +240,8 @@ class PatchResult(_LayoutResult):
 
     patches: tuple[Patch, ...]
 
-    def __init__(self, found: _core.Found, source: str) -> None:
-        super().__init__(found, source)
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
+        super().__init__(found, source, given)
         arrays, patches, v, t = self._arrays, [], 0, 0
         for rows, columns in arrays["shapes"].tolist():
             vertices, triangles = (rows + 1) * (columns + 1), 2 * rows * columns
@@ -321,8 +326,8 @@ class SkeletonResult(Result):
     skeleton: Skeleton
     """The graph, as `hex` takes it."""
 
-    def __init__(self, found: _core.Found, source: str) -> None:
-        super().__init__(found, source)
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
+        super().__init__(found, source, given)
         self._set(skeleton=Skeleton._wrap(found.net))
 
     @property
@@ -354,8 +359,8 @@ class HexResult(_MeshResult):
     skeleton: Skeleton
     """The skeleton that was meshed, after clean-up."""
 
-    def __init__(self, found: _core.Found, source: str) -> None:
-        super().__init__(found, source)
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
+        super().__init__(found, source, given)
         self._set(skeleton=Skeleton._wrap(found.net))
 
     @property

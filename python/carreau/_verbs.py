@@ -64,6 +64,8 @@ class Common(TypedDict, total=False):
         A file for the result record.
     picture : path
         A file for a picture of the result (PNG).
+    report : path
+        A file for a page (HTML) that shows input and result.
     options : path, Result or mapping
         Options of an earlier run: a file, its result, its record. Keyword arguments win over them.
     threads : int
@@ -86,6 +88,7 @@ class Common(TypedDict, total=False):
     output: File | None
     json: File | None
     picture: File | None
+    report: File | None
     options: File | Result | Mapping[str, Any] | None
     threads: int | None
     seed: int | None

@@ -181,7 +181,8 @@ def test_skeletons(tmp_path, tube):
     assert np.isnan(cr.Skeleton([[0, 0, 0], [1, 0, 0]], [[0, 1]]).radii).all()
 
 
-def test_notebooks_see_a_picture(torus):
+def test_notebooks_see_a_page(torus):
     html = torus._repr_html_()
-    assert "data:image/png;base64," in html and str(torus.n_faces) in html
+    assert html.startswith("<iframe") and "&lt;!doctype html&gt;" in html and html.count("<") == 2
+    assert torus.page().startswith("<!doctype html>") and "torus" in torus.page()
     assert torus.picture().startswith(b"\x89PNG")

@@ -140,6 +140,7 @@ def test_the_command_line_makes_the_same(tmp_path, bracket):
 
 def test_files_are_written_beside_the_result(tmp_path, bracket):
     names = {"output": "part.step", "json": "part.json", "picture": "part.png", "layout": "layout.json"}
+    names["report"] = "part.html"
     files = {option: tmp_path / name for option, name in names.items()}
     result = cr.patch(bracket, **files)
     assert {path.name for path in tmp_path.iterdir()} == set(names.values())
@@ -266,7 +267,9 @@ def test_warnings_of_a_run_are_warnings(bracket):
     assert result.warnings
 
 
-def test_notebooks_see_figures_and_a_picture(bracket):
-    html = cr.segment(bracket)._repr_html_()
-    assert "data:image/png;base64," in html and "13 regions" in html
-    assert cr.info(bracket).picture() is None and "<table>" in cr.info(bracket)._repr_html_()
+def test_notebooks_see_a_page(bracket, tube):
+    results = [verb(bracket, quiet=True) for verb in (cr.segment, cr.field, cr.patch, cr.skeleton)]
+    for result in [*results, cr.hex(tube, quiet=True), cr.info(bracket)]:
+        assert result.page().startswith("<!doctype html>") and result.record["verb"] in result.page()
+        assert result._repr_html_().startswith("<iframe")
+    assert cr.info(bracket).picture() is None

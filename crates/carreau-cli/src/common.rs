@@ -17,6 +17,9 @@ pub struct Common {
     /// Draws the result (PNG)
     #[arg(long, value_name = "FILE.png", help_heading = "Common options")]
     pub picture: Option<PathBuf>,
+    /// Writes a page (HTML) to look at: input and result with their layers, quality, options, timings and warnings
+    #[arg(long, value_name = "FILE.html", help_heading = "Common options")]
+    pub report: Option<PathBuf>,
     /// Takes options from a JSON file; the record of an earlier run replays that run. Flags win over the file
     #[arg(long, value_name = "FILE", help_heading = "Common options")]
     pub options: Option<PathBuf>,

@@ -5,6 +5,7 @@
 //! same code.
 
 use crate::Cli;
+use crate::report::remember_command;
 use crate::session::Failure;
 use carreau::context::Progress;
 use carreau::field::Field;
@@ -15,6 +16,7 @@ use carreau::skeleton::Skeleton;
 use carreau::{Error, Result};
 use clap::{ArgAction, CommandFactory, FromArgMatches};
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
@@ -115,6 +117,7 @@ pub fn option_names(verb: &str) -> Vec<String> {
 pub fn call(verb: &str, inputs: &[String], options: &[(String, Value)], host: Host) -> Result<Outcome> {
     let host = Arc::new(host);
     let arguments = arguments(verb, inputs, options)?;
+    remember_command(&arguments.iter().map(OsString::from).collect::<Vec<_>>());
     // What the command line writes, a program is handed back.
     let command = Cli::command().mut_subcommand(verb, |c| {
         if c.get_arguments().any(|a| a.get_id() == "output") { c.mut_arg("output", |a| a.required(false)) } else { c }

@@ -4,10 +4,12 @@ use crate::common::{Common, CommonValues};
 use crate::host::{Found, Host, Input as HostInput};
 use crate::progress::Bar;
 use crate::record::Record;
+use crate::report::Report;
 use crate::timings::Timings;
 use crate::verb::read_edges;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::figure;
+use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
@@ -77,6 +79,7 @@ pub struct Session {
     pub record: Record,
     json: Option<PathBuf>,
     picture: Option<PathBuf>,
+    report: Report,
     quiet: bool,
     host: Option<Arc<Host>>,
     timings: Timings,
@@ -140,6 +143,7 @@ impl Session {
             record,
             json: common.json.clone(),
             picture: common.picture.clone(),
+            report: Report::to(common.report.clone()),
             quiet: common.quiet,
             host,
             timings,
@@ -218,6 +222,7 @@ impl Session {
         };
         self.record.set("input", input);
         std::mem::take(&mut mesh.notes).into_iter().for_each(|note| self.warn(note));
+        self.show(file, Role::Before, |name, _| Scene::of_mesh(name, &mesh))?;
         Ok(mesh)
     }
 
@@ -236,6 +241,7 @@ impl Session {
             cells: 0,
         };
         self.record.set("input", input);
+        self.show(file, Role::Before, |name, _| Ok(Scene::of_net(name, &net)))?;
         Ok(net)
     }
 
@@ -259,6 +265,7 @@ impl Session {
     pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
         self.keep(|| Found::Mesh(mesh.clone()));
         self.draw(mesh)?;
+        self.show_result(file, |name, _| Scene::of_mesh(name, mesh))?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = file {
             counts["file"] = json!(file.to_string_lossy());
@@ -302,7 +309,54 @@ impl Session {
         self.write_bytes(&file, &png)
     }
 
+    /// Writes the page to this file, too.
+    pub fn report_to(&mut self, file: &Path) {
+        self.report.files.push(file.to_path_buf());
+    }
+
+    /// Shows a scene on the page, where one was asked for; see [`Report::add`].
+    pub fn show(
+        &mut self,
+        file: &Path,
+        role: Role,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        self.report.add(file, role, &self.context, make)
+    }
+
+    /// Shows the result of the verb on the page, under the name of its file where it has one.
+    pub fn show_result(
+        &mut self,
+        file: Option<&Path>,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        let name = format!("result of {}", self.record.verb());
+        // A file that replaces the input is shown beside it.
+        let file = file.filter(|file| !self.report.has(file));
+        self.show(file.unwrap_or(Path::new(&name)), Role::After, make)
+    }
+
+    /// Shows files in this order, none of them before or after another.
+    pub fn show_equal(&mut self, files: &[&Path]) {
+        self.report.equal(files);
+    }
+
+    fn write_report(&mut self) -> Result<(), Error> {
+        let files = std::mem::take(&mut self.report.files);
+        if files.is_empty() {
+            return Ok(());
+        }
+        let record = self.record.brief(&self.timings);
+        let html = self.report.html(self.record.verb(), record, &self.context)?;
+        for file in files {
+            self.write_bytes(&file, html.as_bytes())?;
+            self.say(format!("open {}", file.display()));
+        }
+        Ok(())
+    }
+
     fn finish(&mut self) -> Result<(), Error> {
+        self.write_report()?;
         let record = self.record.to_json(&self.timings);
         if let Some(host) = &self.host {
             host.tell(&record, &self.summary);
@@ -317,6 +371,16 @@ impl Session {
                 if self.quiet || self.host.is_some() { Ok(()) } else { print(&text) }
             }
         }
+    }
+}
+
+/// An error about one of several inputs, with the name of that file.
+pub fn named(file: &Path, error: Error) -> Error {
+    match error {
+        Error::Input { what, place, remedy } => {
+            Error::Input { what: format!("{}: {what}", file.display()), place, remedy }
+        }
+        other => other,
     }
 }
 

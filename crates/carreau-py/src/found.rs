@@ -3,10 +3,12 @@
 use crate::mesh::Mesh;
 use crate::net::Net;
 use crate::{raise, run, views};
+use carreau::Error;
 use carreau::field::Field;
 use carreau::hex::HexResult;
 use carreau::mesh::{RawMesh, VertexId};
 use carreau::patch::PatchResult;
+use carreau::report::page::{Page, Role, Scene};
 use carreau::report::{field_figure, figure, hex_figure, skeleton_figure};
 use carreau::skeleton::Skeleton;
 use carreau_cli::host::{self, Host, Input, Outcome, Value};
@@ -17,6 +19,9 @@ use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Bytes of the longest part of a record that a page shows.
+const LONGEST: usize = 4000;
 
 /// What a verb made, besides its mesh.
 enum Kind {
@@ -130,6 +135,21 @@ impl Found {
         Ok(bytes.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
+    /// The page (HTML) that shows the result beside its input.
+    fn page(&self, py: Python<'_>, title: &str, before: Option<Bound<'_, Mesh>>) -> PyResult<String> {
+        let before = before.map(|mesh| Arc::clone(&mesh.get().0));
+        run::beside(py, None, |_, _| {
+            let mut page = Page::new(title).record(self.brief());
+            if let Some(mesh) = &before {
+                page = page.scene(Scene::of_mesh("input", mesh)?.role(Role::Before));
+            }
+            if let Some(scene) = self.scene()? {
+                page = page.scene(scene.role(Role::After));
+            }
+            page.html()
+        })
+    }
+
     /// The picture that the command line would draw (PNG).
     fn picture<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
         let png = run::beside(py, None, |_, _| {
@@ -143,6 +163,30 @@ impl Found {
             image.to_png().map(Some)
         })?;
         Ok(png.map(|png| PyBytes::new(py, &png)))
+    }
+}
+
+impl Found {
+    /// What the page shows of the result.
+    fn scene(&self) -> Result<Option<Scene>, Error> {
+        Ok(Some(match (&self.kind, &self.mesh) {
+            (Kind::Field(found), _) => Scene::of_field("field", found)?,
+            (Kind::Skeleton(found), _) => {
+                Scene::of_surface("skeleton", &found.closed.mesh)?.net("skeleton", &found.net).show("plain")
+            }
+            (Kind::Hexes(found), _) => Scene::of_hexes("hexes", &found.mesh)?.net("skeleton", &found.skeleton),
+            (_, Some(mesh)) => Scene::of_mesh("result", mesh)?,
+            (_, None) => return Ok(None),
+        }))
+    }
+
+    /// The record without its long parts.
+    fn brief(&self) -> serde_json::Value {
+        let mut record = serde_json::from_str(&self.record).unwrap_or_default();
+        if let serde_json::Value::Object(parts) = &mut record {
+            parts.retain(|name, part| name == "warnings" || part.to_string().len() <= LONGEST);
+        }
+        record
     }
 }
 

@@ -5,6 +5,7 @@ use carreau::geometry::quality::SurfaceQuality;
 use carreau::io::{self, WriteOptions};
 use carreau::mesh::{Column, Columns, Polygons, RawMesh, Topology};
 use carreau::report::figure;
+use carreau::report::page::{Page, Scene};
 use carreau::sample::{SAMPLES, make};
 use carreau::{Context, DVec3, Error};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
@@ -172,6 +173,11 @@ impl Mesh {
             let surface = if mesh.cells.is_empty() { mesh } else { mesh.boundary()? }.into_surface()?;
             Ok((json(&Topology::of(&surface))?, json(&SurfaceQuality::of(&surface))?))
         })
+    }
+
+    /// A page (HTML) that shows it.
+    fn page(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+        run::beside(py, None, |_, _| Page::new(title).scene(Scene::of_mesh(title, &self.0)?).html())
     }
 
     /// The usual picture (PNG).

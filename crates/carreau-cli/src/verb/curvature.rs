@@ -11,6 +11,7 @@ use carreau::geometry::summary::Summary;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
+use carreau::report::page::Scene;
 use carreau::{DVec3, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -105,6 +106,7 @@ impl Curvature {
             ("dmax", vectors(found.dmax)),
         ];
         out.attributes.vertex.extend(columns.map(|(name, column)| (name.to_string(), column)));
+        session.show_result(self.output.as_deref(), |name, _| Ok(Scene::of_mesh(name, &out)?.show("kmax")))?;
         if let Some(file) = &self.output {
             session.write_mesh(file, &out, &WriteOptions::default())?;
             let counts =

@@ -10,6 +10,7 @@ use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh};
 use carreau::report::field_figure;
+use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -121,6 +122,7 @@ impl Field {
 
     fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
         session.draw_as(|| field_figure(&found))?;
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_field(name, &found))?;
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }

@@ -9,6 +9,7 @@ use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
 use carreau::io::WriteOptions;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -130,9 +131,12 @@ impl Hex {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
             Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
         })?;
-        let HexResult { mesh, figures, warnings, .. } = &found;
+        let HexResult { mesh, figures, warnings, skeleton } = &found;
         warnings.iter().for_each(|w| session.warn(w));
         session.draw_as(|| hex_figure(mesh))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(Scene::of_hexes(name, mesh)?.net("skeleton", skeleton))
+        })?;
         session.record.set_all(figures);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
         session.say(format!(

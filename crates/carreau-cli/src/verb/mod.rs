@@ -16,6 +16,7 @@ mod segment;
 mod shell;
 mod simplify;
 mod skeleton;
+mod view;
 
 use crate::common::Common;
 use crate::session::Failure;
@@ -41,6 +42,7 @@ pub enum Verb {
     Skeleton(skeleton::Skeleton),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
+    View(view::View),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -61,7 +63,12 @@ impl Verb {
             Verb::Skeleton(verb) => Some(&mut verb.common),
             Verb::Enrich(verb) => Some(&mut verb.remesh.common),
             Verb::Simplify(verb) => Some(&mut verb.remesh.common),
-            Verb::Demo(_) | Verb::Sample(_) | Verb::Convert(_) | Verb::Completions(_) | Verb::Man(_) => None,
+            Verb::Demo(_)
+            | Verb::Sample(_)
+            | Verb::Convert(_)
+            | Verb::View(_)
+            | Verb::Completions(_)
+            | Verb::Man(_) => None,
         }
     }
 
@@ -83,6 +90,7 @@ impl Verb {
             Verb::Skeleton(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
+            Verb::View(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),
         }

@@ -10,6 +10,7 @@ use carreau::io::{WriteOptions, extension};
 use carreau::mesh::SurfaceMesh;
 use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -221,6 +222,7 @@ impl Patch {
         let quads = quad_mesh(mesh, result);
         session.draw(&quads)?;
         session.keep(|| Found::Patches(quads.clone(), result.clone()));
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &quads))?;
         match &self.output {
             Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => {
                 self.write_cad(session, file, mesh, result, options)

@@ -6,6 +6,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, RepairOptions, repair};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -76,6 +77,7 @@ impl Repair {
             }
             let out = RawMesh::from(done.mesh);
             session.draw(&out)?;
+            session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
             session.record.set("repair", done.report);
             if let Some(file) = &self.output {

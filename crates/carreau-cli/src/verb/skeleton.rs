@@ -5,6 +5,7 @@ use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
+use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};
 use clap::Args;
@@ -80,6 +81,9 @@ impl Skeleton {
         let found = extract(&mesh, &options.skeleton, &session.context.clone())?;
         found.warnings.iter().for_each(|w| session.warn(w));
         session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(Scene::of_surface(name, &found.closed.mesh)?.net("skeleton", &found.net).show("plain"))
+        })?;
         let f = &found.figures;
         session.record.set_all(f);
         session.record.set("output", json!({ "nodes": f.nodes, "segments": f.segments }));
