@@ -93,7 +93,7 @@ class Result(Frozen):
         return f"<carreau.{type(self).__name__}: {'; '.join(self.summary)}>"
 
     def page(self) -> str:
-        """A page (HTML) to look at the result, beside the input where that was a mesh; with quality, options, timings."""
+        """A page (HTML) to look at the result, beside the input where that was a mesh, with quality and options."""
         before = self._input._native if self._input is not None else None
         return self._found.page(f"{self.record['verb']} {self._source}", before)
 

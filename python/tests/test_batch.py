@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import textwrap
+import time
 from pathlib import Path
 
 import pytest
@@ -162,6 +163,30 @@ def test_a_run_that_was_stopped_goes_on(tmp_path, files):
     assert (summary.skipped, summary.done, summary.failed) == (5, 7, 0)
     assert [row["file"] for row in batch.read_rows(out)] == [str(f) for f in some]
     assert not journal.exists()
+
+
+def test_a_run_that_is_stopped_leaves_no_children(tmp_path, files):
+    """The job that hangs is ended with the run, and so is what it started."""
+    script, note = tmp_path / "evil", tmp_path / "pid"
+    script.write_text(
+        EVIL.replace("time.sleep(600)", f"open({str(note)!r}, 'w').write(str(os.getpid())); time.sleep(600)")
+    )
+    script.chmod(0o755)
+    hang = next(f for f in files if f.stem == "hang")
+
+    def stop(row) -> None:
+        while not (note.exists() and note.read_text()):
+            time.sleep(0.01)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        batch.run([hang, files[0]], tmp_path / "rows.csv", verb="info", workers=2, command=[str(script)], watch=stop)
+    child = Path("/proc") / note.read_text()
+    for _ in range(1000):
+        if not child.exists():
+            return
+        time.sleep(0.01)
+    pytest.fail(f"{child} is still there: {(child / 'cmdline').read_bytes()}")
 
 
 def test_what_failed_or_lost_its_output_runs_again(tmp_path, files):

@@ -16,7 +16,7 @@ from typing import Any
 
 from ._job import Job
 
-__all__ = ["lost", "run_one"]
+__all__ = ["end_child", "lost", "run_one"]
 
 #: Seconds between two looks at the child.
 _POLL = 0.02
@@ -30,7 +30,7 @@ _DEADLINE, _KILLED = 124, 137
 Row = dict[str, Any]
 
 
-def run_one(job: Job | Mapping[str, Any]) -> Row:
+def run_one(job: Job | Mapping[str, Any], children: set[int] | None = None) -> Row:
     """Run a job in a child process and tell what came of it.
 
     Never raises: what goes wrong is in the row.
@@ -39,6 +39,8 @@ def run_one(job: Job | Mapping[str, Any]) -> Row:
     ----------
     job : Job or mapping
         The job, or its attributes.
+    children : set of int, optional
+        Holds the child's id while it runs, for who wants to end it.
 
     Returns
     -------
@@ -53,7 +55,7 @@ def run_one(job: Job | Mapping[str, Any]) -> Row:
         job = job if isinstance(job, Job) else Job.of(job, {})
         row = _head(job)
         with tempfile.TemporaryDirectory(prefix="carreau-") as folder:
-            row |= _run(job, Path(folder))
+            row |= _run(job, Path(folder), set() if children is None else children)
     except Exception as error:
         row |= {
             "exit_code": getattr(error, "exit_code", _LOST),
@@ -61,6 +63,12 @@ def run_one(job: Job | Mapping[str, Any]) -> Row:
         }
     row["seconds"] = round(time.monotonic() - start, 4)
     return row
+
+
+def end_child(child: int) -> None:
+    """End a child and all processes that it started."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(child, signal.SIGKILL)
 
 
 def lost(job: Job, why: str) -> Row:
@@ -74,7 +82,7 @@ def _head(job: Job) -> Row:
     return head | rest
 
 
-def _run(job: Job, folder: Path) -> Row:
+def _run(job: Job, folder: Path, children: set[int]) -> Row:
     record, messages, told = folder / "record.json", folder / "stderr", folder / "peak"
     environment = os.environ | ({"CARREAU_PEAK_FILE": str(told)} if sys.platform == "linux" else {})
     command = list(job.command or (sys.executable, "-I", str(Path(__file__).with_name("_launch.py"))))
@@ -87,7 +95,7 @@ def _run(job: Job, folder: Path) -> Row:
         child = subprocess.Popen(
             command, stdin=null, stdout=null, stderr=stderr, env=environment, start_new_session=True
         )
-        with _ended(child):
+        with _ended(child, children):
             code, peak, reason = _watch(child, job)
     if told.exists():
         peak = round(int(told.read_text()) / 1024, 1)
@@ -97,13 +105,14 @@ def _run(job: Job, folder: Path) -> Row:
 
 
 @contextlib.contextmanager
-def _ended(child: subprocess.Popen[bytes]) -> Iterator[None]:
+def _ended(child: subprocess.Popen[bytes], children: set[int]) -> Iterator[None]:
     """Whatever happens to us, the child does not outlive the job, nor do processes that it started."""
+    children.add(child.pid)
     try:
         yield
     finally:
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(child.pid, signal.SIGKILL)
+        children.discard(child.pid)
+        end_child(child.pid)
         if child.returncode is None:
             child.wait()
 
@@ -123,7 +132,7 @@ def _watch(child: subprocess.Popen[bytes], job: Job) -> tuple[int, float | None,
         if forced is None and end is not None and time.monotonic() > end:
             reason, forced = f"ended: no end {_GRACE:g} s after the deadline of {job.deadline:g} s", _DEADLINE
         if forced is not None:
-            os.killpg(child.pid, signal.SIGKILL)
+            end_child(child.pid)
         time.sleep(pause)
         # Small jobs are not made to wait, long ones cost nothing.
         pause = min(1.5 * pause, _POLL)

@@ -6,38 +6,45 @@ Jobs are drawn as they are needed: a manifest of a million files is never held a
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
 from typing import Any
 
-from ._child import lost, run_one
+from ._child import end_child, lost, run_one
 from ._job import Job
 
 __all__ = ["ENGINES"]
 
 Row = dict[str, Any]
-Engine = Callable[..., Iterator[Row]]
+Engine = Callable[..., Generator[Row, None, None]]
 #: Files that a task of a cluster has at most: its scheduler is one process, and each task costs it about a millisecond.
 _CHUNK = 50
 #: Tasks in flight per worker: enough that none waits.
 _AHEAD = 3
 
 
-def local(jobs: Iterable[Job], workers: int, **_: Any) -> Iterator[Row]:
+def local(jobs: Iterable[Job], workers: int, **_: Any) -> Generator[Row, None, None]:
     """Threads that each watch one child process."""
     jobs = iter(jobs)
-    with ThreadPoolExecutor(workers) as pool:
-        waiting: set[Future[Row]] = {pool.submit(run_one, job) for job in islice(jobs, _AHEAD * workers)}
+    children: set[int] = set()
+    pool = ThreadPoolExecutor(workers)
+    try:
+        waiting: set[Future[Row]] = {pool.submit(run_one, job, children) for job in islice(jobs, _AHEAD * workers)}
         while waiting:
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            waiting |= {pool.submit(run_one, job) for job in islice(jobs, len(done))}
+            waiting |= {pool.submit(run_one, job, children) for job in islice(jobs, len(done))}
             yield from (future.result() for future in done)
+    finally:
+        # Where the run was stopped, jobs may still be running.
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in tuple(children):
+            end_child(child)
 
 
 def dask(
     jobs: Iterable[Job], workers: int, *, address: str | None = None, client: Any = None, **cluster: Any
-) -> Iterator[Row]:
+) -> Generator[Row, None, None]:
     """Dask distributed: the cluster at an address, that of a client, or one of this machine for the time of the run."""
     import dask as framework
     from distributed import Client, LocalCluster
@@ -58,7 +65,7 @@ def dask(
             yield from _over_dask(client, jobs, workers)
 
 
-def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
+def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Generator[Row, None, None]:
     """Chunks with a bounded number in flight. When a worker dies all its tasks are suspects; these run again in the
     end, one job at a time, so that only the job that did it is lost."""
     from distributed import as_completed
@@ -88,7 +95,7 @@ def _over_dask(client: Any, jobs: Iterable[Job], workers: int) -> Iterator[Row]:
         yield future.result() if error is None else lost(job, f"the worker died: {error}")
 
 
-def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init: Any) -> Iterator[Row]:
+def ray(jobs: Iterable[Job], workers: int, *, address: str | None = None, **init: Any) -> Generator[Row, None, None]:
     """Ray Data: the cluster at an address, the one that runs already, or one of this machine for the time of the
     run."""
     import ray as framework

@@ -6,6 +6,7 @@ import dataclasses
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from typing import Any, Literal
 
 from ._engines import ENGINES
@@ -98,11 +99,12 @@ def run(
     fresh: list[bool] = []
     try:
         todo = _unfinished(jobs, journal, order, retry)
-        for row in ENGINES[engine](todo, workers or os.cpu_count() or 1, **settings):
-            journal.add(row)
-            fresh.append(row["exit_code"] == 0)
-            if watch is not None:
-                watch(row)
+        with closing(ENGINES[engine](todo, workers or os.cpu_count() or 1, **settings)) as rows:
+            for row in rows:
+                journal.add(row)
+                fresh.append(row["exit_code"] == 0)
+                if watch is not None:
+                    watch(row)
         journal.finish(order)
     finally:
         journal.close()
