@@ -1,10 +1,12 @@
 //! Options that every verb has.
 
 use crate::choice::choice;
+use crate::host::Host;
 use carreau::io::cad::Unit;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Options that every verb has.
 #[derive(Args, Clone, Default)]
@@ -15,6 +17,9 @@ pub struct Common {
     /// Draws the result (PNG)
     #[arg(long, value_name = "FILE.png", help_heading = "Common options")]
     pub picture: Option<PathBuf>,
+    /// Writes a page (HTML) to look at: input and result with their layers, quality, options, timings and warnings
+    #[arg(long, value_name = "FILE.html", help_heading = "Common options")]
+    pub report: Option<PathBuf>,
     /// Takes options from a JSON file; the record of an earlier run replays that run. Flags win over the file
     #[arg(long, value_name = "FILE", help_heading = "Common options")]
     pub options: Option<PathBuf>,
@@ -36,6 +41,9 @@ pub struct Common {
     /// Tells what is going on (-vv: in detail)
     #[arg(short, long, action = clap::ArgAction::Count, help_heading = "Common options")]
     pub verbose: u8,
+    /// The program that runs the verb, if it is not a terminal
+    #[arg(skip)]
+    pub host: Option<Arc<Host>>,
 }
 
 /// The common options that belong to a record: what replays a run.

@@ -9,14 +9,18 @@
 //! | `session` | one run: context, input, output, record |
 //! | `record` | the result record of the contract |
 //! | `replay` | options files |
+//! | `report` | the page of a run |
 //! | `progress` | progress bar on a terminal |
 //! | `timings` | seconds per stage, from tracing spans |
+//! | `host` | verbs inside another program, on meshes in memory |
 
 mod choice;
 mod common;
+pub mod host;
 mod progress;
 mod record;
 mod replay;
+mod report;
 mod session;
 mod timings;
 mod verb;
@@ -32,7 +36,7 @@ use std::ffi::OsString;
     version,
     about = "From triangle surfaces to structured models",
     long_about = "carreau turns triangle surfaces into structured models: regions, graded meshes, quad patches \
-        and CAD faces, hexes on skeletons; quads are to come. Angles are in degrees; lengths are numbers in the unit of the file \
+        and CAD faces, frame fields and quads, skeletons and hexes. Angles are in degrees; lengths are numbers in the unit of the file \
         (2.5) or shares of the bounding-box diagonal (1%).",
     after_help = "Exit codes: 0 done, 2 wrong usage, 3 input not acceptable, 4 method did not reach what was asked, \
         5 file not read or written, 70 a bug, 124 deadline, 130 cancelled.",
@@ -51,6 +55,8 @@ pub fn command() -> clap::Command {
 
 /// Runs one command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    report::remember_command(&arguments);
     let cli = match Cli::command().try_get_matches_from(arguments).and_then(|m| Cli::from_arg_matches(&m)) {
         Ok(cli) => cli,
         Err(error) => {

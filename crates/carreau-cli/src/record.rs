@@ -4,6 +4,9 @@ use crate::timings::Timings;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+/// Bytes of the longest part of a record that a page shows.
+const LONGEST: usize = 4000;
+
 /// Collects what a run has to tell.
 #[derive(Default)]
 pub struct Record {
@@ -19,6 +22,11 @@ impl Record {
         Record { verb, ..Record::default() }
     }
 
+    /// The verb.
+    pub fn verb(&self) -> &'static str {
+        self.verb
+    }
+
     /// Sets a part of the record.
     pub fn set(&mut self, name: &str, value: impl Serialize) {
         let value = serde_json::to_value(value).unwrap_or(Value::Null);
@@ -32,16 +40,30 @@ impl Record {
         }
     }
 
-    /// The whole record.
+    /// The whole record as text.
     pub fn to_json(&self, timings: &Timings) -> String {
+        let mut text = serde_json::to_string_pretty(&self.to_value(timings)).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The record without its long parts (lists of regions, boundaries …): what a page shows.
+    pub fn brief(&self, timings: &Timings) -> Value {
+        let mut all = self.to_value(timings);
+        if let Value::Object(parts) = &mut all {
+            let is_short = |name: &str, part: &Value| name == "warnings" || part.to_string().len() <= LONGEST;
+            parts.retain(|name, part| is_short(name, part));
+        }
+        all
+    }
+
+    fn to_value(&self, timings: &Timings) -> Value {
         let mut all = Map::new();
         all.insert("carreau".into(), json!(env!("CARGO_PKG_VERSION")));
         all.insert("verb".into(), json!(self.verb));
         all.extend(self.parts.clone());
         all.insert("seconds".into(), timings.to_json());
         all.insert("warnings".into(), json!(self.warnings));
-        let mut text = serde_json::to_string_pretty(&Value::Object(all)).unwrap_or_default();
-        text.push('\n');
-        text
+        Value::Object(all)
     }
 }

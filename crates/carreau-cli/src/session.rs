@@ -1,11 +1,15 @@
 //! One run of a verb: its context, its input and output files, its record.
 
 use crate::common::{Common, CommonValues};
+use crate::host::{Found, Host, Input as HostInput};
 use crate::progress::Bar;
 use crate::record::Record;
+use crate::report::Report;
 use crate::timings::Timings;
-use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
+use crate::verb::read_edges;
+use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::figure;
+use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
 use carreau::{Context, Error, io};
 use serde::Serialize;
@@ -30,6 +34,11 @@ impl Failure {
     /// The exit code of the contract.
     pub fn exit_code(&self) -> u8 {
         self.error.exit_code()
+    }
+
+    /// The error, for a caller who knows which mesh it is about.
+    pub fn into_error(self) -> Error {
+        self.error
     }
 }
 
@@ -70,7 +79,9 @@ pub struct Session {
     pub record: Record,
     json: Option<PathBuf>,
     picture: Option<PathBuf>,
+    report: Report,
     quiet: bool,
+    host: Option<Arc<Host>>,
     timings: Timings,
     /// Lines for a person, printed when the record does not go to stdout.
     summary: Vec<String>,
@@ -87,6 +98,8 @@ impl Session {
     ) -> Result<(), Failure> {
         let timings = Timings::new();
         let level = match (common.quiet, common.verbose) {
+            // A program that calls is handed the warnings with the record.
+            (_, 0) if common.host.is_some() => LevelFilter::OFF,
             (true, _) => LevelFilter::ERROR,
             (_, 0) => LevelFilter::WARN,
             (_, 1) => LevelFilter::INFO,
@@ -106,13 +119,23 @@ impl Session {
     }
 
     fn start(verb: &'static str, common: &Common, values: &CommonValues, timings: Timings) -> Result<Self, Error> {
-        let mut context = Context::new().with_threads(values.threads)?.with_cancel(cancel_flag());
+        let host = common.host.clone();
+        let cancel = host.as_ref().map_or_else(cancel_flag, |host| Arc::clone(&host.cancel));
+        let mut context = Context::new().with_threads(values.threads)?.with_cancel(cancel);
         context.seed = values.seed;
         if let Some(seconds) = values.deadline {
             context = context.with_deadline(Instant::now() + Duration::from_secs_f64(seconds));
         }
-        if std::io::stderr().is_terminal() && !common.quiet {
-            context = context.with_progress(Arc::new(Bar::new()));
+        match &host {
+            Some(host) => {
+                if let Some(progress) = &host.progress {
+                    context = context.with_progress(Arc::clone(progress));
+                }
+            }
+            None if std::io::stderr().is_terminal() && !common.quiet => {
+                context = context.with_progress(Arc::new(Bar::new()));
+            }
+            None => {}
         }
         let record = Record::new(verb);
         Ok(Session {
@@ -120,7 +143,9 @@ impl Session {
             record,
             json: common.json.clone(),
             picture: common.picture.clone(),
+            report: Report::to(common.report.clone()),
             quiet: common.quiet,
+            host,
             timings,
             summary: Vec::new(),
         })
@@ -138,11 +163,54 @@ impl Session {
         self.record.warnings.push(what);
     }
 
+    /// What a mesh file holds, or what the host holds in its place.
+    pub fn load_mesh(&self, file: &Path) -> Result<RawMesh, Error> {
+        match self.hosted(file) {
+            Some(HostInput::Mesh(mesh)) => Ok(mesh.clone()),
+            _ => io::read(file),
+        }
+    }
+
+    /// What a skeleton file holds, or what the host holds in its place.
+    pub fn load_skeleton(&self, file: &Path) -> Result<CurveNet, Error> {
+        match self.hosted(file) {
+            Some(HostInput::Skeleton(net)) => Ok(net.clone()),
+            _ => io::read_skeleton(file),
+        }
+    }
+
+    /// The edges that a file lists, or those the host holds in its place.
+    pub fn load_edges(&self, file: &Path) -> Result<Vec<[VertexId; 2]>, Error> {
+        match self.hosted(file) {
+            Some(HostInput::Edges(edges)) => Ok(edges.clone()),
+            _ => read_edges(file),
+        }
+    }
+
+    /// Whether a file is a skeleton by its name, or the host holds one in its place.
+    pub fn is_skeleton(&self, file: &Path) -> bool {
+        match self.hosted(file) {
+            Some(input) => matches!(input, HostInput::Skeleton(_)),
+            None => io::is_skeleton_file(file),
+        }
+    }
+
+    fn hosted(&self, file: &Path) -> Option<&HostInput> {
+        self.host.as_ref().and_then(|host| host.input(file))
+    }
+
+    /// Hands the result to the host, if there is one.
+    pub fn keep(&self, found: impl FnOnce() -> Found) {
+        if let Some(host) = &self.host {
+            host.keep(found());
+        }
+    }
+
     /// Reads a mesh file as it is; what the reader repaired or left out becomes warnings.
     pub fn read(&mut self, file: &Path) -> Result<RawMesh, Error> {
         let mut mesh = {
             let _stage = self.context.stage("read");
-            io::read(file)?
+            self.load_mesh(file)?
         };
         self.context.check()?;
         let input = Input {
@@ -154,6 +222,7 @@ impl Session {
         };
         self.record.set("input", input);
         std::mem::take(&mut mesh.notes).into_iter().for_each(|note| self.warn(note));
+        self.show(file, Role::Before, |name, _| Scene::of_mesh(name, &mesh))?;
         Ok(mesh)
     }
 
@@ -161,7 +230,7 @@ impl Session {
     pub fn read_skeleton(&mut self, file: &Path) -> Result<CurveNet, Error> {
         let net = {
             let _stage = self.context.stage("read");
-            io::read_skeleton(file)?
+            self.load_skeleton(file)?
         };
         self.context.check()?;
         let input = Input {
@@ -172,6 +241,7 @@ impl Session {
             cells: 0,
         };
         self.record.set("input", input);
+        self.show(file, Role::Before, |name, _| Ok(Scene::of_net(name, &net)))?;
         Ok(net)
     }
 
@@ -193,7 +263,9 @@ impl Session {
 
     /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has.
     pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
+        self.keep(|| Found::Mesh(mesh.clone()));
         self.draw(mesh)?;
+        self.show_result(file, |name, _| Scene::of_mesh(name, mesh))?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = file {
             counts["file"] = json!(file.to_string_lossy());
@@ -237,8 +309,58 @@ impl Session {
         self.write_bytes(&file, &png)
     }
 
+    /// Writes the page to this file, too.
+    pub fn report_to(&mut self, file: &Path) {
+        self.report.files.push(file.to_path_buf());
+    }
+
+    /// Shows a scene on the page, where one was asked for; see [`Report::add`].
+    pub fn show(
+        &mut self,
+        file: &Path,
+        role: Role,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        self.report.add(file, role, &self.context, make)
+    }
+
+    /// Shows the result of the verb on the page, under the name of its file where it has one.
+    pub fn show_result(
+        &mut self,
+        file: Option<&Path>,
+        make: impl FnOnce(String, &Context) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
+        let name = format!("result of {}", self.record.verb());
+        // A file that replaces the input is shown beside it.
+        let file = file.filter(|file| !self.report.has(file));
+        self.show(file.unwrap_or(Path::new(&name)), Role::After, make)
+    }
+
+    /// Shows files in this order, none of them before or after another.
+    pub fn show_equal(&mut self, files: &[&Path]) {
+        self.report.equal(files);
+    }
+
+    fn write_report(&mut self) -> Result<(), Error> {
+        let files = std::mem::take(&mut self.report.files);
+        if files.is_empty() {
+            return Ok(());
+        }
+        let record = self.record.brief(&self.timings);
+        let html = self.report.html(self.record.verb(), record, &self.context)?;
+        for file in files {
+            self.write_bytes(&file, html.as_bytes())?;
+            self.say(format!("open {}", file.display()));
+        }
+        Ok(())
+    }
+
     fn finish(&mut self) -> Result<(), Error> {
+        self.write_report()?;
         let record = self.record.to_json(&self.timings);
+        if let Some(host) = &self.host {
+            host.tell(&record, &self.summary);
+        }
         match &self.json {
             Some(to) if to.as_os_str() == "-" => print(&record),
             other => {
@@ -246,9 +368,19 @@ impl Session {
                     io::write_atomically(file, record.as_bytes())?;
                 }
                 let text: String = self.summary.iter().map(|line| format!("{line}\n")).collect();
-                if self.quiet { Ok(()) } else { print(&text) }
+                if self.quiet || self.host.is_some() { Ok(()) } else { print(&text) }
             }
         }
+    }
+}
+
+/// An error about one of several inputs, with the name of that file.
+pub fn named(file: &Path, error: Error) -> Error {
+    match error {
+        Error::Input { what, place, remedy } => {
+            Error::Input { what: format!("{}: {what}", file.display()), place, remedy }
+        }
+        other => other,
     }
 }
 

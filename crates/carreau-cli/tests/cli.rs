@@ -44,6 +44,7 @@ fn help_names_every_verb_and_each_has_an_example() {
         "quad",
         "hex",
         "skeleton",
+        "view",
         "completions",
         "man",
     ] {

@@ -2,7 +2,7 @@
 
 use crate::common::{Common, CommonValues};
 use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::{Failure, Session, named};
 use carreau::Error;
 use carreau::geometry::distance::{DistanceOptions, compare};
 use carreau::geometry::quality::SurfaceQuality;
@@ -26,7 +26,7 @@ pub struct Compare {
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -52,6 +52,7 @@ impl Compare {
             // The record's `input` is the first file: it is read last, so that its counts stay.
             let b = read(session, &self.b)?;
             let a = read(session, &self.a)?;
+            session.show_equal(&[&self.a, &self.b]);
             let context = session.context.clone();
             let found = context.install(|| {
                 let _stage = context.stage("distance");
@@ -80,11 +81,5 @@ impl Compare {
 
 /// Reads a surface; what is wrong with it is told with its name.
 fn read(session: &mut Session, file: &Path) -> Result<SurfaceMesh, Error> {
-    let named = |error| match error {
-        Error::Input { what, place, remedy } => {
-            Error::Input { what: format!("{}: {what}", file.display()), place, remedy }
-        }
-        other => other,
-    };
-    session.read(file)?.into_surface().map_err(named)
+    session.read(file)?.into_surface().map_err(|error| named(file, error))
 }

@@ -5,6 +5,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
 use carreau::io::WriteOptions;
+use carreau::report::page::Scene;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -69,6 +70,7 @@ impl Convert {
             mesh = mesh.into_surface()?.triangulated()?.into();
         }
         session.draw(&mesh)?;
+        session.show_result(Some(&self.output), |name, _| Scene::of_mesh(name, &mesh))?;
         session.write_mesh(&self.output, &mesh, &WriteOptions { ascii: options.ascii })?;
         session.record.set(
             "output",

@@ -2,6 +2,7 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found as Handed;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
@@ -10,6 +11,7 @@ use carreau::geometry::summary::Summary;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
+use carreau::report::page::Scene;
 use carreau::{DVec3, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -42,7 +44,7 @@ pub struct Curvature {
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// What replays a run.
@@ -104,12 +106,14 @@ impl Curvature {
             ("dmax", vectors(found.dmax)),
         ];
         out.attributes.vertex.extend(columns.map(|(name, column)| (name.to_string(), column)));
+        session.show_result(self.output.as_deref(), |name, _| Ok(Scene::of_mesh(name, &out)?.show("kmax")))?;
         if let Some(file) = &self.output {
             session.write_mesh(file, &out, &WriteOptions::default())?;
             let counts =
                 json!({ "file": file.to_string_lossy(), "vertices": out.points.len(), "faces": out.faces.len() });
             session.record.set("output", counts);
         }
+        session.keep(|| Handed::Mesh(out));
         Ok(())
     }
 }

@@ -2,8 +2,9 @@
 
 mod page;
 
-use super::segment::labelled;
+use super::segment::{labelled, worded};
 use crate::common::{Common, CommonValues};
+use crate::report::command_line;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions};
 use carreau::hex::{self, HexOptions};
@@ -15,6 +16,7 @@ use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
 use carreau::quad::{self, QuadOptions};
 use carreau::remesh::{RemeshOptions, simplify};
+use carreau::report::page::{Page, Role, Scene};
 use carreau::report::{field_figure, figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
 use carreau::{Error, sample};
@@ -25,6 +27,14 @@ use std::path::{Path, PathBuf};
 
 /// The models that are shown.
 const MODELS: &[&str] = &["cube-cylinders", "bracket", "rounded-box", "torus", "tube-tree"];
+
+/// The name of the page of hexes; that of the surface has the model's name.
+const HEXES: &str = "tube-tree-hexes";
+
+/// A figure and what its model's page shows.
+type Drawn = (Figure, Scene);
+/// The name of a page and its scenes.
+type Shown = (String, Vec<Scene>);
 
 /// Makes built-in models, runs the methods on them and writes a folder with index.html
 #[derive(Args)]
@@ -45,7 +55,10 @@ impl Demo {
             session.record.set("options", &values);
             std::fs::create_dir_all(&self.output).map_err(|e| Error::write(&self.output, e))?;
             let context = session.context.clone();
-            let sections = context.install(|| self.sections(session))?;
+            let (sections, shown) = context.install(|| self.sections(session))?;
+            for (name, scenes) in shown {
+                self.show(session, &name, scenes)?;
+            }
             let index = self.output.join("index.html");
             session.write_bytes(&index, page::html(&sections).as_bytes())?;
             session.record.set("output", json!({ "index": index.to_string_lossy(), "sections": sections }));
@@ -54,8 +67,9 @@ impl Demo {
         })
     }
 
-    /// Every room on every model.
-    fn sections(&self, session: &mut Session) -> Result<Vec<Section>, Error> {
+    /// Every room on every model, and what the page of each model shows.
+    fn sections(&self, session: &mut Session) -> Result<(Vec<Section>, Vec<Shown>), Error> {
+        let mut shown = Vec::new();
         let mut regions = Section {
             title: "Segmentation",
             about: "The faces of a part, each on its surface: plane, cylinder, cone, sphere, torus or freeform.",
@@ -85,22 +99,30 @@ impl Demo {
         for name in MODELS {
             let mesh = sample::make(name, None, &session.context)?;
             let input = self.write(session, name, "", &RawMesh::from(mesh.clone()))?;
-            regions.figures.push(self.segment(session, name, &mesh, &input)?);
-            graded.figures.push(self.remesh(session, name, &mesh, &input)?);
-            patches.figures.push(self.patch(session, name, &mesh, &input)?);
-            fields.figures.push(self.field(session, name, &mesh, &input)?);
-            quads.figures.push(self.quads(session, name, &mesh, &input)?);
+            let mut scenes = vec![Scene::of_surface("triangles", &mesh)?.role(Role::Before)];
+            let mut add = |section: &mut Section, (figure, scene): (Figure, Scene)| {
+                section.figures.push(figure);
+                scenes.push(scene.role(Role::After));
+            };
+            add(&mut regions, self.segment(session, name, &mesh, &input)?);
+            add(&mut graded, self.remesh(session, name, &mesh, &input)?);
+            add(&mut patches, self.patch(session, name, &mesh, &input)?);
+            add(&mut fields, self.field(session, name, &mesh, &input)?);
+            add(&mut quads, self.quads(session, name, &mesh, &input)?);
+            shown.push((name.to_string(), scenes));
         }
+        let (figure, scenes) = self.hex(session)?;
+        shown.push((HEXES.to_string(), scenes));
         let hexes = Section {
             title: "Hexes on a skeleton",
             about: "Hexahedra along the branches of a skeleton, every one certified; right: a cut, by scaled Jacobian.",
-            figures: vec![self.hex(session)?],
+            figures: vec![figure],
         };
-        Ok(vec![regions, graded, patches, fields, quads, hexes])
+        Ok((vec![regions, graded, patches, fields, quads, hexes], shown))
     }
 
     /// Triangles to regions.
-    fn segment(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+    fn segment(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let result = segment(mesh, &SegmentOptions::default(), &session.context)?;
         let lines = result.boundaries.len();
         let free = result.regions.iter().filter(|r| r.primitive.is_none()).count();
@@ -112,11 +134,14 @@ impl Demo {
             "{} triangles → {regions} regions, {free} of them freeform; {lines} boundary lines",
             mesh.face_count()
         );
-        self.figure(session, name, caption, picture, &[("triangles", input), ("regions", &file)])
+        let scene = Scene::of_mesh("regions", &worded(&out, &result))?.with_curvature(&session.context)?;
+        let figure =
+            self.figure(session, name, "regions", caption, picture, &[("triangles", input), ("regions", &file)])?;
+        Ok((figure, scene))
     }
 
     /// Triangles to a graded mesh.
-    fn remesh(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+    fn remesh(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         // Faces that meet without a ridge keep their borders, too.
         let is_label = |c: &Column| matches!(c, Column::Label(_));
         let labels = mesh.attributes.face.iter().find(|(_, c)| is_label(c)).map(|(name, _)| name.clone());
@@ -134,11 +159,14 @@ impl Demo {
             q.shape_min,
             100.0 * q.length_in_06_17
         );
-        self.figure(session, name, caption, picture, &[("triangles", input), ("graded", &file)])
+        let scene = Scene::of_mesh("graded", &out)?.show("plain");
+        let figure =
+            self.figure(session, name, "graded", caption, picture, &[("triangles", input), ("graded", &file)])?;
+        Ok((figure, scene))
     }
 
     /// Triangles to patches, and to a CAD file.
-    fn patch(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+    fn patch(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let context = session.context.clone();
         let result = decompose(mesh, &PatchOptions::default(), &context)?;
         let model = to_brep(mesh, &result.patches, &result.leftover, &BrepOptions::default(), &context)?;
@@ -159,11 +187,15 @@ impl Demo {
             model.brep.faces.len(),
             if solids == 1 { "" } else { "s" }
         );
-        self.figure(session, name, caption, picture, &[("triangles", input), ("patches", &file), ("STEP", &step_file)])
+        let files = [("triangles", input), ("patches", &file), ("STEP", &step_file)];
+        Ok((
+            self.figure(session, name, "patches", caption, picture, &files)?,
+            Scene::of_mesh("patches", &quads)?.show("patch"),
+        ))
     }
 
     /// Triangles to a frame field.
-    fn field(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+    fn field(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let found = field::field(mesh, &FieldOptions::default(), &session.context)?;
         let picture = format!("{name}-field.png");
         session.write_bytes(&self.output.join(&picture), &field_figure(&found).to_png()?)?;
@@ -174,11 +206,13 @@ impl Demo {
             mesh.face_count(),
             found.singularities()
         );
-        self.figure(session, name, caption, picture, &[("triangles", input), ("field", &layout)])
+        let figure =
+            self.figure(session, name, "field", caption, picture, &[("triangles", input), ("field", &layout)])?;
+        Ok((figure, Scene::of_field("field", &found)?))
     }
 
     /// Triangles to quads alone.
-    fn quads(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Figure, Error> {
+    fn quads(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let result = quad::quads(mesh, &QuadOptions::default(), &session.context)?;
         let (q, count) = (result.quality, result.mesh.face_count());
         let out = RawMesh::from(result.mesh);
@@ -191,11 +225,13 @@ impl Demo {
             q.scaled_jacobian_min,
             q.irregular
         );
-        self.figure(session, name, caption, picture, &[("triangles", input), ("quads", &file)])
+        let figure =
+            self.figure(session, name, "quads", caption, picture, &[("triangles", input), ("quads", &file)])?;
+        Ok((figure, Scene::of_mesh("quads", &out)?))
     }
 
     /// The skeleton of the sample tube-tree to hexes.
-    fn hex(&self, session: &mut Session) -> Result<Figure, Error> {
+    fn hex(&self, session: &mut Session) -> Result<(Figure, Vec<Scene>), Error> {
         let name = "tube-tree";
         let tubes = sample::tree();
         let net = CurveNet::new(
@@ -211,6 +247,10 @@ impl Demo {
         let picture = format!("{name}-hexes.png");
         session.write_bytes(&self.output.join(&picture), &hex_figure(&result.mesh).to_png()?)?;
         let (f, file) = (&result.figures, format!("{name}-hexes.vtu"));
+        let scenes = vec![
+            Scene::of_net("skeleton", &net).role(Role::Before),
+            Scene::of_hexes("hexes", &result.mesh)?.net("skeleton", &result.skeleton).role(Role::After),
+        ];
         session.write_mesh(&self.output.join(&file), &RawMesh::from(result.mesh), &WriteOptions::default())?;
         let caption = format!(
             "{} nodes → {} hexes; scaled Jacobian {:.2} at least, {:.2} on average",
@@ -219,7 +259,9 @@ impl Demo {
             f.quality.scaled_jacobian_min,
             f.quality.scaled_jacobian_mean
         );
-        self.figure(session, name, caption, picture, &[("skeleton", &skeleton), ("hexes", &file)])
+        let files = [("skeleton", &skeleton[..]), ("hexes", &file)];
+        let figure = self.figure(session, name, "hexes", caption, picture, &files)?;
+        Ok((Figure { page: page_of(HEXES, "hexes"), ..figure }, scenes))
     }
 
     /// Writes a mesh; returns the name of the file in the folder.
@@ -243,12 +285,34 @@ impl Demo {
         &self,
         session: &mut Session,
         name: &str,
+        scene: &str,
         caption: String,
         picture: String,
         files: &[(&'static str, &str)],
     ) -> Result<Figure, Error> {
         session.say(format!("{name}: {caption}"));
         let files = files.iter().map(|&(what, file)| (what, file.to_string())).collect();
-        Ok(Figure { name: name.into(), about: sample::find(name)?.summary, caption, picture, files })
+        let page = page_of(name, scene);
+        Ok(Figure { name: name.into(), about: sample::find(name)?.summary, caption, picture, page, files })
     }
+
+    /// Writes the page of a model.
+    fn show(&self, session: &mut Session, name: &str, scenes: Vec<Scene>) -> Result<(), Error> {
+        let context = session.context.clone();
+        let page = Page::new(format!("carreau demo: {name}")).command(command_line()).scenes(scenes.clone());
+        let html = context.install(|| {
+            let _stage = context.stage("pages");
+            page.html()
+        })?;
+        session.write_bytes(&self.output.join(format!("{name}.html")), html.as_bytes())?;
+        scenes.into_iter().try_for_each(|scene| {
+            let title = format!("{name}, {}", scene.name());
+            session.show(Path::new(&title), scene.as_role(), |title, _| Ok(scene.named(title)))
+        })
+    }
+}
+
+/// The address of a scene beside the first one on the page of a model.
+fn page_of(model: &str, scene: &str) -> String {
+    format!("{model}.html#right={scene}")
 }

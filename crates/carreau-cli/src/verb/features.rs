@@ -50,8 +50,8 @@ impl FeatureFlags {
 
 impl FeatureValues {
     /// Features by angle, borders, tags and the listed edges, which are read here.
-    pub fn load(&self) -> Result<FeatureOptions, Error> {
-        let edges = self.features.as_deref().map(read_edges).transpose()?.unwrap_or_default();
+    pub fn load(&self, session: &Session) -> Result<FeatureOptions, Error> {
+        let edges = self.features.as_deref().map(|file| session.load_edges(file)).transpose()?.unwrap_or_default();
         Ok(FeatureOptions { angle_deg: Some(self.feature_angle), borders: true, tags: !self.ignore_tags, edges })
     }
 }

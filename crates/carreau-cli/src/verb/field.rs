@@ -3,12 +3,14 @@
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh};
 use carreau::report::field_figure;
+use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -51,7 +53,7 @@ pub struct Field {
     #[arg(long)]
     classic: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// What replays a run.
@@ -98,7 +100,7 @@ impl Field {
         let mesh = session.read(&self.input)?.into_surface()?;
         let context = session.context.clone();
         let mut wanted = options.field.clone();
-        wanted.features = options.features.load()?;
+        wanted.features = options.features.load(session)?;
         let found = context.install(|| field::field(&mesh, &wanted, &context))?;
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, session);
@@ -120,6 +122,7 @@ impl Field {
 
     fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
         session.draw_as(|| field_figure(&found))?;
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_field(name, &found))?;
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }
@@ -131,16 +134,22 @@ impl Field {
         });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());
-            let mut out = RawMesh::from(found.mesh);
-            let vectors = |v: Vec<DVec3>| Column::Vector3(v.into_iter().map(|d| d.to_array()).collect());
-            let columns = [("u", vectors(found.u)), ("v", vectors(found.v))];
-            out.attributes.face.extend(columns.map(|(name, column)| (name.to_string(), column)));
-            (out.edge_tags, out.edges) = (vec![1; found.features.len()], found.features);
-            session.write_mesh(file, &out, &WriteOptions::default())?;
+            session.write_mesh(file, &with_frames(&found), &WriteOptions::default())?;
         }
         session.record.set("output", counts);
+        session.keep(|| Found::Field(with_frames(&found), found));
         Ok(())
     }
+}
+
+/// The mesh that carries the field, with its frames and features.
+fn with_frames(found: &field::Field) -> RawMesh {
+    let mut out = RawMesh::from(found.mesh.clone());
+    let vectors = |v: &[DVec3]| Column::Vector3(v.iter().map(DVec3::to_array).collect());
+    let columns = [("u", vectors(&found.u)), ("v", vectors(&found.v))];
+    out.attributes.face.extend(columns.map(|(name, column)| (name.to_string(), column)));
+    (out.edge_tags, out.edges) = (vec![1; found.features.len()], found.features.clone());
+    out
 }
 
 /// The record's figures and the summary.

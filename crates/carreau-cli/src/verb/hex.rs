@@ -2,12 +2,14 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
-use carreau::io::{self, WriteOptions, is_skeleton_file};
+use carreau::io::WriteOptions;
 use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -61,7 +63,7 @@ pub struct Hex {
     #[arg(long)]
     allow_invalid: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// All options of a run.
@@ -125,13 +127,17 @@ impl Hex {
             allow_invalid: options.allow_invalid,
         };
         let context = session.context.clone();
-        let HexResult { mesh, figures, warnings, .. } = context.install(|| match &shape {
+        let found = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
             Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
         })?;
-        warnings.into_iter().for_each(|w| session.warn(w));
-        session.draw_as(|| hex_figure(&mesh))?;
-        session.record.set_all(&figures);
+        let HexResult { mesh, figures, warnings, skeleton } = &found;
+        warnings.iter().for_each(|w| session.warn(w));
+        session.draw_as(|| hex_figure(mesh))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(Scene::of_hexes(name, mesh)?.net("skeleton", skeleton))
+        })?;
+        session.record.set_all(figures);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
         let quality = &figures.quality;
         session.say(format!(
@@ -142,18 +148,19 @@ impl Hex {
             0 => "every cell is certified".into(),
             n => format!("{n} cells are not certified"),
         });
-        match &self.output {
-            Some(file) => session.write_mesh(file, &RawMesh::from(mesh), &WriteOptions::default()),
-            None => Ok(()),
+        if let Some(file) = &self.output {
+            session.write_mesh(file, &RawMesh::from(mesh.clone()), &WriteOptions::default())?;
         }
+        session.keep(|| Found::Hexes(found));
+        Ok(())
     }
 
     /// What the files hold; a file of lines and faces is a surface.
     fn read(&self, session: &mut Session, options: &Options) -> Result<Shape, Error> {
-        if !is_skeleton_file(&self.input) {
+        if !session.is_skeleton(&self.input) {
             let raw = session.read(&self.input)?;
             if !(raw.faces.is_empty() && raw.cells.is_empty()) {
-                let net = options.skeleton.as_deref().map(io::read_skeleton).transpose()?;
+                let net = options.skeleton.as_deref().map(|file| session.load_skeleton(file)).transpose()?;
                 return Ok(Shape::Surface(Box::new(raw.into_surface()?.triangulated()?), net));
             }
         }
@@ -162,7 +169,10 @@ impl Hex {
         }
         let net = session.read_skeleton(&self.input)?;
         Ok(match &options.surface {
-            Some(file) => Shape::Surface(Box::new(io::read(file)?.into_surface()?.triangulated()?), Some(net)),
+            Some(file) => {
+                let surface = session.load_mesh(file)?.into_surface()?.triangulated()?;
+                Shape::Surface(Box::new(surface), Some(net))
+            }
             None => Shape::Graph(net),
         })
     }

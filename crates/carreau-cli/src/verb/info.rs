@@ -17,7 +17,7 @@ pub struct Info {
     /// The file to look at
     input: PathBuf,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 impl Info {

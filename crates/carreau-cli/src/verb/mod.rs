@@ -16,9 +16,13 @@ mod segment;
 mod shell;
 mod simplify;
 mod skeleton;
+mod view;
 
+use crate::common::Common;
 use crate::session::Failure;
 use clap::Subcommand;
+
+pub use features::read_edges;
 
 /// What to do.
 #[derive(Subcommand)]
@@ -38,11 +42,36 @@ pub enum Verb {
     Skeleton(skeleton::Skeleton),
     Enrich(simplify::Enrich),
     Simplify(simplify::Simplify),
+    View(view::View),
     Completions(shell::Completions),
     Man(shell::Man),
 }
 
 impl Verb {
+    /// The common options of a verb that a program may call.
+    pub fn common_mut(&mut self) -> Option<&mut Common> {
+        match self {
+            Verb::Info(verb) => Some(&mut verb.common),
+            Verb::Repair(verb) => Some(&mut verb.common),
+            Verb::Compare(verb) => Some(&mut verb.common),
+            Verb::Curvature(verb) => Some(&mut verb.common),
+            Verb::Patch(verb) => Some(&mut verb.common),
+            Verb::Segment(verb) => Some(&mut verb.common),
+            Verb::Field(verb) => Some(&mut verb.common),
+            Verb::Quad(verb) => Some(&mut verb.common),
+            Verb::Hex(verb) => Some(&mut verb.common),
+            Verb::Skeleton(verb) => Some(&mut verb.common),
+            Verb::Enrich(verb) => Some(&mut verb.remesh.common),
+            Verb::Simplify(verb) => Some(&mut verb.remesh.common),
+            Verb::Demo(_)
+            | Verb::Sample(_)
+            | Verb::Convert(_)
+            | Verb::View(_)
+            | Verb::Completions(_)
+            | Verb::Man(_) => None,
+        }
+    }
+
     /// Does it.
     pub fn run(&self) -> Result<(), Failure> {
         match self {
@@ -61,6 +90,7 @@ impl Verb {
             Verb::Skeleton(verb) => verb.run(),
             Verb::Enrich(verb) => verb.run(),
             Verb::Simplify(verb) => verb.run(),
+            Verb::View(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(),
             Verb::Man(verb) => verb.run(),
         }

@@ -1,8 +1,8 @@
 //! `patch`: quad patches on the given vertices, as a mesh or as CAD faces.
 
-use super::features::read_edges;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
@@ -10,6 +10,7 @@ use carreau::io::{WriteOptions, extension};
 use carreau::mesh::SurfaceMesh;
 use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -96,7 +97,7 @@ pub struct Patch {
     #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
     schema: Option<StepSchema>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// Creases that bicubic patches do not cross unless told otherwise, in degrees.
@@ -186,7 +187,7 @@ impl Patch {
         let context = session.context.clone();
         let mut limits = options.patch.clone();
         if let Some(file) = &options.features {
-            limits.feature_edges = read_edges(file)?;
+            limits.feature_edges = session.load_edges(file)?;
         }
         let result = context.install(|| patch::decompose(&mesh, &limits, &context))?;
         self.write(session, &mesh, &result, options)?;
@@ -220,6 +221,8 @@ impl Patch {
         }
         let quads = quad_mesh(mesh, result);
         session.draw(&quads)?;
+        session.keep(|| Found::Patches(quads.clone(), result.clone()));
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &quads))?;
         match &self.output {
             Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => {
                 self.write_cad(session, file, mesh, result, options)

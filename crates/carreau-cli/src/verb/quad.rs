@@ -38,7 +38,7 @@ pub struct Quad {
     #[arg(long, value_name = "N")]
     rung: Option<u32>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// What replays a run.
@@ -82,7 +82,7 @@ impl Quad {
         let mesh = session.read(&self.input)?.into_surface()?;
         let context = session.context.clone();
         let mut wanted = options.quad.clone();
-        wanted.features = options.features.load()?;
+        wanted.features = options.features.load(session)?;
         wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
         let result = context.install(|| quad::quads(&mesh, &wanted, &context))?;
         result.warnings.iter().for_each(|what| session.warn(what.clone()));

@@ -1,10 +1,12 @@
 //! `repair`: makes a surface sound and says what it did.
 
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, RepairOptions, repair};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -20,8 +22,8 @@ pub struct Repair {
     /// The mesh to repair
     input: PathBuf,
     /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Option<PathBuf>,
     /// Merges vertices closer than this; 0 merges those at equal positions [default: 0]
     #[arg(long, value_name = "LENGTH", conflicts_with = "no_weld")]
     weld: Option<Length>,
@@ -44,7 +46,7 @@ pub struct Repair {
     #[arg(long)]
     keep_unreferenced: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -75,10 +77,14 @@ impl Repair {
             }
             let out = RawMesh::from(done.mesh);
             session.draw(&out)?;
-            session.write_mesh(&self.output, &out, &WriteOptions::default())?;
+            session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
             session.record.set("repair", done.report);
-            session.say(format!("{}: {} vertices, {} faces", self.output.display(), out.points.len(), out.faces.len()));
+            if let Some(file) = &self.output {
+                session.write_mesh(file, &out, &WriteOptions::default())?;
+                session.say(format!("{}: {} vertices, {} faces", file.display(), out.points.len(), out.faces.len()));
+            }
+            session.keep(|| Found::Mesh(out));
             Ok(())
         })
     }

@@ -3,6 +3,7 @@
 use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
+use carreau::report::page::Scene;
 use carreau::sample::{SAMPLES, make};
 use carreau::{Error, mesh::RawMesh};
 use clap::Args;
@@ -40,6 +41,7 @@ impl Sample {
                     .set("options", json!({ "name": name, "resolution": self.resolution, "seed": values.seed }));
                 let mesh: RawMesh = make(name, self.resolution, &session.context)?.into();
                 session.draw(&mesh)?;
+                session.show_result(Some(output), |name, _| Scene::of_mesh(name, &mesh))?;
                 session.write_mesh(output, &mesh, &WriteOptions::default())?;
                 let counts = json!({ "file": output.to_string_lossy(), "vertices": mesh.points.len(), "faces": mesh.faces.len() });
                 session.record.set("output", counts);

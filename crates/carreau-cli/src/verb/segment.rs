@@ -2,12 +2,14 @@
 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{Column, RawMesh, SurfaceMesh};
+use carreau::report::page::Scene;
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
 use carreau::{Error, Length, Place};
 use clap::Args;
@@ -75,7 +77,7 @@ pub struct Segment {
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -166,6 +168,10 @@ impl Segment {
         tell(session, &result);
         let mut out = labelled(mesh, &result);
         session.draw(&out)?;
+        session.keep(|| Found::Mesh(out.clone()));
+        session.show_result(self.output.as_deref(), |name, context| {
+            Scene::of_mesh(name, &worded(&out, &result))?.show("region").with_curvature(context)
+        })?;
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
                 group(&mut out, &result);
@@ -224,6 +230,40 @@ pub fn labelled(mut mesh: SurfaceMesh, result: &Segmentation) -> RawMesh {
     let face = &mut mesh.attributes.face;
     face.extend([("region".into(), region), ("primitive".into(), kind), ("fit_error".into(), error)]);
     RawMesh::from(mesh)
+}
+
+/// The mesh with words for its regions and their kinds, for pages.
+pub fn worded(out: &RawMesh, result: &Segmentation) -> RawMesh {
+    let mut out = out.clone();
+    let kinds = ["plane", "sphere", "cylinder", "cone", "torus", "freeform"];
+    let mut word = |column: &str, label: i32, word: String| out.attributes.names.insert((column.into(), label), word);
+    for (label, kind) in (0..).zip(kinds) {
+        word("primitive", label, kind.into());
+    }
+    for (label, region) in (0..).zip(&result.regions) {
+        word("region", label, described(region));
+    }
+    out
+}
+
+/// A region's surface in a few words.
+fn described(region: &Region) -> String {
+    let measures = match region.primitive {
+        Some(Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. }) => {
+            format!(", radius {}", rounded(radius))
+        }
+        Some(Primitive::Cone { half_angle, .. }) => format!(", half angle {}°", rounded(half_angle.to_degrees())),
+        Some(Primitive::Torus { major_radius, minor_radius, .. }) => {
+            format!(", radii {} and {}", rounded(major_radius), rounded(minor_radius))
+        }
+        _ => String::new(),
+    };
+    format!("{}{measures}", kind(region))
+}
+
+/// A number to six digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// Regions as named groups, for OBJ, which knows no face properties.

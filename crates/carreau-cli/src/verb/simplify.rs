@@ -22,7 +22,7 @@ use std::path::PathBuf;
     carreau simplify part.stl -o coarse.vtu --distance 0.1% --feature-angle 30")]
 pub struct Simplify {
     #[command(flatten)]
-    remesh: Remesh,
+    pub(super) remesh: Remesh,
     /// Number of triangles, met within 1 %; the sizes are scaled
     #[arg(long, value_name = "N", conflicts_with = "distance")]
     triangles: Option<usize>,
@@ -48,12 +48,12 @@ pub struct Simplify {
 #[command(after_help = "Example:\n  carreau enrich part.stl -o fine.ply --deviation 2 --gradation 1.5")]
 pub struct Enrich {
     #[command(flatten)]
-    remesh: Remesh,
+    pub(super) remesh: Remesh,
 }
 
 /// What both verbs have.
 #[derive(Args)]
-struct Remesh {
+pub(super) struct Remesh {
     /// The surface; polygons are fanned
     input: PathBuf,
     /// The file to write
@@ -84,7 +84,7 @@ struct Remesh {
     #[arg(long, value_name = "LENGTH")]
     max_size: Option<Length>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// A number, or `off`.

@@ -1,9 +1,11 @@
 //! `skeleton`: the curve skeleton of a surface, with radii.
 
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
+use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};
 use clap::Args;
@@ -38,7 +40,7 @@ pub struct Skeleton {
     #[arg(long)]
     no_prune: bool,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
 }
 
 /// All options of a run.
@@ -79,6 +81,9 @@ impl Skeleton {
         let found = extract(&mesh, &options.skeleton, &session.context.clone())?;
         found.warnings.iter().for_each(|w| session.warn(w));
         session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(Scene::of_surface(name, &found.closed.mesh)?.net("skeleton", &found.net).show("plain"))
+        })?;
         let f = &found.figures;
         session.record.set_all(f);
         session.record.set("output", json!({ "nodes": f.nodes, "segments": f.segments }));
@@ -86,9 +91,10 @@ impl Skeleton {
             "{} nodes, {} segments; {} extremities, {} branchings, {} cycles",
             f.nodes, f.segments, f.extremities, f.branchings, f.cycles
         ));
-        match &self.output {
-            Some(file) => session.write_skeleton(file, &found.net),
-            None => Ok(()),
+        if let Some(file) = &self.output {
+            session.write_skeleton(file, &found.net)?;
         }
+        session.keep(|| Found::Skeleton(found));
+        Ok(())
     }
 }

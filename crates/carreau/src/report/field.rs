@@ -20,13 +20,7 @@ const MORE: Rgb = [30, 120, 220];
 
 /// Draws a frame field.
 pub fn field_figure(field: &Field) -> Image {
-    let Some(t) = Triangles::of(&field.mesh) else { return render(&Picture::new(&[], field.mesh.faces())) };
-    let walker = Walker::new(field, t);
-    let spacing = field.mesh.diagonal() / CROSSES;
-    let mut arms = Vec::new();
-    for seed in seeds(t, spacing) {
-        (0..4).for_each(|branch| walker.walk(seed, branch, ARM * spacing, &mut arms));
-    }
+    let Some(arms) = arms(field, CROSSES) else { return render(&Picture::new(&[], field.mesh.faces())) };
     let mut picture = Picture::new(field.mesh.points(), field.mesh.faces());
     picture.lines.push(Lines::new(Path::Segments(&arms), ARMS, 1.0));
     picture.lines.push(Lines { width: 1.8, ..Lines::bold(Path::Edges(&field.features)) });
@@ -41,8 +35,20 @@ pub fn field_figure(field: &Field) -> Image {
     render(&picture)
 }
 
+/// Crosses that follow the frames, about so many along the diagonal; `None` where a face is no triangle.
+pub(super) fn arms(field: &Field, crosses: f64) -> Option<Vec<[DVec3; 2]>> {
+    let t = Triangles::of(&field.mesh)?;
+    let walker = Walker::new(field, t);
+    let spacing = field.mesh.diagonal() / crosses;
+    let mut arms = Vec::new();
+    for seed in seeds(t, spacing) {
+        (0..4).for_each(|branch| walker.walk(seed, branch, ARM * spacing, &mut arms));
+    }
+    Some(arms)
+}
+
 /// The quads that a fan has where the field does not turn.
-fn usual(corner: &Corner) -> i32 {
+pub(super) fn usual(corner: &Corner) -> i32 {
     if corner.closed { 4 } else { ((corner.angle / FRAC_PI_2).round() as i32).max(1) }
 }
 

@@ -17,6 +17,8 @@ pub struct Figure {
     pub about: &'static str,
     pub caption: String,
     pub picture: String,
+    /// The page to turn it on, with the scene.
+    pub page: String,
     /// What they are, and their names in the folder.
     pub files: Vec<(&'static str, String)>,
 }
@@ -33,7 +35,8 @@ pub fn html(sections: &[Section]) -> String {
     let body: String = sections.iter().map(section).collect();
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-         <title>carreau demo</title><style>{STYLE}</style><h1>carreau: triangles to structured models</h1>\n{body}</html>\n"
+         <title>carreau demo</title><style>{STYLE}</style><h1>carreau: triangles to structured models</h1>\
+         <p>Click on a picture to turn the model, switch layers, and ask for the numbers of every element.</p>\n{body}</html>\n"
     )
 }
 
@@ -45,9 +48,10 @@ fn section(section: &Section) -> String {
 fn figure(f: &Figure, title: &str) -> String {
     let files: Vec<String> = f.files.iter().map(|(what, file)| format!("<a href=\"{file}\">{what}</a>")).collect();
     format!(
-        "<figure><a href=\"{p}\"><img src=\"{p}\" alt=\"{title} of {n}\"></a><figcaption><h3>{n}</h3><p>{a}</p><p>{c}</p>\
-         <p>{files}</p></figcaption></figure>\n",
+        "<figure><a href=\"{v}\"><img src=\"{p}\" alt=\"{title} of {n}\"></a><figcaption><h3>{n}</h3><p>{a}</p><p>{c}</p>\
+         <p><a href=\"{v}\">look closer</a> · <a href=\"{p}\">picture</a> · {files}</p></figcaption></figure>\n",
         p = f.picture,
+        v = f.page,
         n = f.name,
         a = f.about,
         c = f.caption,

@@ -28,7 +28,7 @@ mod view;
 
 pub use edges::{border_edges, crease_edges, label_borders, mesh_edges};
 pub use image::Image;
-pub use palette::{Scale, label_color, label_colors};
+pub use palette::{Scale, label_color, label_colors, ramp_colors};
 pub use view::View;
 
 use crate::mesh::Polygons;

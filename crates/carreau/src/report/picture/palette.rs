@@ -139,6 +139,12 @@ impl Scale {
     }
 }
 
+/// The colours of a scale at equal steps from low to high.
+pub fn ramp_colors(scale: Scale, steps: usize) -> Vec<Rgb> {
+    let ramp = Ramp::new(scale);
+    (0..steps).map(|k| encode(ramp.at(k as f32 / steps.saturating_sub(1).max(1) as f32))).collect()
+}
+
 /// A ramp of colours, tabulated.
 pub(super) struct Ramp(Vec<Linear>);
 
