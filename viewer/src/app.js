@@ -136,7 +136,10 @@ export class App {
     this.state.set({ overlays: { ...this.state.overlays, [kind]: !this.overlayOn(kind) } });
   }
 
-  /** Whether an overlay is shown: as chosen; else sharp edges unless there are too many, a skeleton unless it is inside cells, its radii where there is nothing else. */
+  /**
+   * Whether an overlay is shown: as chosen; else sharp edges unless there are too many, a skeleton unless it is inside
+   * cells, its radii where there is nothing else.
+   */
   overlayOn(kind, models = this.shown()) {
     const chosen = this.state.overlays[kind];
     if (chosen !== undefined) return chosen;

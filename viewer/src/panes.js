@@ -39,7 +39,7 @@ export class PaneBars {
     if (!['left', 'right', 'layout', 'colours', 'theme', 'stretch'].some((name) => changed.has(name))) return;
     this.bars.forEach((bar, k) => {
       bar.hidden = !models[k];
-      if (models[k]) clear(bar, this.chooser(models[k], k), this.legend(models[k]));
+      if (models[k]) clear(bar, this.chooser(models[k], k), this.legend(models[k], k));
     });
   }
 
@@ -55,13 +55,13 @@ export class PaneBars {
       h('span', { class: 'counts' }, counts(model)));
   }
 
-  legend(model) {
+  legend(model, k) {
     const layer = this.app.colourOf(model);
     if (!layer || layer.kind === 'vector' || layer.kind === 'color') return null;
-    return h('div', { class: 'legend' }, layer.kind === 'scalar' ? this.rampLegend(layer) : this.labelLegend(layer));
+    return h('div', { class: 'legend' }, layer.kind === 'scalar' ? this.rampLegend(layer, k) : this.labelLegend(layer));
   }
 
-  rampLegend(layer) {
+  rampLegend(layer, pane) {
     const ramp = layer.range === 'diverging' ? this.app.ramps.diverging : this.app.ramps.sequential;
     const stops = Array.from({ length: 17 }, (_, k) => {
       const at = 3 * Math.round((k / 16) * 255);
@@ -73,7 +73,7 @@ export class PaneBars {
     const ends = h('div', { class: 'ends' }, h('span', {}, text(low)), h('b', {}, layer.name), h('span', {}, text(high)));
     const { state } = this.app;
     const stretch = layer.range === 'quality' && checkbox('Stretch', state.stretch, (on) => state.set({ stretch: on }),
-      { id: `stretch-${layer.on}`, title: 'Spread the colours over the values that occur, the same in both panes' });
+      { id: `stretch-${pane}`, title: 'Spread the colours over the values that occur, the same in both panes' });
     const invalid = layer.range === 'quality' && layer.stats.min <= 0
       ? h('div', { class: 'invalid' }, h('i', { style: `background:${this.app.theme.invalid}` }), 'invalid (0 and below)') : null;
     return [bar, ends, stretch, invalid];
