@@ -44,11 +44,13 @@ impl Mesh {
         vertex: &Bound<'_, PyDict>,
         face: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let mut mesh = RawMesh::default();
-        mesh.points = points.as_array().rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
-        mesh.faces = polygons(corners.as_array().iter().copied(), sizes.as_array().iter().copied());
-        mesh.edges = edges.as_array().rows().into_iter().map(|e| [e[0], e[1]]).collect();
-        mesh.edge_tags = edge_tags.as_array().to_vec();
+        let mut mesh = RawMesh {
+            points: points.as_array().rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect(),
+            faces: polygons(corners.as_array().iter().copied(), sizes.as_array().iter().copied()),
+            edges: edges.as_array().rows().into_iter().map(|e| [e[0], e[1]]).collect(),
+            edge_tags: edge_tags.as_array().to_vec(),
+            ..RawMesh::default()
+        };
         mesh.cells.hexes = hexes.as_array().rows().into_iter().map(|h| std::array::from_fn(|k| h[k])).collect();
         mesh.cells.tags = vec![0; mesh.cells.hexes.len()];
         mesh.attributes.vertex = columns(vertex)?;
