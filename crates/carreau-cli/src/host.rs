@@ -22,6 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 /// What stands for a file.
+#[allow(clippy::large_enum_variant)] // a few per call
 pub enum Input {
     /// A mesh.
     Mesh(RawMesh),
@@ -32,6 +33,7 @@ pub enum Input {
 }
 
 /// What a verb made.
+#[allow(clippy::large_enum_variant)] // one per call
 pub enum Found {
     /// The mesh that the command line would write.
     Mesh(RawMesh),

@@ -24,10 +24,10 @@ impl Net {
     ) -> PyResult<Self> {
         let mut builder = NetBuilder::default();
         let (points, radii) = (points.as_array(), radii.as_array());
-        let nodes = points.rows().into_iter().zip(radii).zip(0..);
-        let added = nodes
-            .map(|((p, &r), id)| builder.node(id, DVec3::new(p[0], p[1], p[2]), (!r.is_nan()).then_some(r), 0))
-            .collect::<Result<(), Error>>();
+        let mut nodes = points.rows().into_iter().zip(radii).zip(0..);
+        let added = nodes.try_for_each(|((p, &r), id)| {
+            builder.node(id, DVec3::new(p[0], p[1], p[2]), (!r.is_nan()).then_some(r), 0)
+        });
         segments.as_array().rows().into_iter().for_each(|s| builder.link(s[0], s[1], 0));
         match added.and_then(|()| builder.finish()) {
             Ok(net) => Ok(Net(Arc::new(net))),
