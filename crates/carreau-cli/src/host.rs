@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 /// What stands for a file.
-#[expect(clippy::large_enum_variant, reason = "there is one of it, not a list")]
+#[allow(clippy::large_enum_variant)] // a few per call
 pub enum Input {
     /// A mesh.
     Mesh(RawMesh),
@@ -33,7 +33,7 @@ pub enum Input {
 }
 
 /// What a verb made.
-#[expect(clippy::large_enum_variant, reason = "there is one of it, not a list")]
+#[allow(clippy::large_enum_variant)] // one per call
 pub enum Found {
     /// The mesh that the command line would write.
     Mesh(RawMesh),

@@ -3,7 +3,7 @@
 use crate::{raise, run, views};
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::io::{self, WriteOptions};
-use carreau::mesh::{Column, Columns, Polygons, RawMesh, Topology};
+use carreau::mesh::{Attributes, Cells, Column, Columns, Polygons, RawMesh, Topology};
 use carreau::report::figure;
 use carreau::report::page::{Page, Scene};
 use carreau::sample::{SAMPLES, make};
@@ -31,7 +31,8 @@ impl Mesh {
 
 #[pymethods]
 impl Mesh {
-    /// Points, corners of all faces and where each face begins, edges with tags, hexahedra, attributes.
+    /// Points, corners of all faces and the size of each face, edges with tags, hexahedra, attributes.
+    #[allow(clippy::too_many_arguments)] // the arrays of a mesh
     #[new]
     fn new(
         py: Python<'_>,
@@ -44,17 +45,16 @@ impl Mesh {
         vertex: &Bound<'_, PyDict>,
         face: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let mut mesh = RawMesh {
+        let hexes: Vec<[u32; 8]> = hexes.as_array().rows().into_iter().map(|h| std::array::from_fn(|k| h[k])).collect();
+        let mesh = RawMesh {
             points: points.as_array().rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect(),
             faces: polygons(corners.as_array().iter().copied(), sizes.as_array().iter().copied()),
             edges: edges.as_array().rows().into_iter().map(|e| [e[0], e[1]]).collect(),
             edge_tags: edge_tags.as_array().to_vec(),
+            cells: Cells { tags: vec![0; hexes.len()], hexes, ..Cells::default() },
+            attributes: Attributes { vertex: columns(vertex)?, face: columns(face)?, ..Attributes::default() },
             ..RawMesh::default()
         };
-        mesh.cells.hexes = hexes.as_array().rows().into_iter().map(|h| std::array::from_fn(|k| h[k])).collect();
-        mesh.cells.tags = vec![0; mesh.cells.hexes.len()];
-        mesh.attributes.vertex = columns(vertex)?;
-        mesh.attributes.face = columns(face)?;
         Self::checked(py, mesh)
     }
 
