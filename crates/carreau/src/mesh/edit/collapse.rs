@@ -79,20 +79,35 @@ impl EditMesh {
         if common { Err(CollapseError::Link) } else { Ok(()) }
     }
 
-    /// Whether a collapse makes an edge between two copies of cut vertices, or a triangle of three: in the welded mesh it
-    /// may exist already.
+    /// Whether a collapse makes an edge that may exist elsewhere in the welded mesh, or a triangle of three copies.
     pub fn joins_copies(&self, h: u32, keep: Keep) -> bool {
         let (gone, kept) = self.gone_and_kept(h, keep);
-        if !self.is_copy(kept) {
-            return false;
-        }
         let mut joins = false;
-        self.for_neighbours(gone, |w| joins |= w != kept && self.is_copy(w) && !self.are_neighbours(w, kept));
-        joins |= self.around(gone).any(|h| {
-            let sides = [self.head(h), self.apex(h)];
-            !sides.contains(&kept) && sides.iter().all(|&v| self.is_copy(v))
+        self.for_neighbours(gone, |w| {
+            joins |= w != kept && self.may_double(w, kept) && !self.are_neighbours(w, kept);
         });
         joins
+            || self.is_copy(kept)
+                && self.around(gone).any(|h| {
+                    let sides = [self.head(h), self.apex(h)];
+                    !sides.contains(&kept) && sides.iter().all(|&v| self.is_copy(v))
+                })
+    }
+
+    /// Whether an edge between two vertices may exist elsewhere in the welded mesh: both are copies, or one of them is joined
+    /// to another copy of the other, as at the end of a slit.
+    pub fn may_double(&self, a: u32, b: u32) -> bool {
+        let meets_twin = |at: u32, of: u32| {
+            let mut meets = false;
+            self.for_neighbours(at, |u| meets |= u != of && self.origin[u as usize] == self.origin[of as usize]);
+            meets
+        };
+        match (self.is_copy(a), self.is_copy(b)) {
+            (true, true) => true,
+            (true, false) => meets_twin(b, a),
+            (false, true) => meets_twin(a, b),
+            (false, false) => false,
+        }
     }
 
     /// Whether an edge joins two vertices.

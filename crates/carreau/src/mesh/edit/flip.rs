@@ -22,7 +22,7 @@ impl EditMesh {
             return false;
         }
         let (c, d) = (self.apex(h), self.apex(o));
-        c != d && !self.are_neighbours(c, d) && !(self.is_copy(c) && self.is_copy(d))
+        c != d && !self.are_neighbours(c, d) && !self.may_double(c, d)
     }
 
     /// Flips an edge for which [`EditMesh::can_flip`] is true; afterwards `h` runs from c to d.

@@ -206,3 +206,33 @@ fn wedges_follow_their_side_of_a_curve() {
     }
     check(&edit);
 }
+
+/// A slit that ends at a vertex without copies: its two sides must not become edges with the same ends.
+///
+/// ```text
+///        t                 v: two copies, one on each side
+///      ╱ │ ╲
+///     v──x──u──r           the slit is v x u y
+///     v──y──u──r
+///      ╲ │ ╱
+///        b
+/// ```
+#[test]
+fn slits_stay_open() {
+    let points = [[0.0, 0.0], [1.0, 0.1], [1.0, -0.1], [2.0, 0.0], [3.0, 0.0], [1.0, 1.0], [1.0, -1.0]];
+    let [v, x, y, u, r, t, b] = [0, 1, 2, 3, 4, 5, 6];
+    let triangles = [[v, x, t], [x, u, t], [y, v, b], [u, y, b], [u, r, t], [r, u, b]];
+    let points = points.iter().map(|p| DVec3::new(p[0], p[1], 0.0)).collect();
+    let mut mesh = editable(&SurfaceMesh::from_triangles(points, &triangles).unwrap());
+    let onto_u = |mesh: &EditMesh, gone: u32| {
+        let h = mesh.half_edge(gone, u).or(mesh.half_edge(u, gone)).unwrap();
+        let keep = if mesh.gone_and_kept(h, Keep::Head).0 == gone { Keep::Head } else { Keep::Tail };
+        (h, keep)
+    };
+    assert!((0..mesh.vertex_slots()).filter(|&w| mesh.origin[w as usize] == v).count() == 2);
+    let (h, keep) = onto_u(&mesh, x);
+    assert!(!mesh.joins_copies(h, keep));
+    mesh.collapse(h, keep);
+    let (h, keep) = onto_u(&mesh, y);
+    assert!(mesh.joins_copies(h, keep));
+}
