@@ -3,12 +3,12 @@ import argparse
 import json
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
 import time
-
-import numpy as np
+from pathlib import Path
 
 
 def arguments(description):
@@ -23,6 +23,7 @@ def arguments(description):
 
 def read_obj(path):
     """Vertices and triangles of an OBJ file; polygons are fanned."""
+    import numpy as np
     vertices, faces = [], []
     with open(path) as lines:
         for line in lines:
@@ -34,6 +35,55 @@ def read_obj(path):
                 ids = [i - 1 if i > 0 else len(vertices) + i for i in ids]
                 faces += [[ids[0], ids[k], ids[k + 1]] for k in range(1, len(ids) - 1)]
     return np.array(vertices), np.array(faces, np.int64)
+
+
+def commit():
+    """What the checkout is at, with a plus where files have changed."""
+    def git(*arguments):
+        done = subprocess.run(["git", *arguments], cwd=Path(__file__).parent, capture_output=True, text=True)
+        return done.stdout.strip()
+    return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "--untracked-files=no") else "")
+
+
+def write_between(page, name, text):
+    """Puts text between the page's markers of that name; other text stays. Both must be there."""
+    begin, end = f"<!-- generated: {name} -->", f"<!-- end: {name} -->"
+    old = Path(page).read_text()
+    before, found, rest = old.partition(begin)
+    _, closed, after = rest.partition(end)
+    if not found or not closed:
+        raise SystemExit(f"{page}: the markers {begin} and {end} are missing")
+    Path(page).write_text(f"{before}{begin}\n\n{text.strip()}\n\n{end}{after}")
+
+
+# A child's peak memory begins at its parent's, so a small process in between starts and measures it.
+MEASURE = """
+import resource, subprocess, sys
+if float(sys.argv[2]):
+    resource.setrlimit(resource.RLIMIT_CPU, (int(float(sys.argv[2])) + 1,) * 2)
+status = subprocess.run(sys.argv[3:], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL).returncode
+usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(status, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, file=open(sys.argv[1], "w"))
+"""
+
+
+def measured(command, timeout=None):
+    """(exit code or None where the time was over, CPU seconds, peak MiB, stderr) of one process. The time is the processor's,
+    so that a busy machine changes nothing; what waits without working is ended after ten times as long."""
+    with tempfile.TemporaryFile() as errors, tempfile.NamedTemporaryFile("r") as usage:
+        process = subprocess.Popen([sys.executable, "-S", "-c", MEASURE, usage.name, str(timeout or 0), *command], stderr=errors, start_new_session=True)
+        try:
+            process.wait(10 * timeout if timeout else None)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        errors.seek(0)
+        said = errors.read().decode("utf-8", "replace")
+        found = usage.read().split()
+    if not found:
+        return None, float(timeout or 0), 0.0, said
+    over = int(found[0]) in (-signal.SIGXCPU, -signal.SIGKILL) and timeout and float(found[1]) > timeout
+    return None if over else int(found[0]), float(found[1]), float(found[2]), said
 
 
 def cpu_seconds(command):

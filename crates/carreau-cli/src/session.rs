@@ -106,8 +106,12 @@ impl Session {
             _ => LevelFilter::DEBUG,
         };
         let spans = if common.verbose > 0 { log::format::FmtSpan::CLOSE } else { log::format::FmtSpan::NONE };
-        let stderr =
-            log::layer().with_writer(std::io::stderr).without_time().with_target(false).with_span_events(spans);
+        let stderr = log::layer()
+            .with_writer(std::io::stderr)
+            .with_ansi(std::io::stderr().is_terminal())
+            .without_time()
+            .with_target(false)
+            .with_span_events(spans);
         let subscriber = tracing_subscriber::registry().with(timings.clone()).with(stderr.with_filter(level));
         tracing::subscriber::with_default(subscriber, || {
             let finished = Self::start(verb, common, values, timings).and_then(|mut session| {

@@ -542,3 +542,10 @@ fn hex_refuses_what_is_no_skeleton() {
     let line = ["hex", text(&path), "--skeleton", text(&surface)];
     carreau().args(line).assert().code(2).stderr(contains("goes with a surface"));
 }
+
+#[test]
+fn a_log_that_no_terminal_shows_has_no_colours() {
+    let folder = TempDir::new().unwrap();
+    let out = carreau().args(["sample", "bracket", "-v", "-o", text(&folder.path().join("m.ply"))]).output().unwrap();
+    assert!(!out.stderr.is_empty() && !out.stderr.contains(&0x1b), "{}", String::from_utf8_lossy(&out.stderr));
+}

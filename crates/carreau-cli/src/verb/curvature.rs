@@ -26,7 +26,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau curvature part.stl -o part.ply\n  \
-    carreau curvature scan.ply -o scan.vtu --estimator normal-cycle-ball --radius 1% --picture scan.png\n  \
+    carreau curvature scan.ply -o scan.vtu --estimator normal-cycle-ball --radius 1%\n  \
     carreau curvature part.obj --json - | jq .quality.kmax")]
 pub struct Curvature {
     /// The mesh; polygons are fanned

@@ -18,8 +18,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau quad part.stl -o quads.obj\n  \
-    carreau quad part.obj -o quads.mesh --quads 10000 --json quads.json --picture quads.png\n  \
-    carreau quad scan.ply -o quads.vtu --edge-length 0.5% --feature-angle 180")]
+    carreau quad part.obj -o quads.mesh --quads 2000 --json quads.json --picture quads.png\n  \
+    carreau quad scan.ply -o quads.vtu --edge-length 2% --feature-angle 180")]
 pub struct Quad {
     /// The surface; polygons are divided
     input: PathBuf,

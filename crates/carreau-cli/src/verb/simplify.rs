@@ -19,7 +19,7 @@ use std::path::PathBuf;
     carreau simplify scan.ply -o coarse.ply --deviation 14 --json coarse.json\n  \
     carreau simplify scan.ply -o coarse.obj --triangles 20000\n  \
     carreau simplify scan.ply -o light.glb --triangles 5000 --geometric\n  \
-    carreau simplify part.stl -o coarse.vtu --distance 0.1% --feature-angle 30")]
+    carreau simplify part.stl -o coarse.vtu --distance 1% --feature-angle 30")]
 pub struct Simplify {
     #[command(flatten)]
     pub(super) remesh: Remesh,
@@ -160,7 +160,8 @@ impl Remesh {
         Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
             session.record.set("options", options);
             let source = session.read(&self.input)?.into_surface()?;
-            let mesh = source.clone().triangulated()?;
+            let cut = if source.is_triangular() { None } else { Some(source.clone().triangulated()?) };
+            let mesh = cut.as_ref().unwrap_or(&source);
             let context = session.context.clone();
             let diagonal = mesh.diagonal();
             let mut wanted = options.remesh.clone();
@@ -168,7 +169,7 @@ impl Remesh {
             let share = |length: Length| length.resolve(diagonal) / diagonal.max(f64::MIN_POSITIVE);
             wanted.min_size = options.min_size.map_or(wanted.min_size, share);
             wanted.max_size = options.max_size.map_or(wanted.max_size, share);
-            let result = context.install(|| method(&mesh, &wanted, &context))?;
+            let result = context.install(|| method(mesh, &wanted, &context))?;
             self.tell(session, &source, result)
         })
     }

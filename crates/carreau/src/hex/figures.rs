@@ -2,7 +2,7 @@
 
 use super::Padding;
 use crate::geometry::hexes::{Corners, scaled_jacobian, volume};
-use crate::mesh::{HEX_EDGES, HexMesh};
+use crate::mesh::{HexMesh, irregular_hex_edges};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,10 +24,11 @@ pub struct Figures {
     /// What the cells are worth.
     #[serde(flatten)]
     pub quality: HexQuality,
-    /// Largest distance between the boundary and the surface, either way; only where there is one.
+    /// Largest distance between the boundary and the surface, either way, as a share of the surface's diagonal; only where
+    /// there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_max: Option<f64>,
-    /// Mean distance from the surface to the boundary.
+    /// Mean distance from the surface to the boundary, as a share of the diagonal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_mean: Option<f64>,
     /// Volume of the cells over that of the surface.
@@ -92,17 +93,7 @@ impl HexQuality {
 
 /// Interior edges by their number of cells, four left out.
 fn irregular_edges(hexes: &[[u32; 8]], quads: &[[u32; 4]]) -> BTreeMap<u32, usize> {
-    let key = |a: u32, b: u32| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-    let mut edges: Vec<u64> =
-        hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();
-    edges.par_sort_unstable();
-    let mut outer: Vec<u64> = quads.iter().flat_map(|q| (0..4).map(move |k| key(q[k], q[(k + 1) % 4]))).collect();
-    outer.par_sort_unstable();
     let mut found = BTreeMap::new();
-    for same in edges.chunk_by(|a, b| a == b).filter(|c| c.len() != 4) {
-        if outer.binary_search(&same[0]).is_err() {
-            *found.entry(same.len() as u32).or_default() += 1;
-        }
-    }
+    irregular_hex_edges(hexes, quads).into_iter().for_each(|(_, cells)| *found.entry(cells).or_default() += 1);
     found
 }

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, boundary_faces};
+use crate::mesh::{CurveNet, SurfaceMesh, boundary_faces};
 use crate::skeleton::{self, Closed, Lid};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -65,6 +65,11 @@ impl<'a> Target<'a> {
             rims: closed.lids.iter().map(rim).collect(),
             closed,
         }
+    }
+
+    /// The closed surface.
+    pub fn surface(&self) -> &SurfaceMesh {
+        &self.closed.mesh
     }
 
     /// The lids.

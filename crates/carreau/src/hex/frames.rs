@@ -9,8 +9,8 @@
 //! Departure: the rings next to a branching have their corners where those of its quad are, seen along the branch, and
 //! become regular over the next few rings; a long narrow quad joined to a square would fold the hexes between.
 
-use super::branches::Branch;
 use super::connection::Connection;
+use crate::mesh::Branch;
 use crate::mesh::CurveNet;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;

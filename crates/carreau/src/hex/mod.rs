@@ -7,8 +7,9 @@
 //! | stage | file |
 //! |---|---|
 //! | narrow forks get a trunk | `zip` |
-//! | stubs go, branches get nodes in proportion to the radius | `resample`, `branches` |
+//! | stubs go, branches get nodes in proportion to the radius | `resample` |
 //! | radii that leave no room are reduced | `limit` |
+//! | whether the result stands for the skeleton that was given | `cover` |
 //! | connection surfaces of the branchings | `connection` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
@@ -20,8 +21,8 @@
 //! rule for the first ring at a branching, residual twist spread by arc length on rings too, an energy that untangles
 //! instead of linear smoothing, and a certificate for every cell.
 
-mod branches;
 mod connection;
+mod cover;
 mod figures;
 mod fit;
 mod frames;
@@ -43,11 +44,13 @@ pub use validate::Validity;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{CurveNet, HexMesh, boundary_faces};
+use crate::geometry::hexes::uncertified;
+use crate::mesh::{CurveNet, HexMesh, RepairedNet, boundary_faces};
 use glam::DVec3;
-use optimise::{COARSE, FINE, Optimiser, Spring};
+use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring};
 use refine::{CORE, TubeMesh};
 use resample::Step;
+use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 use sew::BaseMesh;
 
@@ -109,6 +112,11 @@ const MANY_SEGMENTS: usize = 1500;
 const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
 /// Branchings closer than this share of the smaller radius become one.
 const MERGE: f64 = 0.3;
+/// Strength of the springs: of ends to their planes, of the wall to its radius and across it, of nodes to their places.
+const PLANE: f64 = 10.0;
+const WALL: f64 = 0.3;
+const NODE: f64 = 0.3;
+const WEAK: f64 = 0.02;
 
 impl HexOptions {
     fn check(&self) -> Result<()> {
@@ -168,31 +176,65 @@ pub struct HexResult {
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.check()?;
-    let (net, mut warnings) = prepare(net, options, context)?;
-    let base = valid_base(&net, context)?;
+    let (given, net, mut warnings) = prepare(net, options, context)?;
+    let mut best: Option<(usize, TubeMesh, BaseMesh)> = None;
+    for nodes in [Nodes::Drawn, Nodes::Held] {
+        let base = valid_base(&net, nodes, context)?;
+        let tube = refined(&net, &base, nodes, options, context)?;
+        let outside = cover::outside_cells(&given, &tube).len();
+        if best.as_ref().is_none_or(|b| outside < b.0) {
+            best = Some((outside, tube, base));
+        }
+        if outside == 0 {
+            break;
+        }
+    }
+    let Some((outside, tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
     warn_of_poor(&base, &mut warnings);
-    context.check()?;
-    let mut tube = padded(&net, &base, options, context)?;
+    if outside > 0 {
+        warnings.push(format!("{outside} nodes of the skeleton lie outside of the cells"));
+    }
+    deliver(tube, net, warnings, options, context)
+}
+
+/// How the vertices at the nodes of the skeleton are held; extremities stay in any case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Nodes {
+    /// Springs draw them to their places: cells have better shapes.
+    Drawn,
+    /// They stay.
+    Held,
+}
+
+/// The base mesh padded, halved, and optimised.
+fn refined(net: &CurveNet, base: &BaseMesh, nodes: Nodes, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
+    // What is not halved is not optimised again.
+    let halved = options.refine_across() + options.refine_along > 0;
+    let mut tube = padded(net, base, options, if halved { &PASSING } else { &COARSE }, nodes, context)?;
     (0..options.refine_across()).for_each(|_| tube.refine_across());
     (0..options.refine_along).for_each(|_| tube.refine_along());
-    let uncertified = {
+    if halved {
         let _stage = context.stage("optimise");
-        let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
-        optimiser.tie(springs_of(&tube));
-        optimiser.run(&mut tube.points, &FINE, context)?
-    };
-    deliver(tube, net, uncertified, warnings, options, context)
+        optimise(&mut tube, &FINE, nodes, context)?;
+    }
+    Ok(tube)
 }
 
 /// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
-fn valid_base(net: &CurveNet, context: &Context) -> Result<BaseMesh> {
+fn valid_base(net: &CurveNet, nodes: Nodes, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
     let mut base = sew::base_mesh(net);
-    let coarse = refine::pad(net, &base, Padding::None, &vec![0; net.points.len()], CORE);
-    let mut optimiser = Optimiser::new(&base.points, &base.hexes);
-    optimiser.tie(springs_of(&coarse));
-    optimiser.run(&mut base.points, &COARSE, context)?;
+    let mut coarse = refine::pad(net, &base, Padding::None, CORE);
+    optimise(&mut coarse, &COARSE, nodes, context)?;
+    base.points = coarse.points;
     Ok(base)
+}
+
+/// Untangles and smooths a mesh that has no surface.
+fn optimise(tube: &mut TubeMesh, effort: &Effort, nodes: Nodes, context: &Context) -> Result<()> {
+    let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+    hold(&mut optimiser, tube, nodes);
+    optimiser.run(&mut tube.points, effort, context).map(|_| ())
 }
 
 fn warn_of_poor(base: &BaseMesh, warnings: &mut Vec<String>) {
@@ -208,38 +250,60 @@ pub fn base_mesh(net: &CurveNet) -> HexMesh {
     HexMesh { points: base.points, hexes: base.hexes, ..HexMesh::default() }
 }
 
-/// Repair, zipping, and for the full stage clean-up and resampling.
-fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(CurveNet, Vec<String>)> {
+/// Repair, and the skeleton made ready for cells. Clean-up is taken back where it drops what the user has drawn: stubs
+/// whose nodes would lie outside of the tubes stay, then branchings are not merged either.
+///
+/// Returns the repaired net, the one to be meshed, and what the user should know.
+fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(CurveNet, CurveNet, Vec<String>)> {
     let _stage = context.stage("skeleton");
-    let repaired = net.repaired(options.radius)?;
-    let (mut net, mut warnings) = (repaired.net, repaired.warnings);
-    if options.stage == Stage::Full {
-        let pruned = resample::prune(&mut net);
-        if pruned > 0 {
-            warnings.push(format!("{pruned} branches end inside the ball of their branching and were dropped"));
+    let RepairedNet { net, mut warnings } = net.repaired(options.radius)?;
+    let mut stay = FxHashSet::default();
+    let mut best: Option<(usize, CurveNet, Vec<String>)> = None;
+    for merge in [MERGE, MERGE, 0.0] {
+        context.check()?;
+        let (ready, notes) = shaped(&net, options, &stay, merge);
+        let outside = cover::outside(&net, &ready);
+        if best.as_ref().is_none_or(|b| outside.len() < b.0) {
+            best = Some((outside.len(), ready, notes));
         }
-        let merged = resample::merge_branchings(&mut net, |[a, b]| MERGE * a.min(b));
+        if outside.is_empty() || options.stage == Stage::Base {
+            break;
+        }
+        stay.extend(outside.iter().map(|&v| net.ids[v as usize]));
+    }
+    let Some((_, ready, notes)) = best else { return Err(Error::input("the skeleton has no segment", "", "give one")) };
+    warnings.extend(notes);
+    check_size(&ready, options)?;
+    Ok((net, ready, warnings))
+}
+
+/// Zipping, and for the full stage clean-up and resampling; notes say what was done.
+fn shaped(net: &CurveNet, options: &HexOptions, stay: &FxHashSet<i64>, merge: f64) -> (CurveNet, Vec<String>) {
+    let mut net = net.clone();
+    let mut notes = Vec::new();
+    if options.stage == Stage::Full {
+        let pruned = resample::prune(&mut net, stay);
+        if pruned > 0 {
+            notes.push(format!("{pruned} branches end inside the ball of their branching and were dropped"));
+        }
+        let merged = resample::merge_branchings(&mut net, |[a, b]| merge * a.min(b));
         if merged > 0 {
-            warnings.push(format!("{merged} branchings lie inside others and were merged with them"));
+            notes.push(format!("{merged} branchings lie inside others and were merged with them"));
         }
     }
     let zipped = zip::zip(&mut net);
     if zipped > 0 {
-        warnings.push(format!(
-            "{zipped} pairs of directions are closer than {}° and got a common trunk",
-            zip::NARROW_DEGREES
-        ));
+        let narrow = zip::NARROW_DEGREES;
+        notes.push(format!("{zipped} pairs of directions are closer than {narrow}° and got a common trunk"));
     }
-    context.check()?;
     if options.stage == Stage::Full {
         net = resized(&net, options);
     }
     let reduced = limit::limit_radii(&mut net);
     if reduced > 0 {
-        warnings.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
+        notes.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
     }
-    check_size(&net, options)?;
-    Ok((net, warnings))
+    (net, notes)
 }
 
 fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
@@ -287,61 +351,70 @@ fn finest(net: &CurveNet, step: impl Fn(f64) -> Step, fits: impl Fn(&CurveNet) -
 
 /// The base mesh with its layer: as thick as it should be where that folds nothing, else as thin as it must be, and then
 /// let grow.
-fn padded(net: &CurveNet, base: &BaseMesh, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
+fn padded(
+    net: &CurveNet,
+    base: &BaseMesh,
+    options: &HexOptions,
+    effort: &Effort,
+    nodes: Nodes,
+    context: &Context,
+) -> Result<TubeMesh> {
     let _stage = context.stage("padding");
-    let around = net.incidence();
-    let mut count = 0;
-    let ends: Vec<u32> = (0..net.points.len() as u32)
-        .map(|v| {
-            let is_end = around.valence(v) == 1;
-            count += u32::from(is_end);
-            if is_end { count } else { 0 }
-        })
-        .collect();
-    let mut tube = refine::pad(net, base, options.padding, &ends, CORE);
+    let mut tube = refine::pad(net, base, options.padding, CORE);
     if options.padding == Padding::None {
         return Ok(tube);
     }
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
-    optimiser.tie(springs_of(&tube));
+    hold(&mut optimiser, &tube, nodes);
     let mut points = tube.points.clone();
     for core in CORES {
         if optimiser.is_valid(&points) {
             break;
         }
-        points = refine::pad(net, base, options.padding, &ends, core).points;
+        points = refine::pad(net, base, options.padding, core).points;
     }
-    optimiser.run(&mut points, &COARSE, context)?;
+    optimiser.run(&mut points, effort, context)?;
     tube.points = points;
     Ok(tube)
 }
 
-/// Springs of a mesh that has no surface: the wall at its radius, ends about in their planes.
-fn springs_of(tube: &TubeMesh) -> Vec<Spring> {
-    let spring = |v: usize| {
-        let (p, c) = (tube.points[v], tube.centres[v]);
-        if tube.radii[v] > 0.0 {
-            let normal = (p - c).normalize_or_zero();
-            Some(Spring { vertex: v as u32, to: c + normal * tube.radii[v], normal, along: 0.3, across: 0.02 })
-        } else if tube.caps[v] > 0 {
-            Some(Spring { vertex: v as u32, to: p, normal: DVec3::ZERO, along: 0.1, across: 0.1 })
-        } else {
-            None
+/// What holds a mesh that has no surface: springs pull the wall to its radius, ends to their planes, and the vertices at
+/// the nodes of the skeleton to these.
+fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, nodes: Nodes) {
+    let mut springs = Vec::with_capacity(tube.points.len());
+    for v in 0..tube.points.len() {
+        let (vertex, c) = (v as u32, tube.centres[v]);
+        let mut away = tube.points[v] - c;
+        if let Some(end) = tube.ends.get((tube.caps[v] as usize).wrapping_sub(1)) {
+            let normal = end.outward;
+            springs.push(Spring { vertex, to: end.centre, normal, along: PLANE, across: 0.0 });
+            away -= normal * normal.dot(away);
         }
-    };
-    (0..tube.points.len()).filter_map(spring).collect()
+        if tube.radii[v] > 0.0 {
+            let normal = away.normalize_or_zero();
+            springs.push(Spring { vertex, to: c + normal * tube.radii[v], normal, along: WALL, across: WEAK });
+        }
+    }
+    let mut fixed = vec![false; tube.points.len()];
+    for &vertex in &tube.nodes {
+        let to = tube.centres[vertex as usize];
+        springs.push(Spring { vertex, to, normal: DVec3::ZERO, along: 0.0, across: NODE });
+        fixed[vertex as usize] = nodes == Nodes::Held || tube.caps[vertex as usize] > 0;
+    }
+    optimiser.tie(springs);
+    optimiser.fix(fixed);
 }
 
 /// Boundary, tags and figures.
 fn deliver(
     tube: TubeMesh,
     skeleton: CurveNet,
-    uncertified: Vec<u32>,
     mut warnings: Vec<String>,
     options: &HexOptions,
     context: &Context,
 ) -> Result<HexResult> {
     let _stage = context.stage("boundary");
+    let uncertified = uncertified(&tube.points, &tube.hexes);
     let quads: Vec<[u32; 4]> = boundary_faces(&tube.hexes).into_iter().map(|f| f.0).collect();
     let tag = |q: &[u32; 4]| {
         let cap = tube.caps[q[0] as usize];

@@ -38,12 +38,34 @@ pub struct TubeMesh {
     pub radii: Vec<f64>,
     /// Number of the end that each vertex lies on, from 1; zero off the ends.
     pub caps: Vec<u32>,
+    /// The ends, in the order of their numbers.
+    pub ends: Vec<End>,
+    /// The vertex at every node of the skeleton.
+    pub nodes: Vec<u32>,
 }
 
-/// Cells and vertices of the base mesh, with the layer asked for. `ends` numbers the nodes that are ends, from 1; the old
-/// wall goes to `core` of its way from the centre: the nearer to 1, the thinner the layer, and the surer it is valid.
-pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32], core: f64) -> TubeMesh {
+/// Where a tube ends: a disc about an extremity of the skeleton.
+#[derive(Debug, Clone, Copy)]
+pub struct End {
+    /// The extremity.
+    pub centre: DVec3,
+    /// Unit normal of the disc, away from the tube.
+    pub outward: DVec3,
+}
+
+/// Cells and vertices of the base mesh, with the layer asked for. The old wall goes to `core` of its way from the centre:
+/// the nearer to 1, the thinner the layer, and the surer it is valid.
+pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> TubeMesh {
     let count = base.points.len();
+    let around = net.incidence();
+    let mut ends = Vec::new();
+    let mut end_of = vec![0; net.points.len()];
+    for tip in around.tips() {
+        let centre = net.points[tip as usize];
+        let before = around.of(tip).first().map_or(centre, |s| net.points[s[1] as usize]);
+        ends.push(End { centre, outward: (centre - before).normalize_or(DVec3::X) });
+        end_of[tip as usize] = ends.len() as u32;
+    }
     let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
     let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
     let is_centre = |v: u32| base.first[nodes[v as usize] as usize] == v;
@@ -55,7 +77,9 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32], core
         radii: (0..count as u32)
             .map(|v| if is_centre(v) { 0.0 } else { net.radii[nodes[v as usize] as usize] })
             .collect(),
-        caps: nodes.iter().map(|&n| ends[n as usize]).collect(),
+        caps: nodes.iter().map(|&n| end_of[n as usize]).collect(),
+        ends,
+        nodes: base.first[..net.points.len()].to_vec(),
     };
     if padding == Padding::None {
         return mesh;
@@ -66,9 +90,10 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, ends: &[u32], core
         mesh.copy(v);
     }
     let mut outer_centre = vec![u32::MAX; net.points.len()];
-    for (node, end) in ends.iter().enumerate().filter(|e| *e.1 > 0 && padding == Padding::All) {
-        debug_assert!(*end > 0);
+    for tip in around.tips().filter(|_| padding == Padding::All) {
+        let node = tip as usize;
         outer_centre[node] = mesh.points.len() as u32;
+        mesh.nodes[node] = outer_centre[node];
         mesh.copy(base.first[node]);
     }
     for h in &base.hexes {

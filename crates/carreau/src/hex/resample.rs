@@ -7,9 +7,9 @@
 //! nearest neighbour, the first node lies at d ≥ max(1.5 r, 1.2 r / tan(θ/2) + 0.3 r), where the discs of the two
 //! branches are apart.
 
-use super::branches::{Branch, branches};
-use crate::mesh::{CurveNet, Incidence};
+use crate::mesh::{Branch, CurveNet, Incidence, branches};
 use glam::DVec3;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// How long the steps are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,22 +23,40 @@ pub enum Step {
     Eased(f64, f64),
 }
 
+/// Nodes are at most this share of their radius away from the new segments.
+const OFF: f64 = 0.4;
+/// A station closer than this, in radii, to a node that must become one moves there.
+const CLOSE: f64 = 0.7;
+
 /// The exponent of the radius in eased steps, and their bounds in radii.
 const EASE: f64 = 0.6;
 const BOUNDS: [f64; 2] = [0.5, 2.5];
 
-/// Leaf branches inside the ball of their branching go; returns how many.
-pub fn prune(net: &mut CurveNet) -> usize {
+/// The branch between branchings that become one may be this much longer than what they may be apart.
+const ROUNDABOUT: f64 = 3.0;
+
+/// Leaf branches inside the ball of their branching go, but for those with a node of a given id; returns how many.
+pub fn prune(net: &mut CurveNet, stay: &FxHashSet<i64>) -> usize {
     let mut pruned = 0;
     loop {
         let around = net.incidence();
-        let short = branches(net, &around).into_iter().find(|b| is_stub(net, &around, b));
-        let Some(stub) = short else { return pruned };
+        let mut left: Vec<usize> = (0..net.points.len() as u32).map(|v| around.valence(v)).collect();
         let mut keep = vec![true; net.points.len()];
-        stub.nodes[1..].iter().for_each(|&v| keep[v as usize] = false);
+        let before = pruned;
+        for stub in branches(net, &around).into_iter().filter(|b| is_stub(net, &around, b)) {
+            let from = stub.nodes[0] as usize;
+            // What is left of a branching is none: whether its branches are stubs is another question.
+            if left[from] > 2 && !stub.nodes[1..].iter().any(|&v| stay.contains(&net.ids[v as usize])) {
+                left[from] -= 1;
+                stub.nodes[1..].iter().for_each(|&v| keep[v as usize] = false);
+                pruned += 1;
+            }
+        }
+        if pruned == before {
+            return pruned;
+        }
         net.edges.retain(|e| keep[e[0] as usize] && keep[e[1] as usize]);
         net.retain_nodes(&keep);
-        pruned += 1;
     }
 }
 
@@ -57,11 +75,17 @@ pub fn merge_branchings(net: &mut CurveNet, near: impl Fn([f64; 2]) -> f64) -> u
     let mut merged = 0;
     loop {
         let around = net.incidence();
-        let near = branches(net, &around).into_iter().find(|b| {
-            let (a, z) = (b.nodes[0], b.nodes[b.nodes.len() - 1]);
-            let length: f64 = b.edges.iter().map(|&e| net.length(e as usize)).sum();
+        let all = branches(net, &around);
+        let mut joined: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+        all.iter().for_each(|b| *joined.entry(b.ends()).or_default() += 1);
+        let near = all.into_iter().find(|b| {
+            let [a, z] = b.ends();
+            let way: f64 = b.edges.iter().map(|&e| net.length(e as usize)).sum();
+            let line = net.points[a as usize].distance(net.points[z as usize]);
             let limit = near([net.radii[a as usize], net.radii[z as usize]]);
-            a != z && around.valence(a) > 2 && around.valence(z) > 2 && length < limit
+            // A second branch between the two would become a loop.
+            let alone = a != z && joined[&[a, z]] == 1;
+            alone && around.valence(a) > 2 && around.valence(z) > 2 && line < limit && way < ROUNDABOUT * limit
         });
         let Some(branch) = near else { return merged };
         let (a, z) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
@@ -78,7 +102,8 @@ pub fn merge_branchings(net: &mut CurveNet, near: impl Fn([f64; 2]) -> f64) -> u
     }
 }
 
-/// The net with new articulations; branchings and extremities stay.
+/// The net with new articulations; branchings and extremities stay, and no node is farther from the new segments than
+/// [`OFF`] of its radius.
 pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
     let around = net.incidence();
     let all = branches(net, &around);
@@ -89,19 +114,18 @@ pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
         new_id[v as usize] = out.points.len() as u32;
         push(&mut out, net.points[v as usize], net.radii[v as usize], net.ids[v as usize]);
     }
-    let mut pairs: Vec<[u32; 2]> = Vec::new();
+    let mut pairs: FxHashSet<[u32; 2]> = FxHashSet::default();
     for branch in &all {
         let mut curve = Curve::new(net, branch);
         let (from, to) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
-        let pair = [from.min(to), from.max(to)];
         // Two branches between the same nodes, and a branch back to its own, need nodes in between.
-        let least = if branch.is_ring || from == to { 3 } else { 1 + usize::from(pairs.contains(&pair)) };
-        pairs.push(pair);
+        let least = if branch.is_ring || from == to { 3 } else { 1 + usize::from(!pairs.insert(branch.ends())) };
         let ends = [
             first_ring(net, &around, branch.nodes[0], branch.edges[0], branch.nodes[1]),
             first_ring(net, &around, to, branch.edges[branch.edges.len() - 1], branch.nodes[branch.nodes.len() - 2]),
         ];
         let stations = curve.stations(step, ends, least);
+        let stations = curve.follow(stations, ends, OFF);
         let mut last = if branch.is_ring {
             push(&mut out, curve.points[0], curve.radii[0], net.ids[from as usize])
         } else {
@@ -218,6 +242,59 @@ impl Curve {
         }
         stations
     }
+
+    /// Stations such that no node of the curve is farther from the chords than a share of its radius: where one is, the
+    /// nearest station goes there if it is no first ring and close, else the node becomes one.
+    ///
+    /// ```text
+    ///          n                      n
+    ///        ╱   ╲            →     ╱   ╲
+    ///   s₀──────────s₁            s₀     s₁
+    /// ```
+    fn follow(&mut self, mut stations: Vec<f64>, ends: [f64; 2], share: f64) -> Vec<f64> {
+        for _ in 0..self.points.len() {
+            let Some(node) = self.farthest_off(&stations, share) else { break };
+            let s = self.arc[node];
+            let k = stations.partition_point(|&t| t < s);
+            let fixed = |j: usize| j == 0 && ends[0] > 0.0 || j + 1 == stations.len() && ends[1] > 0.0;
+            let close =
+                |&j: &usize| j < stations.len() && !fixed(j) && (stations[j] - s).abs() < CLOSE * self.radii[node];
+            let near = [k.wrapping_sub(1), k].into_iter().filter(close);
+            match near.min_by(|&a, &b| (stations[a] - s).abs().total_cmp(&(stations[b] - s).abs())) {
+                Some(j) => stations[j] = s,
+                None => stations.insert(k, s),
+            }
+        }
+        stations
+    }
+
+    /// The node that is farthest from the chords, in radii, where that is more than a share.
+    fn farthest_off(&mut self, stations: &[f64], share: f64) -> Option<usize> {
+        let mut worst = (share, None);
+        let (mut node, mut from) = (1, self.at(0.0));
+        for s in stations.iter().copied().chain([self.length()]) {
+            let to = self.at(s);
+            while node + 1 < self.points.len() && self.arc[node] < s {
+                let radius = self.radii[node].max(1e-300);
+                let off = distance_to_segment(self.points[node], from.0, to.0) / radius;
+                if off > worst.0 {
+                    worst = (off, Some(node));
+                }
+                node += 1;
+            }
+            if node + 1 < self.points.len() && self.arc[node] == s {
+                node += 1;
+            }
+            from = to;
+        }
+        worst.1
+    }
+}
+
+fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared().max(1e-300)).clamp(0.0, 1.0);
+    p.distance(a + along * t)
 }
 
 #[cfg(test)]
@@ -268,7 +345,9 @@ mod tests {
         net.radii.push(0.1);
         net.ids.push(4);
         net.edges.push([0, 4]);
-        assert_eq!(prune(&mut net), 1);
+        let stay = FxHashSet::from_iter([4]);
+        assert_eq!(prune(&mut net, &stay), 0);
+        assert_eq!(prune(&mut net, &FxHashSet::default()), 1);
         assert_eq!(net, fork());
     }
 }

@@ -13,9 +13,9 @@
 //! Two hexes meet at every side of a connection surface because they use the same middle and corners: that is the whole
 //! sewing, local to the node.
 
-use super::branches::{Branch, branches};
 use super::connection::Connection;
 use super::frames::{Framed, Ring, frames, quad_of};
+use crate::mesh::{Branch, branches};
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,16 +1,17 @@
 //! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
 
 use super::fit::{self, Rise, Skin, Target};
-use super::optimise::Optimiser;
+use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
-use super::{HexOptions, HexResult, Stage, deliver, limit, padded, tips, zip};
+use super::{HexOptions, HexResult, Nodes, Stage, deliver, limit, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::geometry::hexes::uncertified;
-use crate::mesh::{CurveNet, SurfaceMesh, Topology, split_quad};
+use crate::mesh::{CurveNet, SurfaceMesh, Topology, boundary_faces, split_quad};
 use crate::skeleton::{self, Closed, SkeletonOptions};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
 
 /// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
 const STEP: f64 = 1.2;
@@ -18,8 +19,16 @@ const ACROSS: u32 = 2;
 const ALONG: u32 = 1;
 /// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
 const LONGEST: f64 = 1.6;
-/// Branchings closer than this share of the sum of their radii become one.
-const MERGE: f64 = 0.6;
+/// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
+/// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
+/// have no room for cells; but those of a tree do.
+const MERGES: [f64; 3] = [1.0, 0.6, 1.4];
+/// A boundary this near to the surface, as a share of the diagonal, needs no second try.
+const WELL: f64 = 0.02;
+/// How the boundary of the coarsest cells is compared with the surface.
+const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements: 0, normals: false };
+/// And the result: samples alone miss the largest distance by some per cent.
+const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
 const LEAST: f64 = 0.6;
 /// Attempts of putting the boundary onto the surface.
@@ -38,28 +47,74 @@ pub fn from_surface(
     context: &Context,
 ) -> Result<HexResult> {
     options.check()?;
-    let (closed, mut net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
+    let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
     let target = Target::new(&closed);
-    let mut options = options.clone();
-    let lid_of_node = {
-        let _stage = context.stage("skeleton");
-        prepare(&mut net, &target, &mut options, &mut warnings)?
-    };
-    super::check_size(&net, &options)?;
-    let around = net.incidence();
-    let lid_of: Vec<u32> = around.tips().map(|v| lid_of_node(&net, v)).collect();
-    let base = super::valid_base(&net, context)?;
-    super::warn_of_poor(&base, &mut warnings);
-    let mut tube = padded(&net, &base, &options, context)?;
+    let mut best: Option<Coarse> = None;
+    for merge in MERGES {
+        let tried = Coarse::new(&net, merge, &target, options, context)?;
+        tracing::debug!(merge, left = tried.left, off = tried.off, segments = tried.net.edges.len(), "coarse cells");
+        let fits = tried.left == 0 && tried.off < WELL * closed.mesh.diagonal();
+        if best.as_ref().is_none_or(|b| tried.off < b.off) {
+            best = Some(tried);
+        }
+        if fits || options.stage == Stage::Base {
+            break;
+        }
+    }
+    let Some(coarse) = best else { return Err(Error::Numeric("no cells were made".into())) };
+    let Coarse { net, mut tube, options, lid_of, .. } = coarse;
+    warnings.extend(coarse.warnings);
     let left = fitted(&mut tube, &lid_of, &target, &options, context)?;
-    let uncertified = uncertified(&tube.points, &tube.hexes);
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
     tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
-    let mut result = deliver(tube, net, uncertified, warnings, &options, context)?;
+    let mut result = deliver(tube, net, warnings, &options, context)?;
     measure(&mut result, &closed, context)?;
     Ok(result)
+}
+
+/// The skeleton made ready, and the coarsest cells about it, drawn to the surface.
+struct Coarse {
+    net: CurveNet,
+    tube: TubeMesh,
+    /// The options with the levels of halving that the size asks for.
+    options: HexOptions,
+    /// The lid of every end, from 1; zero for a round tip.
+    lid_of: Vec<u32>,
+    warnings: Vec<String>,
+    /// Boundary vertices that cannot be put onto the surface.
+    left: usize,
+    /// The largest distance of the boundary from the surface: what spans the room between two branches shows here. Infinite
+    /// where a cell is folded.
+    off: f64,
+}
+
+impl Coarse {
+    fn new(net: &CurveNet, merge: f64, target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
+        let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
+        let lid_of_node = {
+            let _stage = context.stage("skeleton");
+            prepare(&mut net, merge, target, &mut options, &mut warnings)?
+        };
+        super::check_size(&net, &options)?;
+        let lid_of: Vec<u32> = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
+        let base = super::valid_base(&net, Nodes::Drawn, context)?;
+        super::warn_of_poor(&base, &mut warnings);
+        let mut tube = padded(&net, &base, &options, &PASSING, Nodes::Drawn, context)?;
+        let _stage = context.stage("fit");
+        let skin = Skin::new(&tube.hexes, &tube.caps, &lid_of);
+        let TubeMesh { points, hexes, .. } = &mut tube;
+        let mut optimiser = Optimiser::new(points, hexes);
+        fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
+        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target);
+        let left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
+        let is_valid = optimiser.is_valid(points);
+        let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
+        let found = compare(&skin, target.surface(), &COARSELY, context)?;
+        let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
+        Ok(Coarse { net, tube, options, lid_of, warnings, left, off })
+    }
 }
 
 /// The surface closed, and a skeleton.
@@ -85,18 +140,18 @@ fn skeleton_of(
 /// Clean-up, resampling and the size asked for; the answer says in which lid (from 1) a node lies, zero for none.
 fn prepare(
     net: &mut CurveNet,
+    merge: f64,
     target: &Target,
     options: &mut HexOptions,
     warnings: &mut Vec<String>,
 ) -> Result<impl Fn(&CurveNet, u32) -> u32 + use<>> {
     net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
     if options.stage == Stage::Full {
-        resample::prune(net);
-        resample::merge_branchings(net, |[a, b]| MERGE * (a + b));
+        resample::prune(net, &FxHashSet::default());
+        resample::merge_branchings(net, |[a, b]| merge * (a + b));
     }
     let lids = tips::ready(net, target);
-    let in_lids: Vec<(glam::DVec3, u32)> =
-        net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
+    let in_lids: Vec<(DVec3, u32)> = net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
     let missed = target.lids().len() - in_lids.len();
     if missed > 0 {
         warnings.push(format!("{missed} open ends have no branch of the skeleton and were taken as wall"));
@@ -157,8 +212,7 @@ fn mean_radius(net: &CurveNet) -> f64 {
     sum(&radius) / sum(&|_| 1.0)
 }
 
-/// Coarse cells go to the surface first, where iterations cost little; then they are halved, level by level, and follow it.
-/// Returns the vertices that could not be put onto it.
+/// Coarse cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns the vertices that could not be put onto it.
 fn fitted(
     tube: &mut TubeMesh,
     lid_of: &[u32],
@@ -182,8 +236,9 @@ fn fitted(
         let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
         let TubeMesh { points, hexes, .. } = tube;
         let mut optimiser = Optimiser::new(points, hexes);
-        let rise = if level == 0 { &FIRST } else { &NEXT };
-        fit::pull(&mut optimiser, points, &skin, target, rise, context)?;
+        if level > 0 {
+            fit::pull(&mut optimiser, points, &skin, target, &NEXT, context)?;
+        }
         if level == levels {
             fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
             // What cannot be put onto the surface at once may have room when its neighbours are there.
@@ -214,13 +269,17 @@ const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterati
 fn measure(result: &mut HexResult, closed: &Closed, context: &Context) -> Result<()> {
     let _stage = context.stage("measure");
     let mesh = &result.mesh;
-    let triangles: Vec<[u32; 3]> = mesh.quads.iter().flat_map(|q| split_quad(&mesh.points, *q)).collect();
-    let skin = SurfaceMesh::from_triangles(mesh.points.clone(), &triangles)?;
-    let found =
-        compare(&closed.mesh, &skin, &DistanceOptions { samples: 100_000, refinements: 0, normals: false }, context)?;
-    result.figures.distance_max = Some(found.distance.max);
-    result.figures.distance_mean = Some(found.a_to_b.distance.mean);
+    let skin = skin_of(&mesh.points, mesh.quads.iter().copied())?;
+    let found = compare(&closed.mesh, &skin, &CLOSELY, context)?;
+    result.figures.distance_max = Some(found.relative.max);
+    result.figures.distance_mean = Some(found.a_to_b.distance.mean / found.diagonal.max(f64::MIN_POSITIVE));
     let volume = Topology::of(&closed.mesh).volume;
     result.figures.volume_ratio = volume.filter(|v| *v > 0.0).map(|v| result.figures.quality.volume / v);
     Ok(())
+}
+
+/// Boundary faces as triangles.
+fn skin_of(points: &[DVec3], quads: impl Iterator<Item = [u32; 4]>) -> Result<SurfaceMesh> {
+    let triangles: Vec<[u32; 3]> = quads.flat_map(|q| split_quad(points, q)).collect();
+    SurfaceMesh::from_triangles(points.to_vec(), &triangles)
 }

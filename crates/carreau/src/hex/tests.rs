@@ -3,6 +3,7 @@
 use super::connection::tests::star;
 use super::*;
 use crate::mesh::{Column, RawMesh, SurfaceMesh, Topology};
+use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 

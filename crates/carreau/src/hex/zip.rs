@@ -22,13 +22,13 @@ pub fn zip(net: &mut CurveNet) -> usize {
     let mut zipped = 0;
     for round in 0..ROUNDS {
         let mut found = 0;
-        for v in 0..net.points.len() as u32 {
-            while let Some(pair) = narrowest(net, v) {
-                part(net, v, pair);
+        let around = net.incidence();
+        for v in (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2) {
+            let mut at: Vec<u32> = around.of(v).iter().map(|s| s[0]).collect();
+            while let Some(pair) = narrowest(net, v, &at) {
+                at.retain(|e| !pair.contains(e));
+                at.push(part(net, v, pair));
                 found += 1;
-                if found > 4 * net.points.len() {
-                    return zipped + found;
-                }
             }
         }
         zipped += found;
@@ -39,13 +39,12 @@ pub fn zip(net: &mut CurveNet) -> usize {
     zipped
 }
 
-/// The two segments with the smallest angle at a branching, where it is narrow.
-fn narrowest(net: &CurveNet, v: u32) -> Option<[usize; 2]> {
-    let at: Vec<usize> = (0..net.edges.len()).filter(|&e| net.edges[e].contains(&v)).collect();
+/// The two segments with the smallest angle of those at a branching, where it is narrow.
+fn narrowest(net: &CurveNet, v: u32, at: &[u32]) -> Option<[u32; 2]> {
     if at.len() < 3 {
         return None;
     }
-    let direction = |e: usize| (net.points[other(net, e, v) as usize] - net.points[v as usize]).normalize_or_zero();
+    let direction = |e: u32| (net.points[other(net, e, v) as usize] - net.points[v as usize]).normalize_or_zero();
     let mut best = (NARROW_DEGREES.to_radians().cos(), None);
     for (k, &a) in at.iter().enumerate() {
         for &b in &at[k + 1..] {
@@ -58,13 +57,13 @@ fn narrowest(net: &CurveNet, v: u32) -> Option<[usize; 2]> {
     best.1
 }
 
-fn other(net: &CurveNet, e: usize, v: u32) -> u32 {
-    let [a, b] = net.edges[e];
+fn other(net: &CurveNet, e: u32, v: u32) -> u32 {
+    let [a, b] = net.edges[e as usize];
     if a == v { b } else { a }
 }
 
-/// Puts the end of the trunk on the bisector, as near as the directions from there are far enough apart.
-fn part(net: &mut CurveNet, v: u32, [e, f]: [usize; 2]) {
+/// Puts the end of the trunk on the bisector, as near as the directions from there are far enough apart; returns the trunk.
+fn part(net: &mut CurveNet, v: u32, [e, f]: [u32; 2]) -> u32 {
     let (i, j) = (other(net, e, v), other(net, f, v));
     let [p, a, b] = [v, i, j].map(|k| net.points[k as usize]);
     let (la, lb) = (p.distance(a), p.distance(b));
@@ -84,9 +83,10 @@ fn part(net: &mut CurveNet, v: u32, [e, f]: [usize; 2]) {
     net.points.push(end);
     net.radii.push(radius);
     net.ids.push(-1);
-    net.edges[e] = [t, i];
-    net.edges[f] = [t, j];
+    net.edges[e as usize] = [t, i];
+    net.edges[f as usize] = [t, j];
     net.edges.push([v, t]);
+    net.edges.len() as u32 - 1
 }
 
 #[cfg(test)]
@@ -100,7 +100,9 @@ mod tests {
         let cycles = net.cycles();
         assert_eq!(zip(&mut net), 1);
         assert_eq!((net.points.len(), net.edges.len(), net.cycles()), (5, 4, cycles));
-        assert!((0..5).all(|v| narrowest(&net, v).is_none()));
+        let around = net.incidence();
+        let at = |v: u32| around.of(v).iter().map(|s| s[0]).collect::<Vec<u32>>();
+        assert!((0..5).all(|v| narrowest(&net, v, &at(v)).is_none()));
         assert_eq!(zip(&mut net), 0);
     }
 }

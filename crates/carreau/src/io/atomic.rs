@@ -5,6 +5,11 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Characters of the target's name in that of the unfinished file: names are limited to 255 bytes.
+const SHORT_NAME: usize = 50;
+/// Unfinished files of earlier runs that are passed over.
+const MOST_LEFTOVERS: u32 = 1000;
+
 /// Removes the unfinished file when the writing fails or panics.
 struct Unfinished(Option<PathBuf>);
 
@@ -32,12 +37,28 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     if special {
         return fs::write(&target, bytes).map_err(failed);
     }
-    let beside = target.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
-    let mut unfinished = Unfinished(Some(beside.clone()));
-    let mut file = fs::OpenOptions::new().write(true).create_new(true).open(&beside).map_err(failed)?;
+    let (mut file, mut unfinished) = create_beside(&target, &name.to_string_lossy()).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     drop(file);
-    fs::rename(&beside, &target).map_err(failed)?;
+    if let Some(beside) = &unfinished.0 {
+        fs::rename(beside, &target).map_err(failed)?;
+    }
     unfinished.0 = None;
     Ok(())
+}
+
+/// A new file in the target's folder. A killed run leaves its own behind, and process ids come back, in containers soon.
+fn create_beside(target: &Path, name: &str) -> std::io::Result<(fs::File, Unfinished)> {
+    let short: String = name.chars().take(SHORT_NAME).collect();
+    let process = std::process::id();
+    let mut attempt = 0;
+    loop {
+        let number = if attempt == 0 { String::new() } else { format!(".{attempt}") };
+        let beside = target.with_file_name(format!(".{short}.{process}{number}.part"));
+        match fs::OpenOptions::new().write(true).create_new(true).open(&beside) {
+            Ok(file) => return Ok((file, Unfinished(Some(beside)))),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && attempt < MOST_LEFTOVERS => attempt += 1,
+            Err(e) => return Err(e),
+        }
+    }
 }

@@ -52,6 +52,19 @@ pub fn boundary_faces(hexes: &[[u32; 8]]) -> Vec<([u32; 4], u32)> {
     outer.into_iter().map(|k| (face(k), (k / 6) as u32)).collect()
 }
 
+/// The edges off the boundary that other than four hexahedra have, ascending, with that number; `quads` are the boundary
+/// faces.
+pub fn irregular_hex_edges(hexes: &[[u32; 8]], quads: &[[u32; 4]]) -> Vec<([u32; 2], u32)> {
+    let key = |a: u32, b: u32| [a.min(b), a.max(b)];
+    let mut edges: Vec<[u32; 2]> =
+        hexes.par_iter().flat_map_iter(|h| HEX_EDGES.iter().map(move |&[a, b]| key(h[a], h[b]))).collect();
+    edges.par_sort_unstable();
+    let mut outer: Vec<[u32; 2]> = quads.iter().flat_map(|q| (0..4).map(move |k| key(q[k], q[(k + 1) % 4]))).collect();
+    outer.par_sort_unstable();
+    let unusual = edges.chunk_by(|a, b| a == b).filter(|same| same.len() != 4);
+    unusual.filter(|same| outer.binary_search(&same[0]).is_err()).map(|same| (same[0], same.len() as u32)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,4 +1,6 @@
-//! Polygons cut into triangles: ears, the best shaped first (Meisters, "Polygons have ears", 1975).
+//! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
+//! of the fan would be turned or flat, or a diagonal an edge already, ears instead, the best shaped first (Meisters,
+//! "Polygons have ears", 1975).
 //!
 //! ```text
 //! 3───2        3───2
@@ -73,6 +75,13 @@ impl Cutter<'_> {
             return;
         }
         let normal = area_vector(self.points, face);
+        if self.fan_is_sound(face, normal) {
+            for k in 1..face.len() as u32 - 1 {
+                push(&mut self.cut, [0, k, k + 1]);
+                self.diagonals.insert(sorted(face[0], face[k as usize]));
+            }
+            return;
+        }
         self.rest.clear();
         self.rest.extend(0..face.len() as u32);
         self.scores.clear();
@@ -101,6 +110,18 @@ impl Cutter<'_> {
         push(&mut self.cut, [self.rest[0], self.rest[1], self.rest[2]]);
     }
 
+    /// Whether all triangles of the fan from the first corner look where the polygon does, and its diagonals are new.
+    fn fan_is_sound(&self, face: &[u32], normal: DVec3) -> bool {
+        let n = face.len() as u32;
+        let upright = (1..n.saturating_sub(1)).all(|k| self.shape(face, normal, [0, k, k + 1]) > 0.0);
+        upright && (2..n.saturating_sub(1)).all(|k| self.is_new(face[0], face[k as usize]))
+    }
+
+    /// Whether a diagonal is neither an edge nor a diagonal of an earlier polygon.
+    fn is_new(&self, a: u32, b: u32) -> bool {
+        a != b && self.edges.find(a, b).is_none() && !self.diagonals.contains(&sorted(a, b))
+    }
+
     /// The ear at the `k`-th of the corners left, in ascending order for those in the midst.
     fn ear(&self, k: usize) -> [u32; 3] {
         let n = self.rest.len();
@@ -114,7 +135,7 @@ impl Cutter<'_> {
             score = score.min(self.shape(face, normal, self.ear((k + 2) % 4)));
         }
         let [a, b] = [ear[0], ear[2]].map(|k| face[k as usize]);
-        if a == b || self.edges.find(a, b).is_some() || self.diagonals.contains(&sorted(a, b)) {
+        if !self.is_new(a, b) {
             score -= EDGE_PENALTY;
         }
         if self.rest.len() > 4 && self.rest.iter().any(|&other| self.is_inside(face, normal, ear, other)) {
@@ -167,12 +188,15 @@ mod tests {
     }
 
     #[test]
-    fn a_quad_gets_its_shorter_diagonal_and_a_square_the_first() {
+    fn convex_polygons_are_fanned_from_their_first_corner_whatever_their_shape() {
         let rhombus = flat(&[(-2.0, 0.0), (0.0, -1.0), (2.0, 0.0), (0.0, 1.0)]);
-        let found = cut(&rhombus, &[&[0, 1, 2, 3]]);
-        assert!(found.triangles.iter().all(|t| t.contains(&1) && t.contains(&3)), "{:?}", found.triangles);
-        let square = flat(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
-        assert_eq!(cut(&square, &[&[0, 1, 2, 3]]).triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(cut(&rhombus, &[&[0, 1, 2, 3]]).triangles, [[0, 1, 2], [0, 2, 3]]);
+        let hexagon: Vec<(f64, f64)> =
+            (0..6).map(|k| (TAU * f64::from(k) / 6.0).sin_cos()).map(|(y, x)| (9.0 * x, y)).collect();
+        assert_eq!(
+            cut(&flat(&hexagon), &[&[4, 5, 0, 1, 2, 3]]).triangles,
+            [[4, 5, 0], [4, 0, 1], [4, 1, 2], [4, 2, 3]]
+        );
     }
 
     #[test]

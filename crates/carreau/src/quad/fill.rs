@@ -1,9 +1,12 @@
-//! Grids in regular patches: a patch is mapped to a rectangle, each side in proportion to length on every arc, the inside
-//! by the mean of neighbours; the points of the grid are read off. Triangles, paired, in all others.
+//! Quads in patches. One with a grid is mapped to a rectangle, each side in proportion to length on every arc, the inside by
+//! the mean of neighbours; the points of the grid are read off. One with a pattern is mapped to a regular polygon in the same
+//! way. All others take triangles of twice the size, paired, and halved, so that their outlines have the edges that they
+//! should.
 
 use super::chart::Chart;
-use super::layout::{Arc, Layout, Patch, Side};
+use super::layout::{Arc, Kind, Layout, Patch, Side};
 use super::pair::paired_triangles;
+use super::pattern::pattern;
 use super::sheet::Sheet;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -11,23 +14,29 @@ use crate::error::Result;
 use crate::geometry::planar;
 use crate::mesh::{NONE, Polygons};
 use glam::{DVec2, DVec3};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::f64::consts::TAU;
 
 /// Triangles are no smaller than this share of the wanted length, however short the arcs around are.
 const SHORTEST: f64 = 0.7;
 /// Patches that are laid flat have no normal farther from the mean than this cosine.
 const STEEPEST: f64 = 0.3;
 
-/// The faces of a layout with the patch of each, or a patch that takes neither a grid nor triangles.
-pub type Filling = std::result::Result<(Work, Vec<u32>), usize>;
+/// The quads of a layout with the patch of each.
+pub struct Filled {
+    pub work: Work,
+    pub patch: Vec<u32>,
+    /// What every patch took.
+    pub kind: Vec<Kind>,
+}
 
-/// All faces of a layout: quads, and triangles where a patch has no grid. `place` tells where the vertices of the sheet belong.
+/// All quads of a layout, or a patch that takes none. `place` tells where the vertices of the sheet belong.
 pub fn fill(
     sheet: &Sheet,
     layout: &Layout,
     place: impl Fn(u32) -> Option<Place>,
     context: &Context,
-) -> Result<Filling> {
+) -> Result<std::result::Result<Filled, usize>> {
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
@@ -58,19 +67,15 @@ pub fn fill(
         }
         along.push(ids);
     }
-    let mut patch_of_face = Vec::new();
+    let (mut patch_of_face, mut kinds) = (Vec::new(), Vec::new());
+    let filler = Filler { sheet, layout, along: &along, context };
     for (p, patch) in layout.patches.iter().enumerate() {
         context.check()?;
-        let done = match &patch.sides {
-            Some(sides) => grid(sheet, layout, patch, sides, &along, &mut work)?,
-            None => triangles(sheet, layout, patch, &along, &mut work, context)?,
-        };
-        if done.is_none() {
-            return Ok(Err(p));
-        }
+        let Some(kind) = filler.fill(patch, &mut work)? else { return Ok(Err(p)) };
+        kinds.push(kind);
         patch_of_face.resize(work.faces.len(), p as u32);
     }
-    Ok(Ok((work, patch_of_face)))
+    Ok(Ok(Filled { work, patch: patch_of_face, kind: kinds }))
 }
 
 fn region_at(sheet: &Sheet, a: u32, b: u32) -> u32 {
@@ -108,55 +113,234 @@ fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> Run {
     run
 }
 
-/// The grid of a patch.
-fn grid(
-    sheet: &Sheet,
-    layout: &Layout,
-    patch: &Patch,
-    sides: &[Vec<Side>; 4],
-    along: &[Vec<u32>],
-    work: &mut Work,
-) -> Result<Option<()>> {
-    let sides = [0, 1, 2, 3].map(|k| run(layout, along, &sides[k]));
-    let (m, n) = (sides[0].ids.len() - 1, sides[1].ids.len() - 1);
-    if sides[2].ids.len() != m + 1 || sides[3].ids.len() != n + 1 {
-        return Ok(None);
+/// Fills patches between arcs whose vertices are there already.
+struct Filler<'a> {
+    sheet: &'a Sheet,
+    layout: &'a Layout,
+    along: &'a [Vec<u32>],
+    context: &'a Context,
+}
+
+impl Filler<'_> {
+    /// The best that a patch takes.
+    fn fill(&self, patch: &Patch, work: &mut Work) -> Result<Option<Kind>> {
+        let done = match patch.kind {
+            Kind::Grid => self.grid(patch, work)?,
+            Kind::Pattern => self.pattern(patch, work)?,
+            Kind::Triangles => None,
+        };
+        if done.is_some() {
+            return Ok(Some(patch.kind));
+        }
+        Ok(self.triangles(patch, work)?.map(|()| Kind::Triangles))
     }
-    // Places of the boundary in the rectangle.
-    let chart = Chart::new(sheet, &patch.triangles);
-    let (w, h) = (m as f64, n as f64);
-    let mut given = vec![None; chart.len()];
-    for (k, side) in sides.iter().enumerate() {
-        let on = |x: f64| [DVec2::new(x, 0.0), DVec2::new(w, x), DVec2::new(w - x, h), DVec2::new(0.0, h - x)][k];
-        side.places.iter().for_each(|p| settle(&chart, &mut given, *p, on));
+
+    fn run(&self, side: &[Side]) -> Run {
+        run(self.layout, self.along, side)
     }
-    let Some(uv) = chart.spread(given)? else { return Ok(None) };
-    let region = sheet.region[patch.triangles[0] as usize];
-    // Vertices of the grid, row by row.
-    let mut ids = vec![NONE; (m + 1) * (n + 1)];
-    for i in 0..=m {
-        (ids[i], ids[n * (m + 1) + i]) = (sides[0].ids[i], sides[2].ids[m - i]);
+
+    /// The grid of a patch.
+    fn grid(&self, patch: &Patch, work: &mut Work) -> Result<Option<()>> {
+        let Some(sides) = <[_; 4]>::try_from(patch.sides.iter().map(|s| self.run(s)).collect::<Vec<Run>>()).ok() else {
+            return Ok(None);
+        };
+        let (m, n) = (sides[0].ids.len() - 1, sides[1].ids.len() - 1);
+        if sides[2].ids.len() != m + 1 || sides[3].ids.len() != n + 1 {
+            return Ok(None);
+        }
+        // Places of the boundary in the rectangle.
+        let chart = Chart::new(self.sheet, &patch.triangles);
+        let (w, h) = (m as f64, n as f64);
+        let mut given = vec![None; chart.len()];
+        for (k, side) in sides.iter().enumerate() {
+            let on = |x: f64| [DVec2::new(x, 0.0), DVec2::new(w, x), DVec2::new(w - x, h), DVec2::new(0.0, h - x)][k];
+            side.places.iter().for_each(|p| settle(&chart, &mut given, *p, on));
+        }
+        let Ok(Some(uv)) = chart.spread(given) else { return Ok(None) };
+        // Vertices of the grid, row by row.
+        let mut ids = vec![NONE; (m + 1) * (n + 1)];
+        for i in 0..=m {
+            (ids[i], ids[n * (m + 1) + i]) = (sides[0].ids[i], sides[2].ids[m - i]);
+        }
+        for j in 0..=n {
+            (ids[j * (m + 1)], ids[j * (m + 1) + m]) = (sides[3].ids[n - j], sides[1].ids[j]);
+        }
+        let points = chart.read_off(&uv, m, n);
+        for j in 1..n {
+            for i in 1..m {
+                let Some(p) = points[j * (m + 1) + i] else { return Ok(None) };
+                ids[j * (m + 1) + i] = self.add(patch, p, work);
+            }
+        }
+        for j in 0..n {
+            for i in 0..m {
+                let at = |i: usize, j: usize| ids[j * (m + 1) + i];
+                self.push(patch, [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)], work);
+            }
+        }
+        Ok(Some(()))
     }
-    for j in 0..=n {
-        (ids[j * (m + 1)], ids[j * (m + 1) + m]) = (sides[3].ids[n - j], sides[1].ids[j]);
+
+    /// A pattern in a disc, mapped to a polygon with a straight side for each of its own.
+    fn pattern(&self, patch: &Patch, work: &mut Work) -> Result<Option<()>> {
+        let sides: Vec<Run> = patch.sides.iter().map(|s| self.run(s)).collect();
+        let counts: Vec<usize> = sides.iter().map(|s| s.ids.len().saturating_sub(1)).collect();
+        let quads = patch.area / self.layout.length_around(patch).powi(2);
+        let Some(pattern) = pattern(&counts, patch.corners, quads) else { return Ok(None) };
+        let chart = Chart::new(self.sheet, &patch.triangles);
+        let outline = Outline::new(&counts, patch.corners);
+        let mut given = vec![None; chart.len()];
+        for (k, side) in sides.iter().enumerate() {
+            side.places.iter().for_each(|p| settle(&chart, &mut given, *p, |x| outline.at(k, x)));
+        }
+        let Ok(Some(uv)) = chart.spread(given) else { return Ok(None) };
+        let around: Vec<DVec2> = counts
+            .iter()
+            .enumerate()
+            .flat_map(|(k, &n)| (0..n).map(move |x| (k, x as f64)))
+            .map(|(k, x)| outline.at(k, x))
+            .collect();
+        let Ok(flat) = pattern.spread(&around) else { return Ok(None) };
+        let Some(points) = flat[pattern.outline..].iter().map(|&q| chart.above(&uv, q)).collect::<Option<Vec<DVec3>>>()
+        else {
+            return Ok(None);
+        };
+        let mut ids: Vec<u32> = sides.iter().flat_map(|s| &s.ids[..s.ids.len() - 1]).copied().collect();
+        ids.extend(points.into_iter().map(|p| self.add(patch, p, work)).collect::<Vec<u32>>());
+        pattern.quads.iter().for_each(|q| self.push(patch, q.map(|v| ids[v as usize]), work));
+        Ok(Some(()))
     }
-    let points = chart.read_off(&uv, m, n);
-    for j in 1..n {
-        for i in 1..m {
-            let Some(p) = points[j * (m + 1) + i] else { return Ok(None) };
-            ids[j * (m + 1) + i] = work.points.len() as u32;
-            work.points.push(p);
-            work.place.push(Place::Region(region));
+
+    /// A new vertex inside a patch.
+    fn add(&self, patch: &Patch, p: DVec3, work: &mut Work) -> u32 {
+        work.points.push(p);
+        work.place.push(Place::Region(self.sheet.region[patch.triangles[0] as usize]));
+        work.points.len() as u32 - 1
+    }
+
+    fn push(&self, patch: &Patch, quad: [u32; 4], work: &mut Work) {
+        work.faces.push(&quad);
+        work.region.push(self.sheet.region[patch.triangles[0] as usize]);
+    }
+
+    /// Triangles of about twice the length of the sides around, paired and halved: every second vertex of the outlines is
+    /// one of theirs, the others are in the middle of their edges.
+    fn triangles(&self, patch: &Patch, work: &mut Work) -> Result<Option<()>> {
+        let (sheet, layout, context) = (self.sheet, self.layout, self.context);
+        let runs: Vec<Run> = patch.loops.iter().map(|list| self.run(list)).collect();
+        let rings: Vec<Vec<u32>> = runs.iter().map(|run| run.ids[..run.ids.len().saturating_sub(1)].to_vec()).collect();
+        if let [ring] = &rings[..]
+            && let Ok(quad) = <[u32; 4]>::try_from(ring.clone())
+        {
+            self.push(patch, quad, work);
+            return Ok(Some(()));
+        }
+        if rings.iter().any(|ring| ring.len() < 6 || !ring.len().is_multiple_of(2)) {
+            return Ok(None);
+        }
+        let firsts: Vec<usize> = patch.loops.iter().map(|list| self.first(list)).collect();
+        let chart = Chart::new(sheet, &patch.triangles);
+        let length = 2.0 * layout.length_around(patch).max(SHORTEST * layout.length);
+        let thinned = |mut flat: Flat| {
+            for (outline, &first) in flat.outlines.iter_mut().zip(&firsts) {
+                *outline = outline.iter().skip(first).step_by(2).copied().collect();
+            }
+            flat
+        };
+        let mut filled = None;
+        if let Some(flat) = projected(sheet, patch, &chart, &rings, work) {
+            filled = laid_out(&chart, thinned(flat), length, context);
+        }
+        if filled.is_none()
+            && let Some(flat) = unrolled(layout, patch, &chart, self.along)
+        {
+            filled = laid_out(&chart, thinned(flat), length, context);
+        }
+        if filled.is_none()
+            && let Ok(Some(flat)) = on_circle(layout, patch, &chart, self.along)
+        {
+            filled = laid_out(&chart, thinned(flat), length, context);
+        }
+        let Some((inner, triangles)) = filled else { return Ok(None) };
+        // Vertices of the triangles, and those in the middle of their edges.
+        let mut ids: Vec<u32> = Vec::new();
+        let mut middle: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+        for (ring, &first) in rings.iter().zip(&firsts) {
+            let (offset, n) = (ids.len() as u32, ring.len() / 2);
+            for k in 0..n {
+                ids.push(ring[first + 2 * k]);
+                let ends = [offset + k as u32, offset + ((k + 1) % n) as u32];
+                middle.insert([ends[0].min(ends[1]), ends[0].max(ends[1])], ring[(first + 2 * k + 1) % ring.len()]);
+            }
+        }
+        ids.extend(inner.into_iter().map(|p| self.add(patch, p, work)).collect::<Vec<u32>>());
+        let points: Vec<DVec3> = ids.iter().map(|&v| work.points[v as usize]).collect();
+        for face in paired_triangles(&points, &triangles, context)?.iter() {
+            self.halve(patch, face, &ids, &mut middle, work);
+        }
+        Ok(Some(()))
+    }
+
+    /// A quad in every corner of a face.
+    fn halve(&self, patch: &Patch, face: &[u32], ids: &[u32], middle: &mut FxHashMap<[u32; 2], u32>, work: &mut Work) {
+        let n = face.len();
+        let mean = |list: &[u32], work: &Work| {
+            list.iter().map(|&v| work.points[ids[v as usize] as usize]).sum::<DVec3>() / list.len() as f64
+        };
+        let mut middles = Vec::with_capacity(n);
+        for k in 0..n {
+            let [a, b] = [face[k], face[(k + 1) % n]];
+            let m = *middle.entry([a.min(b), a.max(b)]).or_insert_with(|| self.add(patch, mean(&[a, b], work), work));
+            middles.push(m);
+        }
+        let centre = self.add(patch, mean(face, work), work);
+        for k in 0..n {
+            self.push(patch, [ids[face[k] as usize], middles[k], centre, middles[(k + n - 1) % n]], work);
         }
     }
-    for j in 0..n {
-        for i in 0..m {
-            let at = |i: usize, j: usize| ids[j * (m + 1) + i];
-            work.faces.push(&[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-            work.region.push(region);
+
+    /// Whether the even or the odd vertices of a loop are to be those of triangles: of which more are nodes.
+    fn first(&self, list: &[Side]) -> usize {
+        let (mut at, mut odd) = (0, 0);
+        for s in list {
+            odd += if at % 2 == 1 { 1 } else { -1 };
+            at += self.layout.arcs[s.arc as usize].count;
         }
+        usize::from(odd > 0)
     }
-    Ok(Some(()))
+}
+
+/// A polygon with straight sides; a circle for fewer than three.
+struct Outline {
+    counts: Vec<f64>,
+    corners: Vec<DVec2>,
+    total: f64,
+}
+
+impl Outline {
+    fn new(counts: &[usize], corners: usize) -> Self {
+        let counts: Vec<f64> = counts.iter().map(|&n| n as f64).collect();
+        let total = counts.iter().sum();
+        let corners = match (corners, &counts[..]) {
+            (4, [a, b, c, d]) => {
+                let (w, h) = (0.5 * (a + c), 0.5 * (b + d));
+                vec![DVec2::ZERO, DVec2::new(w, 0.0), DVec2::new(w, h), DVec2::new(0.0, h)]
+            }
+            (c @ 3.., _) => (0..c).map(|k| DVec2::from_angle(TAU * k as f64 / c as f64)).collect(),
+            _ => Vec::new(),
+        };
+        Outline { counts, corners, total }
+    }
+
+    /// The place so many edges along a side.
+    fn at(&self, side: usize, x: f64) -> DVec2 {
+        if self.corners.is_empty() {
+            let before: f64 = self.counts[..side].iter().sum();
+            return DVec2::from_angle(TAU * (before + x) / self.total);
+        }
+        let next = self.corners[(side + 1) % self.corners.len()];
+        self.corners[side].lerp(next, x / self.counts[side])
+    }
 }
 
 /// Puts both ends of a half-edge on the boundary to their places.
@@ -174,53 +358,6 @@ struct Flat {
     at: Vec<DVec2>,
     /// Of the plane over that of the patch, as a length.
     scale: f64,
-}
-
-/// Triangles of about the length of the sides around, paired, in a patch that has no grid.
-fn triangles(
-    sheet: &Sheet,
-    layout: &Layout,
-    patch: &Patch,
-    along: &[Vec<u32>],
-    work: &mut Work,
-    context: &Context,
-) -> Result<Option<()>> {
-    let ring = |list: &Vec<Side>| {
-        let mut ids = run(layout, along, list).ids;
-        ids.pop();
-        ids
-    };
-    let rings: Vec<Vec<u32>> = patch.loops.iter().map(ring).collect();
-    let chart = Chart::new(sheet, &patch.triangles);
-    let length = layout.length_around(patch).max(SHORTEST * layout.length);
-    let mut filled = None;
-    if let Some(flat) = projected(sheet, patch, &chart, &rings, work) {
-        filled = laid_out(&chart, flat, length, context);
-    }
-    if filled.is_none()
-        && let Some(flat) = unrolled(layout, patch, &chart, along)
-    {
-        filled = laid_out(&chart, flat, length, context);
-    }
-    if filled.is_none()
-        && let Some(flat) = on_circle(layout, patch, &chart, along)?
-    {
-        filled = laid_out(&chart, flat, length, context);
-    }
-    let Some((inner, triangles)) = filled else { return Ok(None) };
-    let region = sheet.region[patch.triangles[0] as usize];
-    let mut ids = rings.concat();
-    for p in inner {
-        ids.push(work.points.len() as u32);
-        work.points.push(p);
-        work.place.push(Place::Region(region));
-    }
-    let faces: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| ids[v as usize])).collect();
-    for face in paired_triangles(&work.points, &faces, context)?.iter() {
-        work.faces.push(face);
-        work.region.push(region);
-    }
-    Ok(Some(()))
 }
 
 /// Looked at from the side that most of it faces; `None` where some of it looks away, or meets itself along a cut.
@@ -269,7 +406,7 @@ fn unrolled(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -
 fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -> Result<Option<Flat>> {
     let [list] = &patch.loops[..] else { return Ok(None) };
     let total: f64 = list.iter().map(|s| layout.arcs[s.arc as usize].length).sum();
-    let radius = total / std::f64::consts::TAU;
+    let radius = total / TAU;
     let (mut outline, mut given, mut offset) = (Vec::new(), vec![None; chart.len()], 0.0);
     for s in list {
         let arc = &layout.arcs[s.arc as usize];
@@ -284,9 +421,9 @@ fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) 
 }
 
 /// New points inside, and triangles over the outlines and them.
-type Filled = (Vec<DVec3>, Vec<[u32; 3]>);
+type LaidOut = (Vec<DVec3>, Vec<[u32; 3]>);
 
-fn laid_out(chart: &Chart, flat: Flat, length: f64, context: &Context) -> Option<Filled> {
+fn laid_out(chart: &Chart, flat: Flat, length: f64, context: &Context) -> Option<LaidOut> {
     let filled = planar::fill(&flat.outlines, length * flat.scale, context).ok()?;
     let inner = filled.inner.iter().map(|&q| chart.above(&flat.at, q)).collect::<Option<_>>()?;
     Some((inner, filled.triangles))

@@ -1,15 +1,12 @@
-//! The patches between walls, and how many quads go along each of their sides.
+//! The patches between walls, their sides, and the arcs that these are made of.
 //!
 //! The corners of a patch are counted in quarter turns of the frames, not by geometry. A patch that is a disc with four
-//! corners is regular. Walls between nodes are arcs; the quads along opposite sides of a patch have to add up to the same
-//! number. Every arc starts with its length over the wanted one; a side that has too few or too many gets its due along the
-//! cheapest chain of arcs that ends where another patch is off by as much, or at an open border.
+//! corners is regular. Walls between nodes are arcs.
 
 use super::sheet::{Sheet, Wall};
 use crate::mesh::{DisjointSets, NONE};
 use glam::DVec3;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::f64::consts::FRAC_PI_2;
 
 /// Features turn no more than this along a quad of the wanted length, in radians.
 const TURN: f64 = 0.4;
@@ -17,9 +14,8 @@ const TURN: f64 = 0.4;
 /// A place is near an arc within this share of the length of quads.
 const NEAR: f64 = 0.3;
 
-/// Numbers of quads stay between these shares of what their length asks for.
-const FEWEST: f64 = 0.75;
-const MOST: f64 = 1.4;
+/// Discs with more corners take no pattern.
+const MOST_CORNERS: usize = 8;
 
 /// Walls between two nodes, one after the other.
 #[derive(Debug, Clone)]
@@ -47,14 +43,27 @@ pub struct Side {
     pub halves: Vec<u32>,
 }
 
+/// What a patch is filled with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A grid: its opposite sides agree.
+    Grid,
+    /// A pattern: it is a disc with few corners.
+    Pattern,
+    /// Triangles, paired and halved.
+    Triangles,
+}
+
 /// What walls enclose.
 #[derive(Debug, Clone)]
 pub struct Patch {
+    pub kind: Kind,
     pub triangles: Vec<u32>,
     /// What runs around it, with the patch on the left.
     pub loops: Vec<Vec<Side>>,
-    /// The four sides of a disc with four corners, counter-clockwise, as long as they add up.
-    pub sides: Option<[Vec<Side>; 4]>,
+    /// The sides of a disc from corner to corner, counter-clockwise; one that closes where there is no corner.
+    pub sides: Vec<Vec<Side>>,
+    pub corners: usize,
     pub area: f64,
 }
 
@@ -105,13 +114,13 @@ pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loo
             while !sheet.is_wall(g) {
                 g = Sheet::next(sheet.opposite[g as usize]);
             }
-            let (k, back) = sheet.sector(g)?;
-            if back != h {
+            let sector = sheet.sector(g)?;
+            if sector.back != h {
                 return None;
             }
             // Cuts have no part in the frames.
             let is_cut = [h, g].iter().any(|&x| sheet.wall[x as usize] == Wall::Cut);
-            list.push((h, if is_cut { 2 } else { k }));
+            list.push((h, if is_cut { (sector.angle / FRAC_PI_2).round().max(1.0) as i32 } else { sector.quads }));
             h = g;
             if h == start {
                 break;
@@ -211,23 +220,25 @@ impl Layout {
         patch.iter().zip(0u32..).for_each(|(&p, t)| triangles[p as usize].push(t));
         for ((loops, triangles), characteristic) in loops.iter().zip(triangles).zip(characteristic) {
             let corners = loops.iter().flatten().filter(|c| c.1 == 1).count();
-            let is_regular = loops.len() == 1
-                && characteristic == 1
-                && corners == 4
-                && loops[0].iter().all(|c| matches!(c.1, 1 | 2) && sheet.wall[c.0 as usize] != Wall::Cut);
-            let mut around = Vec::new();
-            let mut sides: [Vec<Side>; 4] = Default::default();
+            let is_disc = loops.len() == 1 && characteristic == 1;
+            let is_regular = is_disc && corners == 4 && loops[0].iter().all(|c| matches!(c.1, 1 | 2));
+            let kind = match is_disc && corners <= MOST_CORNERS {
+                true if is_regular => Kind::Grid,
+                true => Kind::Pattern,
+                false => Kind::Triangles,
+            };
+            let (mut around, mut sides) = (Vec::new(), vec![Vec::new(); corners.max(1)]);
             for list in loops {
-                // From behind a node, or a corner where all sides begin in one.
-                let is_start = |c: &(u32, i32)| if is_regular { c.1 == 1 } else { is_node[sheet.head(c.0) as usize] };
-                let start = list.iter().position(is_start)?;
+                // From behind a corner, or a node.
+                let start = list.iter().position(|c| c.1 == 1);
+                let start = start.or_else(|| list.iter().position(|c| is_node[sheet.head(c.0) as usize]))?;
                 let turned: Loop = list[start + 1..].iter().chain(&list[..=start]).copied().collect();
                 let (mut side, mut run, mut all) = (0, Vec::new(), Vec::new());
                 for &(h, k) in &turned {
                     run.push(h);
                     if is_node[sheet.head(h) as usize] {
                         let arc = layout.arc(sheet, &mut arc_of, &run);
-                        if is_regular {
+                        if is_disc {
                             sides.get_mut(side)?.push(arc.clone());
                         }
                         all.push(arc);
@@ -238,8 +249,7 @@ impl Layout {
                 around.push(all);
             }
             let area = triangles.iter().map(|&t| sheet.area(t)).sum();
-            let sides = is_regular.then_some(sides).filter(|sides| sides.iter().all(|s| !s.is_empty()));
-            layout.patches.push(Patch { triangles, loops: around, sides, area });
+            layout.patches.push(Patch { kind, triangles, loops: around, sides, corners, area });
         }
         Some(layout)
     }
@@ -282,15 +292,15 @@ impl Layout {
     }
 
     /// The number of quads: of grids, and where there are none about as many as fit.
-    pub fn quads(&self, length: f64) -> f64 {
-        let of = |p: &Patch| match &p.sides {
-            Some(s) => (self.sum(&s[0]) * self.sum(&s[1])) as f64,
-            None => p.area / (length * length),
+    pub fn quads(&self) -> f64 {
+        let of = |p: &Patch| match p.kind {
+            Kind::Grid => (self.sum(&p.sides[0]) * self.sum(&p.sides[1])) as f64,
+            _ => p.area / (self.length * self.length),
         };
         self.patches.iter().map(of).sum()
     }
 
-    /// Gives arcs one more quad than a length asks for, for every round in which their feature was lost near them: `lost`
+    /// Gives arcs more quads than a length asks for where their feature was lost near them: one, then three, seven. `lost`
     /// holds curves and places, round by round.
     pub fn refine(&mut self, sheet: &Sheet, lost: &[Vec<(u32, DVec3)>], length: f64) {
         for arc in &mut self.arcs {
@@ -300,7 +310,7 @@ impl Layout {
             };
             let times = lost.iter().filter(|round| round.iter().any(is_near)).count() as i64;
             if times > 0 {
-                arc.least = arc.least.max((arc.length / length).round() as i64 + times);
+                arc.least = arc.least.max((arc.length / length).round() as i64 + (1 << times.min(6)) - 1);
             }
         }
     }
@@ -311,135 +321,8 @@ impl Layout {
         arcs().map(|a| a.length).sum::<f64>() / arcs().map(|a| a.count).sum::<i64>().max(1) as f64
     }
 
-    /// Whether all patches have grids.
-    pub fn is_regular(&self) -> bool {
-        self.patches.iter().all(|p| p.sides.is_some())
-    }
-
-    fn sum(&self, side: &[Side]) -> i64 {
+    /// Edges along a side.
+    pub fn sum(&self, side: &[Side]) -> i64 {
         side.iter().map(|s| self.arcs[s.arc as usize].count).sum()
-    }
-
-    /// Sides 0 and 1 less their opposites.
-    fn surplus(&self, patch: usize) -> [i64; 2] {
-        match &self.patches[patch].sides {
-            Some(s) => [self.sum(&s[0]) - self.sum(&s[2]), self.sum(&s[1]) - self.sum(&s[3])],
-            None => [0, 0],
-        }
-    }
-
-    /// Chooses the numbers of quads. Patches that cannot add up lose their sides.
-    pub fn quantise_leniently(&mut self, length: f64) {
-        while let Err(patch) = self.quantise(length) {
-            self.patches[patch].sides = None;
-        }
-    }
-
-    /// Chooses the numbers of quads, of about a length.
-    ///
-    /// # Errors
-    /// A patch that does not add up.
-    pub fn quantise(&mut self, length: f64) -> Result<(), usize> {
-        self.length = length;
-        for arc in &mut self.arcs {
-            arc.count = ((arc.length / length).round() as i64).max(arc.least);
-        }
-        // Where an arc is part of a patch: the patch and axis, and whether it counts against the surplus.
-        let mut uses: Vec<Vec<(u32, i64)>> = vec![Vec::new(); self.arcs.len()];
-        for (p, patch) in self.patches.iter().enumerate() {
-            for (k, side) in patch.sides.iter().flatten().enumerate() {
-                let sign = if k < 2 { 1 } else { -1 };
-                side.iter().for_each(|s| uses[s.arc as usize].push(((2 * p + k % 2) as u32, sign)));
-            }
-        }
-        let nodes = 2 * self.patches.len();
-        let mut surplus: Vec<i64> = (0..nodes).map(|n| self.surplus(n / 2)[n % 2]).collect();
-        let mut members: Vec<Vec<(u32, i64)>> = vec![Vec::new(); nodes];
-        for (arc, list) in (0u32..).zip(&uses) {
-            list.iter().for_each(|&(node, sign)| members[node as usize].push((arc, sign)));
-        }
-        let budget = 40 * nodes + 1000;
-        for _ in 0..budget {
-            let Some(start) = (0..nodes).find(|&n| surplus[n] != 0) else { return Ok(()) };
-            let Some(chain) = self.chain(start as u32, &surplus, &uses, &members, length) else {
-                return Err(start / 2);
-            };
-            for (arc, change) in chain {
-                self.arcs[arc as usize].count += change;
-                uses[arc as usize].iter().for_each(|&(node, sign)| surplus[node as usize] += sign * change);
-            }
-        }
-        Err(surplus.iter().position(|&s| s != 0).unwrap_or(0) / 2)
-    }
-
-    /// The cheapest chain of changes by one that takes one off the surplus of a node and leaves no other one worse.
-    ///
-    /// A state is a node and the change of its surplus that is still owed.
-    fn chain(
-        &self,
-        start: u32,
-        surplus: &[i64],
-        uses: &[Vec<(u32, i64)>],
-        members: &[Vec<(u32, i64)>],
-        length: f64,
-    ) -> Option<Vec<(u32, i64)>> {
-        let owed = if surplus[start as usize] > 0 { -1 } else { 1 };
-        let state = |node: u32, owed: i64| 2 * node as usize + usize::from(owed > 0);
-        let mut cost = vec![f64::INFINITY; 2 * surplus.len()];
-        let mut from: Vec<Option<(usize, u32, i64)>> = vec![None; 2 * surplus.len()];
-        let mut queue = BinaryHeap::new();
-        cost[state(start, owed)] = 0.0;
-        queue.push(Reverse((0u64, start, owed)));
-        while let Some(Reverse((bits, node, owed))) = queue.pop() {
-            let so_far = f64::from_bits(bits);
-            if so_far > cost[state(node, owed)] {
-                continue;
-            }
-            for &(arc, sign) in &members[node as usize] {
-                let change = owed * sign;
-                let own = &self.arcs[arc as usize];
-                let ideal = (own.length / length).max(0.5);
-                let count = (own.count + change) as f64;
-                let is_far = count < (FEWEST * ideal).floor() || count > (MOST * ideal).ceil() + 1.0;
-                if is_far
-                    || own.count + change < own.least
-                    || uses[arc as usize].iter().filter(|u| u.0 == node).count() != 1
-                {
-                    continue;
-                }
-                // What the square of the difference from the ideal number grows by, over that number; never negative.
-                let off = own.count as f64 - ideal;
-                let price = (1.0 + (2.0 * off * change as f64 + 1.0).max(0.0)) / ideal;
-                let next = uses[arc as usize].iter().find(|u| u.0 != node);
-                let done = match next {
-                    None => true,
-                    // The change goes the right way there, too.
-                    Some(&(other, sign)) => {
-                        let least = if other == start { 2 } else { 1 };
-                        -surplus[other as usize] * sign * change >= least
-                    }
-                };
-                if done {
-                    let mut chain = vec![(arc, change)];
-                    let mut at = state(node, owed);
-                    while let Some((before, arc, change)) = from[at] {
-                        chain.push((arc, change));
-                        at = before;
-                    }
-                    return Some(chain);
-                }
-                if let Some(&(other, sign)) = next {
-                    let debt = -sign * change;
-                    let to = state(other, debt);
-                    let total = so_far + price;
-                    if total < cost[to] {
-                        cost[to] = total;
-                        from[to] = Some((state(node, owed), arc, change));
-                        queue.push(Reverse((total.to_bits(), other, debt)));
-                    }
-                }
-            }
-        }
-        None
     }
 }

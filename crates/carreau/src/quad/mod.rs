@@ -4,8 +4,8 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids in its patches |
-//! | 2 | `regular` | the same, made at twice the size and halved, with triangles, paired, in patches that take no grid |
+//! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
+//! | 2 | `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
@@ -13,13 +13,13 @@
 //! |---|---|
 //! | triangles that tracks are drawn into | `sheet` |
 //! | the motorcycle graph | `trace` |
-//! | patches, sides, numbers of quads | `layout` |
-//! | grids, triangles | `fill`, `chart` |
+//! | patches, sides; numbers of quads | `layout`; `quantise` |
+//! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
 //!
 //! | shared | file |
 //! |---|---|
-//! | regions and feature curves of the source | `source` |
+//! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
 //! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
 //! | the validator, figures | `validate`, `quality` |
 
@@ -27,9 +27,12 @@ mod chart;
 mod cut;
 mod fill;
 mod halve;
+mod junction;
 mod layout;
 mod pair;
+mod pattern;
 mod quality;
+mod quantise;
 mod regular;
 mod sheet;
 mod smooth;
@@ -112,6 +115,8 @@ const WITHIN: f64 = 0.1;
 /// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
 const RUNS: usize = 4;
 const SHORTER: f64 = 0.7;
+/// Rounds in which quads that are no good are made straight.
+const STRAIGHTEN: usize = 30;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do.
 const FINER: [f64; 2] = [1.0, 0.6];
 
@@ -243,6 +248,7 @@ fn third(
         };
         let mut work = halve(&coarse, source, Middle::OnSurface);
         smooth::smooth(&mut work, source, context)?;
+        straighten(&mut work, &coarse, source);
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
             refused = why;
             length *= SHORTER;
@@ -261,6 +267,23 @@ fn third(
         warnings.push(format!("rung 3 was refused ({refused}): every triangle becomes three quads"));
     }
     Ok(best)
+}
+
+/// Puts the vertices of quads that are no good to where the triangles have them, before anything went to the surface: there
+/// no quad is turned over.
+fn straighten(work: &mut Work, coarse: &Work, source: &Source) {
+    let straight = halve(coarse, source, Middle::Straight);
+    for _ in 0..STRAIGHTEN {
+        let bad: Vec<usize> = validate::faults(work, source).map(|(q, _)| q).collect();
+        let mut moved = false;
+        for v in bad.iter().flat_map(|&q| work.faces.face(q)).map(|&v| v as usize) {
+            moved |= work.points[v] != straight.points[v];
+            work.points[v] = straight.points[v];
+        }
+        if !moved {
+            return;
+        }
+    }
 }
 
 /// What a rung cannot do is for the next one; a deadline, a cancellation or a defect is not.

@@ -1,13 +1,12 @@
 //! Rungs 1 and 2: the motorcycle graph of a frame field divides the surface into patches.
 //!
-//! Rung 1: all have four sides that add up, and are filled with grids. Rung 2: where some have not, grids of twice the size
-//! are made in the others and triangles in these, paired where possible, and all is halved: any numbers of sides fit then.
-//! A patch whose quads are bad after that takes no grid; where its triangles are bad, too, it is joined to its neighbours.
+//! Rung 1: grids in patches with four sides that add up, patterns in the others. Rung 2: triangles of twice the size, paired
+//! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
+//! too, it is joined to its neighbours.
 
 use super::cut::open_holes;
-use super::fill::fill;
-use super::halve::{Middle, halve};
-use super::layout::{Fault, Layout, Patch, audit};
+use super::fill::{Filled, fill};
+use super::layout::{Fault, Kind, Layout, Patch, audit};
 use super::pair::{Coarse, coarse};
 use super::sheet::Sheet;
 use super::smooth::smooth;
@@ -29,12 +28,14 @@ const RUNS: usize = 8;
 
 /// Rounds in which patches with bad quads get triangles, and then lose their tracks.
 const ROUNDS: usize = 7;
+/// Rounds that leave no fewer bad patches before it is given up.
+const PATIENCE: usize = 2;
 
 /// What has become of a triangle of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum State {
     Fresh,
-    /// Its patch takes no grid.
+    /// Its patch takes neither a grid nor a pattern.
     Barred,
     /// Its patch was joined to its neighbours.
     Joined,
@@ -84,62 +85,72 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     // Where features lost their shape, round by round.
     let mut lost_places = Vec::new();
     let mut why = "a patch could not be filled".to_string();
+    // The fewest bad patches, and the rounds since then.
+    let mut fewest = (usize::MAX, 0);
     for round in 0..ROUNDS {
         let place = |v: u32| place(&sheet, &coarse, v);
         let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
             return Ok(Err("its tracks do not enclose patches".into()));
         };
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
-        layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.sides = None);
-        let may_be_whole = wish.first && layout.is_regular();
-        layout.refine(&sheet, &lost_places, if may_be_whole { wish.length } else { 2.0 * wish.length });
-        let irregular = layout.patches.iter().filter(|p| p.sides.is_none()).count();
-        tracing::debug!(target: "carreau::quad", round, dropped, irregular, patches = layout.patches.len());
-        let whole = may_be_whole && quantise(&mut layout, wish);
-        if !whole {
-            quantise_leniently(&mut layout, wish);
-        }
-        let count = layout.quads(layout.length) * if whole { 1.0 } else { 4.0 };
+        layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
+        layout.refine(&sheet, &lost_places, wish.length);
+        quantise(&mut layout, wish);
+        let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
+        let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
+        tracing::debug!(target: "carreau::quad", round, dropped, grids, patterns, others);
+        let count = layout.quads();
         if wish.quads.is_some_and(|n| count > MOST * n as f64) {
             return Ok(Err(format!("its features would need {count:.0} quads")));
         }
-        let mut bad = Vec::new();
+        let (mut bad, mut kinds) = (Vec::new(), Vec::new());
         match fill(&sheet, &layout, place, context)? {
             Err(patch) => bad.push(patch),
-            Ok((work, mut patch)) => {
+            Ok(Filled { work, patch, kind }) => {
                 let mut work = settled(work, source);
-                if !whole {
-                    patch = work.faces.iter().zip(patch).flat_map(|(f, p)| std::iter::repeat_n(p, f.len())).collect();
-                    work = halve(&work, source, Middle::OnSurface);
-                }
                 smooth(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
                     why = format!("quad {q} {what}");
                     bad.push(patch[q] as usize);
                 }
+                let lost = lost_features(&work, source);
+                let is_lost = !lost.is_empty() && round + 1 < ROUNDS;
+                if is_lost {
+                    lost_places.push(lost);
+                }
+                if bad.is_empty() && is_lost {
+                    continue;
+                }
                 if bad.is_empty() {
-                    let lost = lost_features(&work, source);
-                    if !lost.is_empty() && round + 1 < ROUNDS {
-                        lost_places.push(lost);
-                        continue;
-                    }
                     let mut rung = vec![if wish.first { 1 } else { 2 }; source.regions];
                     for (region, &p) in work.region.iter().zip(&patch) {
-                        if layout.patches[p as usize].sides.is_none() {
+                        if kind[p as usize] == Kind::Triangles {
                             rung[*region as usize] = 2;
                         }
                     }
                     return Ok(Ok(Made { work, rung }));
                 }
+                kinds = kind;
             }
         }
         // Bad grids give way to triangles, bad triangles to those of a larger patch.
         bad.sort_unstable();
         bad.dedup();
-        for p in bad.into_iter().map(|p| &layout.patches[p]) {
+        fewest = if bad.len() < fewest.0 { (bad.len(), 0) } else { (fewest.0, fewest.1 + 1) };
+        if fewest.1 > PATIENCE {
+            break;
+        }
+        for &p in &bad {
+            let patch = &layout.patches[p];
+            let around = patch.sides.iter().map(|s| s.iter().map(|s| &layout.arcs[s.arc as usize]));
+            let counts: Vec<Vec<_>> =
+                around.map(|s| s.map(|a| (a.count, a.length / layout.length)).collect()).collect();
+            tracing::debug!(target: "carreau::quad", ?why, kind = ?patch.kind, ?counts, "bad patch");
+        }
+        for (number, p) in bad.into_iter().map(|p| (p, &layout.patches[p])) {
             let least = p.triangles.iter().map(|&t| state[t as usize]).fold(State::Joined, State::min);
             let next = match least {
-                _ if p.sides.is_some() => State::Barred,
+                _ if kinds.get(number).is_some_and(|&k| k != Kind::Triangles) => State::Barred,
                 State::Joined => return Ok(Err(why)),
                 _ => State::Joined,
             };
@@ -197,39 +208,26 @@ fn place(sheet: &Sheet, coarse: &Coarse, v: u32) -> Option<Place> {
     Some(if curves.all(|c| c == first) { Place::Curve(first) } else { Place::Fixed })
 }
 
-/// Quantises until the number of quads is met; returns whether all patches add up.
-fn quantise(layout: &mut Layout, wish: &Wish) -> bool {
+/// Chooses numbers of quads until their sum is what is wanted. On rung 2, and where a patch would stay odd, all are even.
+fn quantise(layout: &mut Layout, wish: &Wish) {
+    let kinds: Vec<Kind> = layout.patches.iter().map(|p| p.kind).collect();
     let mut length = wish.length;
-    let mut best: Option<(f64, f64)> = None;
-    for _ in 0..RUNS {
-        if layout.quantise(length).is_err() {
-            break;
+    let mut best = (f64::INFINITY, length);
+    for run in 0..=RUNS {
+        layout.patches.iter_mut().zip(&kinds).for_each(|(p, &kind)| p.kind = kind);
+        if !wish.first || !layout.quantise(length) {
+            layout.quantise_doubled(length);
         }
-        let Some(wanted) = wish.quads else { return true };
-        let ratio = layout.quads(length) / wanted as f64;
+        let Some(wanted) = wish.quads else { return };
+        let ratio = layout.quads() / wanted as f64;
         let off = ratio.ln().abs();
-        if best.is_none_or(|b| off < b.0) {
-            best = Some((off, length));
+        if off < best.0 {
+            best = (off, length);
         }
-        if off < 0.02 {
-            break;
+        if off < 0.02 || run == RUNS {
+            return;
         }
-        length *= ratio.sqrt();
-    }
-    best.is_some_and(|(_, length)| layout.quantise(length).is_ok())
-}
-
-/// The same at twice the size, where patches that do not add up are filled with triangles.
-fn quantise_leniently(layout: &mut Layout, wish: &Wish) {
-    let (mut length, wanted) = (2.0 * wish.length, wish.quads.map(|n| n as f64 / 4.0));
-    let sides: Vec<_> = layout.patches.iter().map(|p| p.sides.clone()).collect();
-    for _ in 0..RUNS {
-        layout.patches.iter_mut().zip(&sides).for_each(|(p, sides)| p.sides = sides.clone());
-        layout.quantise_leniently(length);
-        let ratio = wanted.map_or(1.0, |wanted| layout.quads(length) / wanted);
-        if ratio.ln().abs() < 0.03 {
-            break;
-        }
-        length *= ratio.sqrt();
+        // The last run takes the best length again.
+        length = if run + 1 == RUNS { best.1 } else { length * ratio.sqrt() };
     }
 }

@@ -46,6 +46,8 @@ pub struct Sheet {
     pub out: Vec<u32>,
     /// Wanted length of quads.
     pub length: f64,
+    /// Walls that have been divided, by their ends in ascending order, with the vertex between.
+    pub divided: FxHashMap<[u32; 2], u32>,
 }
 
 impl Sheet {
@@ -75,6 +77,7 @@ impl Sheet {
             region: (0..n).map(|i| region(field.source[i as usize])).collect(),
             out: vec![NONE; t.points().len()],
             length,
+            divided: FxHashMap::default(),
         };
         for h in 0..3 * n {
             let (a, b) = (t.vertex(h), t.vertex(t.next(h)));
@@ -218,6 +221,9 @@ impl Sheet {
         let m = self.points.len() as u32;
         let (a, b) = (self.tail(h), self.head(h));
         self.points.push(at);
+        if self.is_wall(h) {
+            self.divided.insert([a.min(b), a.max(b)], m);
+        }
         let o = self.opposite[h as usize];
         let first = self.divide_side(h, m);
         self.out.push(first);

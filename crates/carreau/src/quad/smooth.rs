@@ -1,5 +1,5 @@
 //! Smoothing: vertices move to the mean of their neighbours, back to their curve or region, and only as far as the worst
-//! quad around them allows; then the worst are looked after one by one.
+//! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
 use super::source::Source;
 use super::work::{Place, Work};
@@ -9,15 +9,20 @@ use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::HalfEdges;
 use glam::DVec3;
 
-const SWEEPS: usize = 12;
+const SWEEPS: usize = 20;
 /// A move may worsen quads down to this scaled Jacobian.
 const GOOD: f64 = 0.75;
 /// Shares of the way that are tried.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 /// Vertices with a worse quad are looked after, in so many rounds, with steps that start at this share of their edges.
 const POOR: f64 = 0.6;
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
 const STEP: f64 = 0.3;
+/// Quads with a smaller scaled Jacobian have no normal of their own to go by.
+const BAD: f64 = 0.02;
+/// Rounds for quads that are turned over, and those without progress before it is given up.
+const TANGLED: usize = 24;
+const PATIENCE: usize = 4;
 /// A quad may turn by less than this cosine in one move.
 const TURN: f64 = 0.5;
 
@@ -63,14 +68,36 @@ fn normal(q: [DVec3; 4]) -> DVec3 {
     (q[2] - q[0]).cross(q[3] - q[1]).normalize_or_zero()
 }
 
-/// The worst quad around a vertex that would be elsewhere; −1 where one turned over.
+/// The worst quad around a vertex that would be elsewhere; −1 where one turned over. One that is turned over already is
+/// measured against the quads around.
 fn worst(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
+    let quads = &around.quads[v as usize];
+    let here = |q: u32| corners(work, q, v, work.points[v as usize]);
     let of = |&q: &u32| {
-        let after = corners(work, q, v, at);
-        let before = corners(work, q, v, work.points[v as usize]);
-        if normal(after).dot(normal(before)) < TURN { -1.0 } else { scaled_jacobian(after) }
+        let (before, after) = (here(q), corners(work, q, v, at));
+        if scaled_jacobian(before) > BAD {
+            return if normal(after).dot(normal(before)) < TURN { -1.0 } else { scaled_jacobian(after) };
+        }
+        let up: DVec3 = beside(work, around, q)
+            .map(|other| work.faces.face(other as usize))
+            .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
+            .filter(|&p| scaled_jacobian(p) > BAD)
+            .map(normal)
+            .sum();
+        jacobian_towards(after, up.normalize_or(normal(before)))
     };
-    around.quads[v as usize].iter().map(of).fold(f64::INFINITY, f64::min)
+    quads.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// The quads that share a vertex with a quad, some of them more than once.
+fn beside<'a>(work: &'a Work, around: &'a Around, q: u32) -> impl Iterator<Item = u32> + 'a {
+    work.faces.face(q as usize).iter().flat_map(|&v| around.quads[v as usize].iter().copied())
+}
+
+/// The scaled Jacobian of a quad that is looked at from a direction.
+fn jacobian_towards(p: [DVec3; 4], up: DVec3) -> f64 {
+    let side = |k: usize, j: usize| (p[j % 4] - p[k]).normalize_or_zero();
+    (0..4).map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up)).fold(f64::INFINITY, f64::min)
 }
 
 /// Smooths what may move.
@@ -87,10 +114,43 @@ pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()>
             break;
         }
     }
+    untangle(work, &around, source, context)?;
     for round in 0..ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
             improve(work, &around, source, v, STEP / f64::from(1 << (round / 2)));
+        }
+    }
+    Ok(())
+}
+
+/// Moves the vertices of quads that are turned over, and of those beside, until there are none or it is of no use.
+fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
+    let mut least = (usize::MAX, 0);
+    for round in 0..TANGLED {
+        let is_bad = |q: &u32| {
+            let face = work.faces.face(*q as usize);
+            scaled_jacobian([0, 1, 2, 3].map(|k| work.points[face[k] as usize])) <= BAD
+        };
+        let bad: Vec<u32> = (0..work.faces.len() as u32).filter(is_bad).collect();
+        if bad.len() < least.0 {
+            least = (bad.len(), round);
+        }
+        if bad.is_empty() || round > least.1 + PATIENCE {
+            return Ok(());
+        }
+        let mut near: Vec<u32> = bad
+            .iter()
+            .flat_map(|&q| beside(work, around, q))
+            .flat_map(|q| work.faces.face(q as usize))
+            .copied()
+            .collect();
+        near.sort_unstable();
+        near.dedup();
+        for v in near {
+            context.check_every(v as usize)?;
+            relax(work, around, source, v);
+            improve(work, around, source, v, [1.5, 1.0, 0.5, 0.25][round % 4] * STEP);
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
+use super::junction::meeting_borders;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FeaturedSurface};
@@ -34,7 +35,13 @@ pub struct Source {
 
 impl Source {
     pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
-        let surface = FeaturedSurface::new(mesh, options, context)?;
+        let mut surface = FeaturedSurface::new(mesh, options, context)?;
+        if let Some((met, what)) = meeting_borders(&surface.mesh)? {
+            let as_marked = FeatureOptions { angle_deg: None, borders: true, tags: true, edges: Vec::new() };
+            let again = FeaturedSurface::new(&met, &as_marked, context)?;
+            let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
+            surface = FeaturedSurface { repaired, missing: surface.missing, ..again };
+        }
         let mesh = &surface.mesh;
         if mesh.face_count() == 0 {
             return Err(Error::input("the mesh has no faces", "", ""));
@@ -90,6 +97,16 @@ impl Source {
         let (triangles, tree) = self.trees.get(region as usize)?;
         let found = tree.closest(p)?;
         Some((found.point, triangles[found.triangle as usize]))
+    }
+
+    /// Whether a region has a triangle within a distance that looks the same way.
+    pub fn has_alike(&self, region: u32, p: DVec3, distance: f64, normal: DVec3) -> bool {
+        let Some((triangles, tree)) = self.trees.get(region as usize) else { return false };
+        let mut found = false;
+        tree.within(p, distance, |near| {
+            found |= self.normals[triangles[near.triangle as usize] as usize].dot(normal) > 0.0;
+        });
+        found
     }
 
     /// Unit normal of a triangle.

@@ -3,12 +3,14 @@
 //!
 //! All tracks move at once, the shortest first, from vertex to vertex of a [`Sheet`]: a track that crosses a triangle
 //! divides the edge where it leaves. What is near a vertex goes through it. A track that would run into another one, or
-//! into a feature, at too flat an angle for a quad on both sides is taken back: the patch there is not regular, then.
+//! into a feature, at too flat an angle for a quad on both sides is taken back, and those that had ended in it go on. Two
+//! that come towards each other along the same way are one.
 
 use super::sheet::{Sheet, Wall};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -27,6 +29,17 @@ enum Port {
     Into(u32, i32),
     /// Along this half-edge, which leaves the vertex, in this branch of its triangle.
     Along(u32, i32),
+}
+
+/// The triangles around a vertex from one wall to the next.
+#[derive(Debug, Clone, Copy)]
+pub struct Sector {
+    /// Quads that the frames give it.
+    pub quads: i32,
+    /// The half-edge that comes in along the second wall.
+    pub back: u32,
+    /// In radians.
+    pub angle: f64,
 }
 
 /// A track on its way.
@@ -73,17 +86,17 @@ impl Sheet {
         }
     }
 
-    /// Quads between a wall that leaves a vertex and the next one, counter-clockwise, and the half-edge that comes in there.
-    pub fn sector(&self, start: u32) -> Option<(i32, u32)> {
-        let (mut h, mut s, mut theta) = (start, self.branch[start as usize], 0.0);
+    /// What is between a wall that leaves a vertex and the next one, counter-clockwise.
+    pub fn sector(&self, start: u32) -> Option<Sector> {
+        let (mut h, mut s, mut angle) = (start, self.branch[start as usize], 0.0);
         loop {
             let back = Self::previous(h);
-            theta += self.angle(h / 3, self.along(h), -self.along(back)).max(0.0);
+            angle += self.angle(h / 3, self.along(h), -self.along(back)).max(0.0);
             if self.is_wall(back) {
                 let turn = (self.branch[back as usize] + 2 - s).rem_euclid(4);
-                let nearest = |k: &i32| (f64::from(*k) - theta / FRAC_PI_2).abs();
-                let k = (0..4).map(|j| turn + 4 * j).min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
-                return Some((k, back));
+                let nearest = |k: &i32| (f64::from(*k) - angle / FRAC_PI_2).abs();
+                let quads = (0..4).map(|j| turn + 4 * j).min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
+                return Some(Sector { quads, back, angle });
             }
             let across = self.opposite[back as usize];
             if across == NONE || across == start {
@@ -111,74 +124,9 @@ impl Sheet {
 
     /// Whether there is room for a quad on both sides of the wall that leaves a vertex.
     fn has_room(&self, h: u32) -> bool {
-        let own = self.sector(h).is_some_and(|(k, _)| k >= 1);
-        let before = self.wall_before(h).is_some_and(|b| self.sector(b).is_some_and(|(k, _)| k >= 1));
+        let own = self.sector(h).is_some_and(|s| s.quads >= 1);
+        let before = self.wall_before(h).is_some_and(|b| self.sector(b).is_some_and(|s| s.quads >= 1));
         own && before
-    }
-
-    /// One step from a vertex; the vertex that it leads to. `None` where it would follow a wall.
-    fn step(&mut self, port: Port) -> Option<u32> {
-        let along = |sheet: &mut Self, h: u32, branch: i32| {
-            if sheet.is_wall(h) {
-                return None;
-            }
-            sheet.set_wall(h, Wall::Track, branch);
-            Some(sheet.head(h))
-        };
-        let (h, s) = match port {
-            Port::Along(h, s) => return along(self, h, s),
-            Port::Into(h, s) => (h, s),
-        };
-        let (t, back) = (h / 3, Self::previous(h));
-        let (d, n) = (self.direction(t, s), self.normal(t));
-        let side = |x: glam::DVec3| n.dot(d.cross(x));
-        let (right, left) = (side(self.along(h)), side(-self.along(back)));
-        let share = if left > right { (-right / (left - right)).clamp(0.0, 1.0) } else { 0.5 };
-        // Through the vertex, unless there is no room for a quad on both sides of the track.
-        let near = if share < SNAP { Some((h, s)) } else { (share > 1.0 - SNAP).then_some((back, s + 2)) };
-        if let Some((edge, branch)) = near.filter(|n| !self.is_wall(n.0)) {
-            self.set_wall(edge, Wall::Track, branch);
-            let (from, to) = (self.tail(h), if edge == h { self.head(h) } else { self.tail(back) });
-            if self.can_arrive(from, to) {
-                return Some(to);
-            }
-            self.clear_wall(edge);
-        }
-        let far = Self::next(h);
-        if let Some(to) = self.node_beside(h, s, share) {
-            return Some(to);
-        }
-        let at =
-            self.points[self.tail(far) as usize].lerp(self.points[self.head(far) as usize], share.clamp(0.05, 0.95));
-        let from = self.tail(h);
-        let m = self.divide(far, at);
-        let edge = self.between(from, m)?;
-        self.set_wall(edge, Wall::Track, s);
-        Some(m)
-    }
-
-    /// Where the way leads into a wall close to one of its nodes: to the node. Ends that nearly meet would leave arcs that are
-    /// too short for a quad, and sides that cannot add up.
-    fn node_beside(&mut self, h: u32, s: i32, share: f64) -> Option<u32> {
-        let (far, back) = (Self::next(h), Self::previous(h));
-        if !self.is_wall(far) {
-            return None;
-        }
-        let length = self.along(far).length();
-        let ends = [(share * length, h, s), ((1.0 - share) * length, back, s + 2)];
-        let near = if ends[0].0 <= ends[1].0 { [ends[0], ends[1]] } else { [ends[1], ends[0]] };
-        for (distance, edge, branch) in near {
-            let to = if edge == h { self.head(h) } else { self.tail(back) };
-            if distance > NODE * self.length || self.is_wall(edge) || self.walls_at(to, NONE).0 < 3 {
-                continue;
-            }
-            self.set_wall(edge, Wall::Track, branch);
-            if self.can_arrive(self.tail(h), to) {
-                return Some(to);
-            }
-            self.clear_wall(edge);
-        }
-        None
     }
 
     /// Whether a track may go on from or end in a vertex that it has come to.
@@ -218,12 +166,22 @@ impl Sheet {
         }
     }
 
-    /// Takes a track back.
-    fn erase(&mut self, track: &Track) {
-        for w in track.vertices.windows(2) {
-            if let Some(h) = self.between(w[0], w[1]) {
-                self.clear_wall(h);
-            }
+    /// The first vertex on the way from one to another, along an edge that may have been divided since.
+    fn first_part(&self, a: u32, b: u32) -> Option<u32> {
+        match self.between(a, b) {
+            Some(_) => Some(b),
+            None => self.first_part(a, *self.divided.get(&[a.min(b), a.max(b)])?),
+        }
+    }
+
+    /// Clears the walls from one vertex to another, in as many parts as they have been divided into; lists their vertices.
+    fn clear_path(&mut self, a: u32, b: u32, cleared: &mut Vec<u32>) {
+        if let Some(h) = self.between(a, b) {
+            self.clear_wall(h);
+            cleared.extend([a, b]);
+        } else if let Some(&m) = self.divided.get(&[a.min(b), a.max(b)]) {
+            self.clear_path(a, m, cleared);
+            self.clear_path(m, b, cleared);
         }
     }
 }
@@ -231,8 +189,7 @@ impl Sheet {
 /// Draws the motorcycle graph; `quads`: of the inner vertices that do not have four. Returns how many tracks were taken back.
 pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &Context) -> Result<usize> {
     let _stage = context.stage("motorcycle graph");
-    let mut race =
-        Race { sheet, tracks: Vec::new(), queue: BinaryHeap::new(), longest: LONGEST * diagonal, dropped: 0 };
+    let mut race = Race::new(sheet, diagonal);
     race.start_at_features();
     quads.iter().for_each(|&(v, k)| race.start_at_singularity(v, k));
     race.run(context)?;
@@ -243,8 +200,7 @@ pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &C
 
 /// Cuts from a wall into a patch, a quarter turn from the half-edge that leaves a vertex; returns whether it arrived.
 pub fn cut(sheet: &mut Sheet, start: u32, diagonal: f64, context: &Context) -> Result<bool> {
-    let mut race =
-        Race { sheet, tracks: Vec::new(), queue: BinaryHeap::new(), longest: LONGEST * diagonal, dropped: 0 };
+    let mut race = Race::new(sheet, diagonal);
     let branch = race.sheet.branch[start as usize];
     let port = race.sheet.port(start, branch, 1);
     race.start(start, port);
@@ -258,15 +214,22 @@ struct Race<'a> {
     queue: BinaryHeap<Reverse<(u64, u32)>>,
     longest: f64,
     dropped: usize,
+    /// Tracks by the vertex that they start from.
+    starts: FxHashMap<u32, Vec<u32>>,
 }
 
-impl Race<'_> {
+impl<'a> Race<'a> {
+    fn new(sheet: &'a mut Sheet, diagonal: f64) -> Self {
+        let (tracks, queue, starts) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
+        Race { sheet, tracks, queue, longest: LONGEST * diagonal, dropped: 0, starts }
+    }
+
     fn start_at_features(&mut self) {
         for v in 0..self.sheet.out.len() as u32 {
             let features =
                 |sheet: &Sheet| -> Vec<u32> { sheet.around(v).into_iter().filter(|&h| sheet.is_feature(h)).collect() };
             let starts = features(self.sheet);
-            let counts: Vec<i32> = starts.iter().map(|&h| self.sheet.sector(h).map_or(0, |s| s.0)).collect();
+            let counts: Vec<i32> = starts.iter().map(|&h| self.sheet.sector(h).map_or(0, |s| s.quads)).collect();
             for (j, k) in counts.into_iter().enumerate().filter(|&(_, k)| k >= 3) {
                 for m in 1..k {
                     let Some(&h) = features(self.sheet).get(j) else { continue };
@@ -295,16 +258,132 @@ impl Race<'_> {
         }
     }
 
+    /// One step from a vertex; the vertex that it leads to. `None` where it would follow a wall.
+    fn step(&mut self, port: Port) -> Option<u32> {
+        let (h, s) = match port {
+            Port::Along(h, s) => {
+                let is_free = !self.sheet.is_wall(h);
+                return is_free.then(|| {
+                    self.sheet.set_wall(h, Wall::Track, s);
+                    self.sheet.head(h)
+                });
+            }
+            Port::Into(h, s) => (h, s),
+        };
+        let (t, back) = (h / 3, Sheet::previous(h));
+        let (d, n) = (self.sheet.direction(t, s), self.sheet.normal(t));
+        let side = |x: glam::DVec3| n.dot(d.cross(x));
+        let (right, left) = (side(self.sheet.along(h)), side(-self.sheet.along(back)));
+        let share = if left > right { (-right / (left - right)).clamp(0.0, 1.0) } else { 0.5 };
+        // Through the vertex, unless there is no room for a quad on both sides of the track.
+        let near = if share < SNAP { Some((h, s)) } else { (share > 1.0 - SNAP).then_some((back, s + 2)) };
+        if let Some((edge, branch)) = near {
+            match self.along(h, edge, branch) {
+                Some(to) => return Some(to),
+                // Another track goes the same way, too near for quads between them.
+                None if self.is_track_beside(edge, branch) => return None,
+                None => {}
+            }
+        }
+        if let Some(to) = self.node_beside(h, s, share) {
+            return Some(to);
+        }
+        let far = Sheet::next(h);
+        let [a, b] = [self.sheet.tail(far), self.sheet.head(far)].map(|v| self.sheet.points[v as usize]);
+        let from = self.sheet.tail(h);
+        let m = self.sheet.divide(far, a.lerp(b, share.clamp(0.05, 0.95)));
+        let edge = self.sheet.between(from, m)?;
+        self.sheet.set_wall(edge, Wall::Track, s);
+        Some(m)
+    }
+
+    /// A step along an edge beside the triangle of a half-edge, if the track may arrive at its end.
+    fn along(&mut self, h: u32, edge: u32, branch: i32) -> Option<u32> {
+        if self.sheet.is_wall(edge) {
+            return None;
+        }
+        self.sheet.set_wall(edge, Wall::Track, branch);
+        let (from, to) =
+            (self.sheet.tail(h), if edge == h { self.sheet.head(h) } else { self.sheet.tail(Sheet::previous(h)) });
+        if self.sheet.can_arrive(from, to) || self.rival(from, to).is_some() {
+            return Some(to);
+        }
+        self.sheet.clear_wall(edge);
+        None
+    }
+
+    /// Whether a step along an edge would meet a track, at its end, at no angle.
+    fn is_track_beside(&mut self, edge: u32, branch: i32) -> bool {
+        if self.sheet.is_wall(edge) {
+            return self.sheet.wall[edge as usize] == Wall::Track;
+        }
+        self.sheet.set_wall(edge, Wall::Track, branch);
+        let beside = [edge, self.sheet.opposite[edge as usize]].into_iter().filter(|&e| e != NONE).any(|e| {
+            let track = |h: u32| self.sheet.wall[h as usize] == Wall::Track;
+            let own = self.sheet.sector(e).is_some_and(|s| s.quads <= 0 && track(s.back));
+            let before = self
+                .sheet
+                .wall_before(e)
+                .is_some_and(|b| track(b) && self.sheet.sector(b).is_some_and(|s| s.quads <= 0));
+            own || before
+        });
+        self.sheet.clear_wall(edge);
+        beside
+    }
+
+    /// Where the way leads into a wall close to one of its nodes, or past the start of a track that comes towards this one:
+    /// there. Ends that nearly meet would leave arcs that are too short for a quad, and sides that cannot add up.
+    fn node_beside(&mut self, h: u32, s: i32, share: f64) -> Option<u32> {
+        let (far, back) = (Sheet::next(h), Sheet::previous(h));
+        let is_wall = self.sheet.is_wall(far);
+        let length = self.sheet.along(far).length();
+        let ends = [(share * length, h, s), ((1.0 - share) * length, back, s + 2)];
+        let near = if ends[0].0 <= ends[1].0 { [ends[0], ends[1]] } else { [ends[1], ends[0]] };
+        for (distance, edge, branch) in near {
+            let to = if edge == h { self.sheet.head(h) } else { self.sheet.tail(back) };
+            if distance > NODE * self.sheet.length || self.sheet.walls_at(to, NONE).0 < 3 {
+                continue;
+            }
+            if !is_wall && !self.starts.contains_key(&to) {
+                continue;
+            }
+            if let Some(to) = self.along(h, edge, branch) {
+                if is_wall || self.rival(self.sheet.tail(h), to).is_some() {
+                    return Some(to);
+                }
+                self.sheet.clear_wall(edge);
+            }
+        }
+        None
+    }
+
+    /// The track that starts where another one has come to, in the direction that this one has come from: both are one.
+    fn rival(&self, from: u32, at: u32) -> Option<u32> {
+        let starts = self.starts.get(&at)?;
+        let back = self.sheet.between(at, from)?;
+        let own = self.sheet.sector(back).filter(|s| s.quads <= 0).map(|s| self.sheet.tail(s.back));
+        let before = self.sheet.wall_before(back);
+        let before = before.filter(|&b| self.sheet.sector(b).is_some_and(|s| s.quads <= 0)).map(|b| self.sheet.head(b));
+        let is_beside = |id: &&u32| {
+            let [first, second, ..] = self.tracks[**id as usize].vertices[..] else { return false };
+            let next = self.sheet.first_part(first, second);
+            next.is_some() && (next == own || next == before)
+        };
+        starts.iter().find(is_beside).copied()
+    }
+
     /// The first step of a track that leaves the vertex of a half-edge.
     fn start(&mut self, h: u32, port: Option<Port>) {
         let v = self.sheet.tail(h);
-        let Some(to) = port.and_then(|port| self.sheet.step(port)) else {
+        let Some(to) = port.and_then(|port| self.step(port)) else {
             self.dropped += 1;
             return;
         };
         let length = self.sheet.points[v as usize].distance(self.sheet.points[to as usize]);
+        let id = self.tracks.len() as u32;
         self.tracks.push(Track { vertices: vec![v, to], length });
-        self.push(self.tracks.len() as u32 - 1);
+        self.starts.entry(v).or_default().push(id);
+        self.push(id);
     }
 
     fn push(&mut self, track: u32) {
@@ -329,25 +408,44 @@ impl Race<'_> {
         let Some(back) = self.sheet.between(at, before) else { return self.drop(id) };
         let (walls, feature) = self.sheet.walls_at(at, before);
         if walls > 1 || feature {
-            if !self.sheet.has_room(back) {
-                self.drop(id);
+            while !self.sheet.has_room(back) {
+                match self.rival(before, at) {
+                    Some(rival) if rival != id => self.drop(rival),
+                    _ => return self.drop(id),
+                }
             }
+            return;
+        }
+        // Two tracks, head on, have become one.
+        if walls == 1 && self.sheet.sector(back).is_some_and(|s| s.quads == 2) {
             return;
         }
         if track.length > self.longest {
             return self.drop(id);
         }
         let port = self.sheet.port(back, self.sheet.branch[back as usize], 2);
-        let Some(to) = port.and_then(|port| self.sheet.step(port)) else { return self.drop(id) };
+        let Some(to) = port.and_then(|port| self.step(port)) else { return self.drop(id) };
         let track = &mut self.tracks[id as usize];
         track.length += self.sheet.points[at as usize].distance(self.sheet.points[to as usize]);
         track.vertices.push(to);
         self.push(id);
     }
 
+    /// Takes a track back; those that ended in it go on.
     fn drop(&mut self, id: u32) {
-        let track = self.tracks[id as usize].clone();
-        self.sheet.erase(&track);
+        let vertices = std::mem::take(&mut self.tracks[id as usize].vertices);
+        let Some(&start) = vertices.first() else { return };
+        if let Some(starts) = self.starts.get_mut(&start) {
+            starts.retain(|&other| other != id);
+        }
+        let mut cleared = Vec::new();
+        vertices.windows(2).for_each(|w| self.sheet.clear_path(w[0], w[1], &mut cleared));
         self.dropped += 1;
+        let freed: FxHashSet<u32> = cleared.into_iter().collect();
+        for other in 0..self.tracks.len() as u32 {
+            if self.tracks[other as usize].vertices.last().is_some_and(|v| freed.contains(v)) {
+                self.push(other);
+            }
+        }
     }
 }

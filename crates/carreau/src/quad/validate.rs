@@ -16,6 +16,8 @@ const SAMPLES: f64 = 1000.0;
 /// Borders are as near as this to features; vertices and edges touch at this distance.
 const BORDER: f64 = 0.0018;
 const TOUCH: f64 = 1e-6;
+/// A quad looks the wrong way where no triangle within this share of its longest edge, from the nearest one, agrees with it.
+const AROUND: f64 = 0.2;
 /// All but rounding of the features has to be kept.
 const RECALL: f64 = 0.9995;
 
@@ -52,8 +54,13 @@ pub fn faults<'a>(work: &'a Work, source: &'a Source) -> impl Iterator<Item = (u
             return Some((q, "is inverted"));
         }
         let normal = (p[2] - p[0]).cross(p[3] - p[1]);
-        let below = source.on_region(work.region[q], p.iter().sum::<DVec3>() / 4.0);
-        below.is_some_and(|(_, t)| normal.dot(source.normal(t)) <= 0.0).then_some((q, "looks the wrong way"))
+        let centre = p.iter().sum::<DVec3>() / 4.0;
+        let (below, t) = source.on_region(work.region[q], centre)?;
+        let longest = (0..4).map(|k| p[k].distance(p[(k + 1) % 4])).fold(0.0, f64::max);
+        // Needles of the input look anywhere: one around that agrees will do.
+        let is_turned = normal.dot(source.normal(t)) <= 0.0
+            && !source.has_alike(work.region[q], centre, centre.distance(below) + AROUND * longest, normal);
+        is_turned.then_some((q, "looks the wrong way"))
     })
 }
 

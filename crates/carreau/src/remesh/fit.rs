@@ -35,6 +35,11 @@ const FARTHEST: f64 = 0.15;
 const SHAPE_KEPT: f32 = 0.99;
 const GOOD_SHAPE: f32 = 0.75;
 
+/// A number no larger than a limit, either way; zero where the limit is no number, as on meshes too small for their squares.
+fn within(x: f64, limit: f64) -> f64 {
+    if limit >= 0.0 { x.clamp(-limit, limit) } else { 0.0 }
+}
+
 impl Work<'_> {
     /// Moves free vertices along their normals to where the mesh is nearest to the source.
     pub fn fit(&mut self, context: &Context) -> Result<()> {
@@ -45,7 +50,7 @@ impl Work<'_> {
             context.check_every(v as usize)?;
             if self.fits(v) {
                 let most = FARTHEST * self.size[v as usize];
-                self.shift(v, way[v as usize].clamp(-most, most));
+                self.shift(v, within(way[v as usize], most));
             }
         }
         Ok(())
@@ -79,7 +84,7 @@ impl Work<'_> {
                     let x = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
                     let normal = n[0] * b[0] + n[1] * b[1] + n[2] * b[2];
                     let (_, q) = self.support.locate(self.seat[wedges[heaviest]], x);
-                    let gap = (q - x).dot(normal).clamp(-limit, limit);
+                    let gap = within((q - x).dot(normal), limit);
                     (0..3).for_each(|i| moment[i] += area * weight * b[i] * gap);
                 }
             }

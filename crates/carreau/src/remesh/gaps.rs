@@ -39,6 +39,17 @@ struct Gaps {
     under: Vec<Vec<u32>>,
 }
 
+impl Gaps {
+    /// Source vertices that triangles stood for find their place anew among them.
+    fn seat(&mut self, triangles: &[u32], below: &[u32], closest: &[(u32, f64)]) {
+        triangles.iter().for_each(|&t| self.under[t as usize].clear());
+        for (&s, &found) in below.iter().zip(closest) {
+            self.of[s as usize] = found;
+            self.under[found.0 as usize].push(s);
+        }
+    }
+}
+
 impl Work<'_> {
     /// Moves free vertices to the source vertices that are farthest from the mesh.
     pub fn close_gaps(&mut self, context: &Context) -> Result<()> {
@@ -114,20 +125,12 @@ impl Work<'_> {
         if !(helps && self.try_swap(h, FLIP_LOSS)) {
             return false;
         }
-        self.seat_anew(&pair, &below, gaps);
+        let now = self.closest_of(&pair, &below);
+        gaps.seat(&pair, &below, &now);
         true
     }
 
-    /// Source vertices find the closest of some triangles anew.
-    fn seat_anew(&self, ring: &[u32], below: &[u32], gaps: &mut Gaps) {
-        ring.iter().for_each(|&t| gaps.under[t as usize].clear());
-        for &s in below {
-            let closest = self.closest_of(ring, s);
-            gaps.of[s as usize] = closest;
-            gaps.under[closest.0 as usize].push(s);
-        }
-    }
-
+    /// Moves a free vertex to a point, or half way, if the largest gap of its triangles becomes smaller.
     fn draw(&mut self, v: u32, p: DVec3, gaps: &mut Gaps) -> bool {
         let ring: Vec<u32> = self.mesh.around(v).map(|h| h / 3).collect();
         let below: Vec<u32> = ring.iter().flat_map(|&t| gaps.under[t as usize].iter().copied()).collect();
@@ -135,13 +138,14 @@ impl Work<'_> {
         let wedge = self.mesh.wedge(first);
         let before = below.iter().map(|&s| gaps.of[s as usize].1).fold(0.0, f64::max);
         let kept = (self.point(v), self.metric(v), self.normal[wedge as usize], self.seat[wedge as usize]);
+        let ball = self.ball(v);
         for share in [1.0, 0.5] {
-            let ball = self.ball(v);
             if !self.try_free(v, wedge, kept.0.lerp(p, share), &ball, Accept::Harmless) {
                 continue;
             }
-            if below.iter().map(|&s| self.closest_of(&ring, s).1).fold(0.0, f64::max) < GAIN * before {
-                self.seat_anew(&ring, &below, gaps);
+            let now = self.closest_of(&ring, &below);
+            if now.iter().map(|g| g.1).fold(0.0, f64::max) < GAIN * before {
+                gaps.seat(&ring, &below, &now);
                 return true;
             }
             self.mesh.points[v as usize] = kept.0;
@@ -152,11 +156,14 @@ impl Work<'_> {
         false
     }
 
-    /// The closest of some triangles to a source vertex.
-    fn closest_of(&self, ring: &[u32], s: u32) -> (u32, f64) {
-        let p = self.support.mesh.points[s as usize];
-        let distance = |&t: &u32| (t, closest_on_triangle(p, self.mesh.positions(t)).distance(p));
-        ring.iter().map(distance).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((NONE, f64::INFINITY))
+    /// The closest of some triangles to every one of some source vertices, and the distance.
+    fn closest_of(&self, triangles: &[u32], below: &[u32]) -> Vec<(u32, f64)> {
+        let closest = |&s: &u32| {
+            let p = self.support.mesh.points[s as usize];
+            let distance = |&t: &u32| (t, closest_on_triangle(p, self.mesh.positions(t)).distance(p));
+            triangles.iter().map(distance).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((NONE, f64::INFINITY))
+        };
+        below.iter().map(closest).collect()
     }
 }
 

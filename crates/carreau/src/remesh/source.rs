@@ -91,7 +91,7 @@ impl Source {
             let on_curve = (alpha * r).min((8.0 * SAG_SHARE * r * tolerance).sqrt());
             let on_surface = (alpha * radius).min(options.scale * (8.0 * radius * sag).sqrt());
             let given = self.given.as_ref().map_or(f64::INFINITY, |given| options.scale * given[v]);
-            on_surface.min(on_curve).min(given).clamp(low, high)
+            on_surface.min(on_curve).min(given).max(low).min(high)
         };
         let mut radius: Vec<f64> = self.radius.iter().map(|r| r.at_scale(alpha)).collect();
         if self.noisy {

@@ -36,6 +36,20 @@ struct Row<'a> {
     at: Vec<f64>,
 }
 
+impl Row<'_> {
+    /// The parameters that cut the row into pieces of the same length, by the ways to its vertices.
+    fn places(&self, ways: &[f64], pieces: usize) -> Vec<f64> {
+        let whole = ways[ways.len() - 1];
+        let place = |j: usize| {
+            let way = whole * j as f64 / pieces as f64;
+            let k = ways.partition_point(|&w| w <= way).clamp(1, ways.len() - 1);
+            let share = (way - ways[k - 1]) / (ways[k] - ways[k - 1]).max(f64::MIN_POSITIVE);
+            self.at[k - 1] + share.clamp(0.0, 1.0) * (self.at[k] - self.at[k - 1])
+        };
+        (0..=pieces).map(place).collect()
+    }
+}
+
 impl<'a> Work<'a> {
     /// Spaces the vertices of all ridges evenly, with as few edges as sizes and sag ask for.
     pub fn space_ridges(&mut self, context: &Context) -> Result<()> {
@@ -60,10 +74,11 @@ impl<'a> Work<'a> {
         let mut row = self.row(chain, inner);
         let edges = row.vertices.len() - 1;
         let least = if chain.closed { LEAST_CLOSED } else { 1 };
-        let wanted = (self.ways(&row).last().copied().unwrap_or(0.0).round() as usize).max(least);
-        let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &self.places(&row, n))) else { return };
+        let ways = self.ways(&row);
+        let wanted = (ways[edges].round() as usize).max(least);
+        let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &row.places(&ways, n))) else { return };
         self.thin(&mut row, fewest);
-        let places = self.places(&row, row.vertices.len() - 1);
+        let places = row.places(&self.ways(&row), row.vertices.len() - 1);
         for _ in 0..SWEEPS {
             self.shift_row(&row, &places);
         }
@@ -94,19 +109,6 @@ impl<'a> Work<'a> {
             ways.push(ways[k - 1] + metric_length(row.at[k] - row.at[k - 1], size(k - 1), size(k)));
         }
         ways
-    }
-
-    /// The parameters that cut a row into pieces of the same length.
-    fn places(&self, row: &Row, pieces: usize) -> Vec<f64> {
-        let ways = self.ways(row);
-        let whole = ways[ways.len() - 1];
-        let place = |j: usize| {
-            let way = whole * j as f64 / pieces as f64;
-            let k = ways.partition_point(|&w| w <= way).clamp(1, ways.len() - 1);
-            let share = (way - ways[k - 1]) / (ways[k] - ways[k - 1]).max(f64::MIN_POSITIVE);
-            row.at[k - 1] + share.clamp(0.0, 1.0) * (row.at[k] - row.at[k - 1])
-        };
-        (0..=pieces).map(place).collect()
     }
 
     fn holds(&self, chain: &Chain, places: &[f64]) -> bool {

@@ -6,7 +6,7 @@
 //! edge that would close it waits until all others are done.
 
 use super::flow::Thin;
-use crate::mesh::CurveNet;
+use crate::mesh::{CurveNet, NONE};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -37,7 +37,7 @@ pub fn curves(thin: Thin) -> Curves {
     let points = compact.vertices.iter().map(|&v| thin.mesh.points[v as usize]).collect();
     let mut complex = Complex::new(points, &compact.faces);
     complex.collapse_all();
-    let mut number = vec![u32::MAX; thin.mesh.vertex_slots() as usize];
+    let mut number = vec![NONE; thin.mesh.vertex_slots() as usize];
     (0..).zip(&compact.vertices).for_each(|(k, &v)| number[v as usize] = k);
     let alive: Vec<u32> = (0..complex.points.len() as u32).filter(|&v| complex.count[v as usize] > 0.0).collect();
     let mut node = vec![u32::MAX; complex.points.len()];
@@ -48,7 +48,19 @@ pub fn curves(thin: Thin) -> Curves {
         .map(|e| e.map(|v| node[v as usize]))
         .collect();
     let points: Vec<DVec3> = alive.iter().map(|&v| complex.points[v as usize]).collect();
-    let preimage = thin.drawn_to.iter().map(|&v| node[complex.find(number[v as usize]) as usize]).collect();
+    // A vertex without a triangle is drawn nowhere: it counts for the nearest node.
+    let nearest = |p: DVec3| {
+        let off = |k: u32| points[k as usize].distance_squared(p);
+        (0..points.len() as u32).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
+    };
+    let preimage = thin
+        .drawn_to
+        .iter()
+        .map(|&v| match number[v as usize] {
+            NONE => nearest(thin.mesh.points[v as usize]),
+            k => node[complex.find(k) as usize],
+        })
+        .collect();
     let radii = vec![f64::NAN; points.len()];
     Curves { net: CurveNet::new(points, radii, edges), preimage }
 }

@@ -10,6 +10,7 @@
 //! | centres of the largest inner balls | `poles` |
 //! | flow, collapses and splits | `flow` |
 //! | what is thin becomes curves | `curves` |
+//! | limbs that the flow has lost get branches | `limbs` |
 //! | stubs go, radii, nodes outside are brought in | `tidy` |
 //!
 //! Departures from the paper: the poles are centres of shrinking balls (Ma, Bae, Choi 2012), no Voronoi diagram is made;
@@ -19,6 +20,7 @@
 mod curves;
 mod flow;
 mod lids;
+mod limbs;
 mod poles;
 #[cfg(test)]
 mod tests;
@@ -147,10 +149,13 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
                 continue;
             }
             let (mut net, mut preimage) = (curves.net, curves.preimage);
-            let brought_in =
+            let (brought_in, grown) =
                 tidy::tidy(&mut net, &mut preimage, surface, &poles, &tree, &WindingTree::new(&tree), options.prune);
             if brought_in > 0 {
                 warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
+            }
+            if grown > 0 {
+                warnings.push(format!("{grown} limbs had no branch and were given one"));
             }
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
             return Ok(Skeleton { net, preimage, closed, figures, warnings });

@@ -1,9 +1,10 @@
 //! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
 //! the ball of their branching are dropped.
 
+use super::limbs::grow_limbs;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh};
+use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh, branches};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,10 +14,13 @@ const TRIED: usize = 64;
 const CYCLES: usize = 3;
 const CENTRING: usize = 12;
 const ALIGNING: usize = 4;
+/// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
+const CURLED: f64 = 1.5;
+const FAR: f64 = 8.0;
 /// Rounds of drawing them to their neighbours.
 const ROUNDS: usize = 20;
 
-/// Tidies the net of a surface; returns how many nodes were brought in. `preimage` is the node of every vertex of the surface, `poles`
+/// Tidies the net of a surface; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node of every vertex of the surface, `poles`
 /// the centre of the inner ball there.
 pub fn tidy(
     net: &mut CurveNet,
@@ -26,14 +30,21 @@ pub fn tidy(
     tree: &TriangleTree,
     inside: &WindingTree,
     prune: bool,
-) -> usize {
+) -> (usize, usize) {
     let brought_in = bring_in(net, surface, poles, inside);
     centre(net, tree, inside);
-    net.radii = net.points.par_iter().map(|&p| tree.closest(p).map_or(0.0, |c| c.distance())).collect();
+    let radii =
+        |net: &CurveNet| net.points.par_iter().map(|&p| tree.closest(p).map_or(0.0, |c| c.distance())).collect();
+    net.radii = radii(net);
+    let grown = grow_limbs(net, preimage, surface, poles, tree, inside);
+    if grown > 0 {
+        centre(net, tree, inside);
+        net.radii = radii(net);
+    }
     if prune {
         drop_stubs(net, preimage);
     }
-    brought_in
+    (brought_in, grown)
 }
 
 /// Nodes outside go to the pole of the vertex nearest to them: the centres of inner balls are inside. Then they are drawn
@@ -74,6 +85,7 @@ pub fn centre(net: &mut CurveNet, tree: &TriangleTree, inside: &WindingTree) {
     let around = net.incidence();
     for _ in 0..CYCLES {
         net.points = (0..net.points.len()).into_par_iter().map(|v| centred(net, &around, v, tree)).collect();
+        uncurl(net, tree);
         for _ in 0..ALIGNING {
             align(net, &around, inside);
         }
@@ -82,23 +94,72 @@ pub fn centre(net: &mut CurveNet, tree: &TriangleTree, inside: &WindingTree) {
     align(net, &around, inside);
 }
 
-/// An articulation farther from the surface, across the direction of its branch.
+/// An articulation farther from the surface, across the direction of its branch; a branching in any direction, but not
+/// farther than the surface was away: the tubes that meet there share a ball larger than theirs.
 fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) -> DVec3 {
     let mut p = net.points[v];
-    let &[[_, a], [_, b]] = around.of(v as u32) else { return p };
-    let tangent = (net.points[b as usize] - net.points[a as usize]).normalize_or_zero();
+    let tangent = match *around.of(v as u32) {
+        [] | [_] => return p,
+        [[_, a], [_, b]] => (net.points[b as usize] - net.points[a as usize]).normalize_or_zero(),
+        _ => DVec3::ZERO,
+    };
     let Some(mut here) = tree.closest(p) else { return p };
+    let leash = if tangent == DVec3::ZERO { here.distance() } else { f64::INFINITY };
     let mut step = 0.5;
     for _ in 0..CENTRING {
         let away = p - here.point;
         let across = (away - tangent * tangent.dot(away)).normalize_or_zero();
         let tried = p + across * (step * here.distance());
         match tree.closest(tried) {
-            Some(there) if there.distance_squared > here.distance_squared * 1.0001 => (p, here) = (tried, there),
+            Some(there)
+                if there.distance_squared > here.distance_squared * 1.0001 && tried.distance(net.points[v]) < leash =>
+            {
+                (p, here) = (tried, there);
+            }
             _ => step *= 0.5,
         }
     }
     p
+}
+
+/// Where a branch takes a roundabout way to a node that lies in the inner ball of another, it goes straight: a ball holds
+/// the lines between its points.
+///
+/// ```text
+///        ╭──╮
+///   ──i──│──│──       i and j in one ball, the way from one to the other far longer than the line
+///        ╰──j
+/// ```
+fn uncurl(net: &mut CurveNet, tree: &TriangleTree) {
+    let around = net.incidence();
+    for branch in branches(net, &around).into_iter().filter(|b| !b.is_ring) {
+        let nodes = &branch.nodes;
+        let mut i = 0;
+        while i + 2 < nodes.len() {
+            let p = net.points[nodes[i] as usize];
+            let radius = tree.closest(p).map_or(0.0, |c| c.distance());
+            let (mut way, mut last) = (0.0, None);
+            for j in i + 1..nodes.len() {
+                way += net.points[nodes[j - 1] as usize].distance(net.points[nodes[j] as usize]);
+                if way > FAR * radius {
+                    break;
+                }
+                let line = p.distance(net.points[nodes[j] as usize]);
+                if j > i + 1 && line < radius && way > CURLED * line && nodes[j] != nodes[i] {
+                    last = Some(j);
+                }
+            }
+            let Some(j) = last else {
+                i += 1;
+                continue;
+            };
+            let to = net.points[nodes[j] as usize];
+            for k in i + 1..j {
+                net.points[nodes[k] as usize] = p.lerp(to, (k - i) as f64 / (j - i) as f64);
+            }
+            i = j;
+        }
+    }
 }
 
 /// All nodes but extremities move half of the way to the middle of their neighbours, where that is inside.

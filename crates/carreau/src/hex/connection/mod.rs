@@ -27,6 +27,11 @@ const LEAST_GAP: f64 = 1e-6;
 /// Scores from which on no more candidates are looked for, at three directions and at more.
 const FAIR: f64 = 0.12;
 const GOOD: f64 = 0.3;
+/// The eight ways a vertex may go.
+const ROUND: [[f64; 2]; 8] = {
+    const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    [[1.0, 0.0], [D, D], [0.0, 1.0], [-D, D], [-1.0, 0.0], [-D, -D], [0.0, -1.0], [D, -D]]
+};
 /// Candidates whose vertices are moved.
 const FINALISTS: usize = 4;
 
@@ -133,8 +138,7 @@ impl Connection {
                 let here = self.vertices[v];
                 let (across, up) = here.any_orthonormal_pair();
                 let mut best = (least(self), here);
-                for k in 0..8 {
-                    let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+                for [cos, sin] in ROUND {
                     self.vertices[v] = (here + (across * cos + up * sin) * step).normalize();
                     let value = least(self);
                     if value > best.0 + 1e-9 {
@@ -167,10 +171,15 @@ impl Connection {
 
 /// The least of inclusion and convexity of a quad about a direction; `turns` says at which corners convexity is asked for.
 fn quad_determinant(p: [DVec3; 4], turns: [bool; 4], d: DVec3) -> f64 {
-    let at = |k: usize| p[k % 4];
-    let inclusion = (0..4).map(|k| d.dot(at(k).cross(at(k + 1))));
-    let convexity = (0..4).filter(|&k| turns[k]).map(|k| at(k + 3).dot(at(k).cross(at(k + 1))));
-    inclusion.chain(convexity).fold(f64::INFINITY, f64::min)
+    let mut least = f64::INFINITY;
+    for k in 0..4 {
+        let across = p[k].cross(p[(k + 1) % 4]);
+        least = least.min(d.dot(across));
+        if turns[k] {
+            least = least.min(p[(k + 3) % 4].dot(across));
+        }
+    }
+    least
 }
 
 #[cfg(test)]

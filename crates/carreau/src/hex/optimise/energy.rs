@@ -16,6 +16,10 @@ use crate::mesh::HEX_EDGES;
 use glam::DVec3;
 
 const THETA: f64 = 1.0 / 128.0;
+/// Regularised determinants below this count as zero.
+const LEAST_CHI: f64 = 1e-280;
+/// Four thirds of the bits of one, less what makes the guess of [`inverse_cube_root`] best.
+const GUESS: u64 = 0x553e_f1a9_fbe7_6c8c;
 
 /// Weights of the two ends of an edge grid at the three places of an axis.
 const AT: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
@@ -65,14 +69,14 @@ pub fn cell_energy(p: &[DVec3; 8], inverse: [f64; 3], epsilon: f64, power: i32) 
         least = least.min(d);
         let root = (epsilon * epsilon + d * d).sqrt();
         let chi = if d > 0.0 { 0.5 * (d + root) } else { 0.5 * epsilon * epsilon / (root - d) };
-        if !(chi > 0.0) {
+        if !(chi > LEAST_CHI) {
             value = f64::INFINITY;
             continue;
         }
         let [a, b, c] = vectors(n);
         let trace = a.length_squared() + b.length_squared() + c.length_squared();
-        let third = chi.cbrt();
-        let shape = (1.0 - THETA) / 3.0 / (third * third);
+        let third = inverse_cube_root(chi);
+        let shape = (1.0 - THETA) / 3.0 * (third * third);
         let volume = 0.5 * THETA * (d * d + 1.0) / chi;
         let phi = shape * trace + volume;
         let (energy, factor) = raise(phi, power);
@@ -113,6 +117,18 @@ pub fn cell_energy(p: &[DVec3; 8], inverse: [f64; 3], epsilon: f64, power: i32) 
     CellEnergy { value: value / 27.0, gradient, least }
 }
 
+/// x to the power −⅓, of a positive normal number: a guess from the exponent, 4 % off at most, and two steps that raise
+/// the error to its fourth power. Several times faster than the standard library's cube root, which rounds correctly.
+fn inverse_cube_root(x: f64) -> f64 {
+    let mut y = f64::from_bits(GUESS - x.to_bits() / 3);
+    for _ in 0..2 {
+        // With e = 1 − x y³, x^(−⅓) = y (1 − e)^(−⅓).
+        let e = 1.0 - x * (y * y * y);
+        y += y * e * (1.0 / 3.0 + e * (2.0 / 9.0 + e * (14.0 / 81.0)));
+    }
+    y
+}
+
 /// φᵖ and its derivative.
 fn raise(phi: f64, power: i32) -> (f64, f64) {
     let less = phi.powi(power - 1);
@@ -147,6 +163,15 @@ mod tests {
                     prop_assert!((slope - given).abs() < 1e-5 * (1.0 + here.value + slope.abs()), "{} {}", slope, given);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_cube_root_is_as_good_as_the_standard_one() {
+        for k in -2800..2800 {
+            let x = 10f64.powf(0.1 * f64::from(k) + 0.013);
+            let off = inverse_cube_root(x) * x.cbrt() - 1.0;
+            assert!(off.abs() < 2e-15, "{x:e} {off:e}");
         }
     }
 

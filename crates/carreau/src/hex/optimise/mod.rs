@@ -56,6 +56,8 @@ pub const COARSE: Effort = Effort {
     powers: &[(1, 150), (2, 100), (4, 150), (8, 150)],
     attempts: &[(0.15, 0.02), (0.4, 1e-4), (0.05, 0.02), (0.25, 0.2)],
 };
+/// For a mesh that others are made from.
+pub const PASSING: Effort = Effort { powers: &[(1, 60), (2, 40), (4, 40)], attempts: COARSE.attempts };
 /// For the refined mesh, which starts nearly valid.
 pub const FINE: Effort =
     Effort { powers: &[(1, 40), (2, 40), (4, 60), (8, 80)], attempts: &[(0.15, 0.02), (0.4, 1e-4)] };
@@ -65,6 +67,12 @@ const DRIFT: f64 = 2.0;
 
 /// For the inside of a mesh whose boundary stays.
 pub const INNER: Effort = Effort { powers: &[(4, 40), (8, 60)], attempts: &[] };
+
+/// The power that a mesh is delivered with; what comes before it need not settle as well. Shares of the energy that ten
+/// iterations must gain.
+const LAST_POWER: i32 = 8;
+const PASSED: f64 = 1e-3;
+const SETTLED: f64 = 3e-4;
 
 /// Determinants above this share of the target count as positive.
 const VALID: f64 = 1e-6;
@@ -230,13 +238,17 @@ impl<'a> Optimiser<'a> {
         iterations: usize,
         context: &Context,
     ) -> Result<()> {
-        let stop = Stop { iterations, decrease: 1e-4 };
+        let stop = Stop { iterations, decrease: if power < LAST_POWER { PASSED } else { SETTLED } };
+        let mut evaluations = 0;
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
+            evaluations += 1;
             let (value, least) = self.evaluate(x, g, epsilon, power);
             Ok(if epsilon > 0.0 || least > 0.0 { value } else { f64::INFINITY })
         };
-        minimise(points, &self.scale, stop, value).map(|_| ())
+        let least = minimise(points, &self.scale, stop, value)?;
+        tracing::debug!(cells = self.hexes.len(), epsilon, power, evaluations, value = least, "descent");
+        Ok(())
     }
 
     /// Step 1, from the same start with other settings where the first ones fail; whether it succeeded.

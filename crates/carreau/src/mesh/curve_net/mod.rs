@@ -2,12 +2,15 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | `branches` | chains of segments between branchings and extremities |
 //! | `builder` | nodes and links by the ids of a file, refused or noted |
 //! | `repair` | what a method needs: no coincident nodes, no empty edges, radii everywhere |
 
+mod branches;
 mod builder;
 mod repair;
 
+pub use branches::{Branch, branches};
 pub use builder::NetBuilder;
 pub use repair::RepairedNet;
 

@@ -81,6 +81,9 @@ impl EditMesh {
 
     /// Whether a collapse makes an edge that may exist elsewhere in the welded mesh, or a triangle of three copies.
     pub fn joins_copies(&self, h: u32, keep: Keep) -> bool {
+        if self.copied.is_empty() {
+            return false;
+        }
         let (gone, kept) = self.gone_and_kept(h, keep);
         let mut joins = false;
         self.for_neighbours(gone, |w| {

@@ -55,7 +55,7 @@ pub struct EditMesh {
     /// The triangle of the source mesh that each triangle took the place of; descendants inherit it.
     pub source: Vec<u32>,
     corners: Vec<Corner>,
-    /// Whether a vertex of the source is one of several copies.
+    /// Whether a vertex of the source is one of several copies; empty where none is.
     copied: Vec<bool>,
     /// A half-edge that leaves each vertex, on borders the one without an opposite; [`NONE`] for removed vertices.
     start: Vec<u32>,
@@ -96,7 +96,7 @@ impl EditMesh {
             origin: (0..mesh.vertex_count() as u32).collect(),
             source: (0..triangles as u32).collect(),
             corners,
-            copied: vec![false; mesh.vertex_count()],
+            copied: Vec::new(),
             start: vec![NONE; mesh.vertex_count()],
             free: Vec::new(),
             live_triangles: triangles,
@@ -119,9 +119,10 @@ impl EditMesh {
                 self.points.push(self.points[vertex as usize]);
                 self.origin.push(self.origin[vertex as usize]);
                 self.start.push(NONE);
-                self.copied[vertex as usize] = true;
-                self.copied.push(true);
-                vertex = self.start.len() as u32 - 1;
+                let copy = self.start.len() as u32 - 1;
+                self.copied.resize(self.start.len(), false);
+                [vertex, copy].into_iter().for_each(|v| self.copied[v as usize] = true);
+                vertex = copy;
             }
             self.start[vertex as usize] = first;
             self.live_vertices += 1;

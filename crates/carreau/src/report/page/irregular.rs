@@ -1,6 +1,6 @@
 //! Where quads and hexahedra are not arranged as on a chessboard.
 
-use crate::mesh::{HEX_EDGES, HalfEdges, Polygons, boundary_faces};
+use crate::mesh::{HalfEdges, Polygons, boundary_faces, irregular_hex_edges};
 
 /// Inner vertices whose number of quads is not four, with that number; nothing for meshes that are not all of quads.
 pub fn irregular_vertices(faces: &Polygons, vertices: usize) -> Vec<(u32, i32)> {
@@ -18,15 +18,8 @@ pub fn irregular_vertices(faces: &Polygons, vertices: usize) -> Vec<(u32, i32)> 
 
 /// Inner edges whose number of hexahedra is not four.
 pub fn irregular_edges(hexes: &[[u32; 8]]) -> Vec<[u32; 2]> {
-    let key = |a: u32, b: u32| (a.min(b), a.max(b));
-    let mut edges: Vec<(u32, u32)> = hexes.iter().flat_map(|h| HEX_EDGES.map(|[a, b]| key(h[a], h[b]))).collect();
-    edges.sort_unstable();
-    let sides = |q: [u32; 4]| [0, 1, 2, 3].map(|k| key(q[k], q[(k + 1) % 4]));
-    let mut outer: Vec<(u32, u32)> = boundary_faces(hexes).into_iter().flat_map(|(q, _)| sides(q)).collect();
-    outer.sort_unstable();
-    let is_inner = |edge: &(u32, u32)| outer.binary_search(edge).is_err();
-    let unusual = edges.chunk_by(|a, b| a == b).filter(|group| group.len() != 4).map(|group| group[0]);
-    unusual.filter(is_inner).map(|(a, b)| [a, b]).collect()
+    let quads: Vec<[u32; 4]> = boundary_faces(hexes).into_iter().map(|(quad, _)| quad).collect();
+    irregular_hex_edges(hexes, &quads).into_iter().map(|(edge, _)| edge).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Branches of a net: chains of segments between nodes that are no articulations, and closed chains.
 
-use crate::mesh::{CurveNet, Incidence};
+use super::{CurveNet, Incidence};
 
 /// A chain of segments.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,14 @@ pub struct Branch {
     pub edges: Vec<u32>,
     /// Whether no node of it is a branching or an extremity.
     pub is_ring: bool,
+}
+
+impl Branch {
+    /// The nodes it joins, in ascending order.
+    pub fn ends(&self) -> [u32; 2] {
+        let (from, to) = (self.nodes[0], self.nodes[self.nodes.len() - 1]);
+        [from.min(to), from.max(to)]
+    }
 }
 
 /// All branches: from branchings first, then between extremities, then rings. Each segment is in one.

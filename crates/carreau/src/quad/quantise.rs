@@ -1,0 +1,220 @@
+//! How many quads go along every arc.
+//!
+//! Every arc starts with its length over the wanted one. In a patch with a grid opposite sides have to add up to the same
+//! number; around any other one the number has to be even. What a side has too many or too few is passed on along the
+//! cheapest chain of arcs that ends where another patch is off, too, or at an open border. A patch for which no chain exists
+//! gives up its grid: then it only has to be even.
+
+use super::layout::{Kind, Layout};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Numbers of quads stay between these shares of what their length asks for; the next where that does not do.
+const LIMITS: [[f64; 2]; 3] = [[0.75, 1.4], [0.5, 2.0], [0.2, 8.0]];
+
+/// What the numbers along arcs have to fulfil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Demand {
+    /// One side of a grid less the opposite one is zero.
+    Same,
+    /// The number around is even.
+    Even,
+}
+
+/// A condition with the patch that it comes from.
+struct Condition {
+    patch: usize,
+    demand: Demand,
+    /// Arcs with how often they count.
+    arcs: Vec<(u32, i64)>,
+    value: i64,
+}
+
+impl Condition {
+    fn new(patch: usize, demand: Demand, arcs: impl Iterator<Item = (u32, i64)>) -> Self {
+        let mut all: Vec<(u32, i64)> = arcs.collect();
+        all.sort_unstable();
+        let mut merged: Vec<(u32, i64)> = Vec::new();
+        for (arc, times) in all {
+            match merged.last_mut().filter(|last| last.0 == arc) {
+                Some(last) => last.1 += times,
+                None => merged.push((arc, times)),
+            }
+        }
+        merged.retain(|m| if demand == Demand::Even { m.1 % 2 != 0 } else { m.1 != 0 });
+        Condition { patch, demand, arcs: merged, value: 0 }
+    }
+
+    fn is_met(&self) -> bool {
+        if self.demand == Demand::Even { self.value % 2 == 0 } else { self.value == 0 }
+    }
+
+    /// Whether a change of its value brings it nearer to what it should be; by two, where the change begins here, too.
+    fn welcomes(&self, change: i64, is_start: bool) -> bool {
+        match self.demand {
+            Demand::Even => !is_start && !self.is_met(),
+            Demand::Same => -self.value * change >= if is_start { 2 } else { 1 },
+        }
+    }
+}
+
+/// The conditions of a layout, and those that every arc is part of.
+struct Conditions {
+    list: Vec<Condition>,
+    /// Number and share.
+    of_arc: Vec<Vec<(u32, i64)>>,
+}
+
+impl Conditions {
+    fn new(layout: &Layout) -> Self {
+        let mut list = Vec::new();
+        for (p, patch) in layout.patches.iter().enumerate() {
+            if patch.kind == Kind::Grid {
+                for k in 0..2 {
+                    let side = |k: usize, times: i64| patch.sides[k].iter().map(move |s| (s.arc, times));
+                    list.push(Condition::new(p, Demand::Same, side(k, 1).chain(side(k + 2, -1))));
+                }
+            } else {
+                let all = patch.loops.iter();
+                list.extend(all.map(|sides| Condition::new(p, Demand::Even, sides.iter().map(|s| (s.arc, 1)))));
+            }
+        }
+        let mut of_arc = vec![Vec::new(); layout.arcs.len()];
+        for (c, condition) in (0u32..).zip(&mut list) {
+            for &(arc, times) in &condition.arcs {
+                of_arc[arc as usize].push((c, times));
+                condition.value += times * layout.arcs[arc as usize].count;
+            }
+        }
+        Conditions { list, of_arc }
+    }
+
+    fn change(&mut self, arc: u32, by: i64) {
+        for &(c, times) in &self.of_arc[arc as usize] {
+            self.list[c as usize].value += times * by;
+        }
+    }
+}
+
+impl Layout {
+    /// Chooses the numbers of quads, of about a length. Patches that cannot add up lose their grid. Returns whether all
+    /// that have none are even around.
+    pub fn quantise(&mut self, length: f64) -> bool {
+        loop {
+            match self.attempt(length) {
+                Ok(()) => return true,
+                Err(patch) if self.patches[patch].kind == Kind::Grid => self.patches[patch].kind = Kind::Pattern,
+                Err(_) => return false,
+            }
+        }
+    }
+
+    /// The same for twice the length, doubled: even everywhere.
+    pub fn quantise_doubled(&mut self, length: f64) {
+        self.quantise(2.0 * length);
+        self.arcs.iter_mut().for_each(|arc| arc.count *= 2);
+        self.length = length;
+    }
+
+    /// A patch that does not add up is the error.
+    fn attempt(&mut self, length: f64) -> Result<(), usize> {
+        self.length = length;
+        for arc in &mut self.arcs {
+            arc.count = ((arc.length / length).round() as i64).max(arc.least);
+        }
+        let mut conditions = Conditions::new(self);
+        for _ in 0..40 * conditions.list.len() + 1000 {
+            let unmet = |demand: Demand| conditions.list.iter().position(|c| c.demand == demand && !c.is_met());
+            // Grids first: a patch that gives its own up may be odd.
+            let Some(start) = unmet(Demand::Same).or_else(|| unmet(Demand::Even)) else { return Ok(()) };
+            let chain = LIMITS.iter().find_map(|limits| self.chain(start as u32, &conditions, length, limits));
+            let Some(chain) = chain else { return Err(conditions.list[start].patch) };
+            for (arc, change) in chain {
+                self.arcs[arc as usize].count += change;
+                conditions.change(arc, change);
+            }
+        }
+        Err(conditions.list.iter().find(|c| !c.is_met()).map_or(0, |c| c.patch))
+    }
+
+    /// The cheapest chain of changes by one that brings a condition nearer to what it should be and leaves no other one worse.
+    ///
+    /// A state is a condition and the change of its value that is still owed.
+    fn chain(&self, start: u32, all: &Conditions, length: f64, limits: &[f64; 2]) -> Option<Vec<(u32, i64)>> {
+        let state = |c: u32, owed: i64| match all.list[c as usize].demand {
+            Demand::Same => 2 * c as usize + usize::from(owed > 0),
+            Demand::Even => 2 * c as usize,
+        };
+        let owed = if all.list[start as usize].value > 0 { -1 } else { 1 };
+        let mut cost = vec![f64::INFINITY; 2 * all.list.len()];
+        let mut from: Vec<Option<(usize, u32, i64)>> = vec![None; 2 * all.list.len()];
+        let mut queue = BinaryHeap::new();
+        cost[state(start, owed)] = 0.0;
+        queue.push(Reverse((0u64, start, owed)));
+        while let Some(Reverse((bits, c, owed))) = queue.pop() {
+            let so_far = f64::from_bits(bits);
+            if so_far > cost[state(c, owed)] {
+                continue;
+            }
+            let here = &all.list[c as usize];
+            let both = here.demand == Demand::Even;
+            for &(arc, times) in here.arcs.iter().filter(|a| both || a.1.abs() == 1) {
+                for change in [owed * times.signum(), -owed * times.signum()].into_iter().take(1 + usize::from(both)) {
+                    let Some(price) = self.price(arc, change, length, limits) else { continue };
+                    if is_on_way(&from, state(c, owed), arc) {
+                        continue;
+                    }
+                    let next = all.of_arc[arc as usize].iter().find(|u| u.0 != c);
+                    let done = next.is_none_or(|&(other, times)| {
+                        all.list[other as usize].welcomes(times * change, other == start)
+                    });
+                    let at = state(c, owed);
+                    if done {
+                        return Some(back(&from, at, (arc, change)));
+                    }
+                    let Some(&(other, times)) = next.filter(|n| n.1.abs() == 1) else { continue };
+                    let (debt, total) = (-times * change, so_far + price);
+                    let to = state(other, debt);
+                    if total < cost[to] {
+                        cost[to] = total;
+                        from[to] = Some((at, arc, change));
+                        queue.push(Reverse((total.to_bits(), other, debt)));
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// What one more or less on an arc costs: what the square of the difference from the ideal number grows by, over that
+    /// number; never negative. `None` where it would be too far off.
+    fn price(&self, arc: u32, change: i64, length: f64, [fewest, most]: &[f64; 2]) -> Option<f64> {
+        let arc = &self.arcs[arc as usize];
+        let ideal = (arc.length / length).max(0.5);
+        let count = arc.count + change;
+        let is_far = (count as f64) < (fewest * ideal).floor() || count as f64 > (most * ideal).ceil() + 1.0;
+        let off = arc.count as f64 - ideal;
+        (!is_far && count >= arc.least).then(|| (1.0 + (2.0 * off * change as f64 + 1.0).max(0.0)) / ideal)
+    }
+}
+
+/// Whether an arc is among the steps that led to a state.
+fn is_on_way(from: &[Option<(usize, u32, i64)>], mut at: usize, arc: u32) -> bool {
+    while let Some((before, step, _)) = from[at] {
+        if step == arc {
+            return true;
+        }
+        at = before;
+    }
+    false
+}
+
+/// The steps that led to a state, and the last one.
+fn back(from: &[Option<(usize, u32, i64)>], mut at: usize, last: (u32, i64)) -> Vec<(u32, i64)> {
+    let mut chain = vec![last];
+    while let Some((before, arc, change)) = from[at] {
+        chain.push((arc, change));
+        at = before;
+    }
+    chain
+}
