@@ -96,12 +96,72 @@ impl Conditions {
     }
 }
 
+/// A state is a condition and the sign of the change of its value that is still owed.
+type State = usize;
+
+/// What a search for a chain has found so far: kept between searches, so that each pays for the states it reaches only.
+struct Search {
+    cost: Vec<f64>,
+    /// The state before, and the arc with its change that led from there.
+    from: Vec<Option<(State, u32, i64)>>,
+    reached: Vec<State>,
+    queue: BinaryHeap<Reverse<(u64, u32, i64)>>,
+}
+
+impl Search {
+    fn new(conditions: usize) -> Self {
+        let states = 2 * conditions;
+        let (cost, from) = (vec![f64::INFINITY; states], vec![None; states]);
+        Search { cost, from, reached: Vec::new(), queue: BinaryHeap::new() }
+    }
+
+    fn clear(&mut self) {
+        for state in self.reached.drain(..) {
+            self.cost[state] = f64::INFINITY;
+            self.from[state] = None;
+        }
+        self.queue.clear();
+    }
+
+    fn reach(&mut self, state: State, cost: f64, from: Option<(State, u32, i64)>, (condition, owed): (u32, i64)) {
+        self.cost[state] = cost;
+        self.from[state] = from;
+        self.reached.push(state);
+        self.queue.push(Reverse((cost.to_bits(), condition, owed)));
+    }
+
+    /// Whether an arc is among the steps that led to a state.
+    fn is_on_way(&self, mut at: State, arc: u32) -> bool {
+        while let Some((before, step, _)) = self.from[at] {
+            if step == arc {
+                return true;
+            }
+            at = before;
+        }
+        false
+    }
+
+    /// The steps that led to a state, and the last one.
+    fn back(&self, mut at: State, last: (u32, i64)) -> Vec<(u32, i64)> {
+        let mut chain = vec![last];
+        while let Some((before, arc, change)) = self.from[at] {
+            chain.push((arc, change));
+            at = before;
+        }
+        chain
+    }
+}
+
 impl Layout {
     /// Chooses the numbers of quads, of about a length. Patches that cannot add up lose their grid. Returns whether all
     /// that have none are even around.
     pub fn quantise(&mut self, length: f64) -> bool {
+        self.length = length;
+        for arc in &mut self.arcs {
+            arc.count = ((arc.length / length).round() as i64).max(arc.least);
+        }
         loop {
-            match self.attempt(length) {
+            match self.settle(length) {
                 Ok(()) => return true,
                 Err(patch) if self.patches[patch].kind == Kind::Grid => self.patches[patch].kind = Kind::Pattern,
                 Err(_) => return false,
@@ -116,44 +176,50 @@ impl Layout {
         self.length = length;
     }
 
-    /// A patch that does not add up is the error.
-    fn attempt(&mut self, length: f64) -> Result<(), usize> {
-        self.length = length;
-        for arc in &mut self.arcs {
-            arc.count = ((arc.length / length).round() as i64).max(arc.least);
-        }
+    /// Changes numbers until every condition is met. A patch that does not add up is the error.
+    ///
+    /// It ends: every chain brings what is off nearer to what it should be, and what is met stays so.
+    fn settle(&mut self, length: f64) -> Result<(), usize> {
         let mut conditions = Conditions::new(self);
-        for _ in 0..40 * conditions.list.len() + 1000 {
-            let unmet = |demand: Demand| conditions.list.iter().position(|c| c.demand == demand && !c.is_met());
-            // Grids first: a patch that gives its own up may be odd.
-            let Some(start) = unmet(Demand::Same).or_else(|| unmet(Demand::Even)) else { return Ok(()) };
-            let chain = LIMITS.iter().find_map(|limits| self.chain(start as u32, &conditions, length, limits));
-            let Some(chain) = chain else { return Err(conditions.list[start].patch) };
-            for (arc, change) in chain {
-                self.arcs[arc as usize].count += change;
-                conditions.change(arc, change);
+        let mut search = Search::new(conditions.list.len());
+        // Grids first: a patch that gives its own up may be odd.
+        for demand in [Demand::Same, Demand::Even] {
+            for start in 0..conditions.list.len() {
+                while conditions.list[start].demand == demand && !conditions.list[start].is_met() {
+                    let mut chain =
+                        |limits: &[f64; 2]| self.chain(start as u32, &conditions, length, limits, &mut search);
+                    let Some(chain) = LIMITS.iter().find_map(&mut chain) else {
+                        return Err(conditions.list[start].patch);
+                    };
+                    for (arc, change) in chain {
+                        self.arcs[arc as usize].count += change;
+                        conditions.change(arc, change);
+                    }
+                }
             }
         }
-        Err(conditions.list.iter().find(|c| !c.is_met()).map_or(0, |c| c.patch))
+        Ok(())
     }
 
     /// The cheapest chain of changes by one that brings a condition nearer to what it should be and leaves no other one worse.
-    ///
-    /// A state is a condition and the change of its value that is still owed.
-    fn chain(&self, start: u32, all: &Conditions, length: f64, limits: &[f64; 2]) -> Option<Vec<(u32, i64)>> {
+    fn chain(
+        &self,
+        start: u32,
+        all: &Conditions,
+        length: f64,
+        limits: &[f64; 2],
+        search: &mut Search,
+    ) -> Option<Vec<(u32, i64)>> {
         let state = |c: u32, owed: i64| match all.list[c as usize].demand {
             Demand::Same => 2 * c as usize + usize::from(owed > 0),
             Demand::Even => 2 * c as usize,
         };
         let owed = if all.list[start as usize].value > 0 { -1 } else { 1 };
-        let mut cost = vec![f64::INFINITY; 2 * all.list.len()];
-        let mut from: Vec<Option<(usize, u32, i64)>> = vec![None; 2 * all.list.len()];
-        let mut queue = BinaryHeap::new();
-        cost[state(start, owed)] = 0.0;
-        queue.push(Reverse((0u64, start, owed)));
-        while let Some(Reverse((bits, c, owed))) = queue.pop() {
-            let so_far = f64::from_bits(bits);
-            if so_far > cost[state(c, owed)] {
+        search.clear();
+        search.reach(state(start, owed), 0.0, None, (start, owed));
+        while let Some(Reverse((bits, c, owed))) = search.queue.pop() {
+            let (so_far, at) = (f64::from_bits(bits), state(c, owed));
+            if so_far > search.cost[at] {
                 continue;
             }
             let here = &all.list[c as usize];
@@ -161,24 +227,21 @@ impl Layout {
             for &(arc, times) in here.arcs.iter().filter(|a| both || a.1.abs() == 1) {
                 for change in [owed * times.signum(), -owed * times.signum()].into_iter().take(1 + usize::from(both)) {
                     let Some(price) = self.price(arc, change, length, limits) else { continue };
-                    if is_on_way(&from, state(c, owed), arc) {
+                    if search.is_on_way(at, arc) {
                         continue;
                     }
                     let next = all.of_arc[arc as usize].iter().find(|u| u.0 != c);
-                    let done = next.is_none_or(|&(other, times)| {
+                    let is_end = |&(other, times): &(u32, i64)| {
                         all.list[other as usize].welcomes(times * change, other == start)
-                    });
-                    let at = state(c, owed);
-                    if done {
-                        return Some(back(&from, at, (arc, change)));
+                    };
+                    if next.is_none_or(is_end) {
+                        return Some(search.back(at, (arc, change)));
                     }
                     let Some(&(other, times)) = next.filter(|n| n.1.abs() == 1) else { continue };
                     let (debt, total) = (-times * change, so_far + price);
                     let to = state(other, debt);
-                    if total < cost[to] {
-                        cost[to] = total;
-                        from[to] = Some((at, arc, change));
-                        queue.push(Reverse((total.to_bits(), other, debt)));
+                    if total < search.cost[to] {
+                        search.reach(to, total, Some((at, arc, change)), (other, debt));
                     }
                 }
             }
@@ -196,25 +259,4 @@ impl Layout {
         let off = arc.count as f64 - ideal;
         (!is_far && count >= arc.least).then(|| (1.0 + (2.0 * off * change as f64 + 1.0).max(0.0)) / ideal)
     }
-}
-
-/// Whether an arc is among the steps that led to a state.
-fn is_on_way(from: &[Option<(usize, u32, i64)>], mut at: usize, arc: u32) -> bool {
-    while let Some((before, step, _)) = from[at] {
-        if step == arc {
-            return true;
-        }
-        at = before;
-    }
-    false
-}
-
-/// The steps that led to a state, and the last one.
-fn back(from: &[Option<(usize, u32, i64)>], mut at: usize, last: (u32, i64)) -> Vec<(u32, i64)> {
-    let mut chain = vec![last];
-    while let Some((before, arc, change)) = from[at] {
-        chain.push((arc, change));
-        at = before;
-    }
-    chain
 }

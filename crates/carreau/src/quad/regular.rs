@@ -92,6 +92,11 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
             return Ok(Err("its tracks do not enclose patches".into()));
         };
+        // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
+        let wanted = wish.quads.map_or(source.area / wish.length.powi(2), |n| n as f64);
+        if layout.patches.len() as f64 > MOST * wanted {
+            return Ok(Err(format!("its layout has {} patches", layout.patches.len())));
+        }
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
         layout.refine(&sheet, &lost_places, wish.length);

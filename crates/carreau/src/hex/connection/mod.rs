@@ -91,10 +91,11 @@ impl Connection {
         best.map_or_else(|| Connection { vertices: Vec::new(), quads: Vec::new(), sides: Vec::new() }, |b| b.1)
     }
 
-    /// The least determinant of inclusion and convexity, less a little for every vertex of high valence.
+    /// The least determinant of inclusion and convexity, less a little for every vertex of high valence. What is not
+    /// valid comes after all that is.
     pub fn score(&self, directions: &[DVec3]) -> f64 {
         let highest = self.valences().into_iter().max().unwrap_or(0);
-        self.least_determinant(directions) - 0.01 * highest as f64
+        valid_first(self.least_determinant(directions), -0.01 * highest as f64)
     }
 
     /// Number of quads at every vertex.
@@ -133,7 +134,7 @@ impl Connection {
                     };
                     let values = at[v].iter().map(of_quad);
                     // The sum breaks ties.
-                    values.clone().fold(f64::INFINITY, f64::min) + 1e-3 * values.sum::<f64>()
+                    valid_first(values.clone().fold(f64::INFINITY, f64::min), 1e-3 * values.sum::<f64>())
                 };
                 let here = self.vertices[v];
                 let (across, up) = here.any_orthonormal_pair();
@@ -167,6 +168,12 @@ impl Connection {
         }
         middles.iter().map(|m| m.normalize_or(DVec3::X)).collect()
     }
+}
+
+/// A least determinant with a bonus that decides among valid partitions and among others, never between the two.
+fn valid_first(least: f64, bonus: f64) -> f64 {
+    const APART: f64 = 10.0;
+    least + bonus - if least > 0.0 { 0.0 } else { APART }
 }
 
 /// The least of inclusion and convexity of a quad about a direction; `turns` says at which corners convexity is asked for.
@@ -227,6 +234,29 @@ pub(super) mod tests {
                 prop_assert!(c.least_determinant(&directions) > 0.0, "{}", c.least_determinant(&directions));
             }
         }
+    }
+
+    /// Orange slices have poles of valence 12 here, and the paper's heuristic a lower one but an angle turned inside out.
+    #[test]
+    fn validity_comes_before_low_valence() {
+        let directions = [
+            [-0.25139499652668257, -0.9507992141637049, 0.18105637262198349],
+            [-0.7938746973598434, -0.22410944367486077, -0.5652768544240615],
+            [-0.33648721330708453, 0.9392822186255586, 0.06727012007333295],
+            [-0.8296350774319953, 0.4937118387753117, 0.260680376222507],
+            [-0.9120162525412233, -0.26223543728398846, 0.3153710997113381],
+            [0.20327206109957807, 0.9452887180611844, -0.25516604139769816],
+            [-0.1216635717337983, -0.44764690988122574, -0.8858951514636281],
+            [-0.6879669557927146, 0.7244838870272006, -0.04271492918481336],
+            [-0.6206261060471968, -0.4012663519340511, -0.673653138713264],
+            [-0.41742023824379626, -0.6202199191519493, -0.6641442588712501],
+            [0.03702360681389938, 0.1404769898836702, -0.9893914634014754],
+            [-0.5093096254395499, -0.7720546701966934, -0.38017797366772865],
+        ];
+        let directions = directions.map(DVec3::from_array);
+        let c = Connection::new(&directions);
+        assert_partition(&c, 12);
+        assert!(c.least_determinant(&directions) > 0.0);
     }
 
     #[test]
