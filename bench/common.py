@@ -21,6 +21,18 @@ def arguments(description):
     return p.parse_args()
 
 
+def peer_parser(doc):
+    """What the measurements beside peers that run in processes of their own (--peer) have in common."""
+    p = argparse.ArgumentParser(description=doc.splitlines()[0])
+    p.add_argument("--carreau", default="target/release/carreau")
+    p.add_argument("--runs", type=int, default=3)
+    p.add_argument("--timeout", type=float, default=300, metavar="S")
+    p.add_argument("--docs", metavar="PAGE.md", help="put the table between the page's markers")
+    p.add_argument("--peer", nargs=3, metavar=("NAME", "IN", "OUT"), help=argparse.SUPPRESS)
+    p.add_argument("files", nargs="*", metavar="MESH")
+    return p
+
+
 def read_obj(path):
     """Vertices and triangles of an OBJ file; polygons are fanned."""
     import numpy as np

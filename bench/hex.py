@@ -4,7 +4,6 @@
 Measured: CPU seconds of the process with reading and writing, peak memory, nodes, cycles beside the genus of the surface, and
 the share of the nodes that lie inside. Hexahedra along skeletons have no peer on PyPI; what carreau's are worth is in docs/hex.md.
 """
-import argparse
 import json
 import os
 import statistics
@@ -12,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-from common import measured, read_obj, write_between
+from common import measured, peer_parser, read_obj, write_between
 
 PEERS = {}
 
@@ -93,14 +92,7 @@ def judged(segments, mesh):
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("--carreau", default="target/release/carreau")
-    p.add_argument("--runs", type=int, default=3)
-    p.add_argument("--timeout", type=float, default=300, metavar="S")
-    p.add_argument("--docs", metavar="PAGE.md", help="put the table between the page's markers")
-    p.add_argument("--peer", nargs=3, metavar=("NAME", "IN", "OUT"), help=argparse.SUPPRESS)
-    p.add_argument("files", nargs="*", metavar="MESH")
-    a = p.parse_args()
+    a = peer_parser(__doc__).parse_args()
     if a.peer:
         PEERS[a.peer[0]](*a.peer[1:])
         return

@@ -4,7 +4,6 @@
 The measures are those of the independent checker (SHARED/verify/quad.py), the same for all: features kept (recall within
 0.2 % of the diagonal and 15 degrees), irregular vertices, scaled Jacobian, two-sided distance.
 """
-import argparse
 import json
 import os
 import statistics
@@ -12,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-from common import measured, read_obj, write_between
+from common import measured, peer_parser, read_obj, write_between
 
 PEERS = {}
 
@@ -141,15 +140,9 @@ def table(arguments):
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("--carreau", default="target/release/carreau")
+    p = peer_parser(__doc__)
     p.add_argument("--shared", default=os.environ.get("CARREAU_SHARED", "../shared"), help="folder of verify/")
     p.add_argument("--quads", type=int, default=3000)
-    p.add_argument("--runs", type=int, default=3)
-    p.add_argument("--timeout", type=float, default=300, metavar="S")
-    p.add_argument("--docs", metavar="PAGE.md", help="put the table between the page's markers")
-    p.add_argument("--peer", nargs=3, metavar=("NAME", "IN", "OUT"), help=argparse.SUPPRESS)
-    p.add_argument("files", nargs="*", metavar="MESH")
     a = p.parse_args()
     if a.peer:
         PEERS[a.peer[0]](a.peer[1], a.peer[2], a.quads)

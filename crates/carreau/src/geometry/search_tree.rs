@@ -109,6 +109,15 @@ impl TriangleTree {
         TriangleTree { boxes, corners, ids }
     }
 
+    /// The tree of segments, as triangles without width; segment `k` has id `k`.
+    ///
+    /// # Panics
+    /// If a segment uses a point that does not exist.
+    pub fn of_segments(points: &[DVec3], segments: impl IntoIterator<Item = [u32; 2]>) -> Self {
+        let flat: Vec<[u32; 3]> = segments.into_iter().map(|[a, b]| [a, b, b]).collect();
+        TriangleTree::new(points, &flat)
+    }
+
     /// Number of triangles.
     pub fn len(&self) -> usize {
         self.ids.len()

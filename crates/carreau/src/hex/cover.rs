@@ -11,9 +11,7 @@ const SURE: f64 = 0.85;
 
 /// The nodes of a net, of those that have a segment, that are outside of the tubes of another.
 pub fn outside(net: &CurveNet, tubes: &CurveNet) -> Vec<u32> {
-    // Segments, as triangles without width.
-    let sides: Vec<[u32; 3]> = tubes.edges.iter().map(|&[a, b]| [a, b, b]).collect();
-    let tree = TriangleTree::new(&tubes.points, &sides);
+    let tree = TriangleTree::of_segments(&tubes.points, tubes.edges.iter().copied());
     let around = net.incidence();
     let is_out = |v: &u32| {
         let p = net.points[*v as usize];

@@ -53,9 +53,8 @@ impl<'a> Target<'a> {
     pub fn new(closed: &'a Closed) -> Self {
         let triangles = closed.mesh.faces().fan().0;
         let rim = |lid: &Lid| {
-            let sides: Vec<[u32; 3]> =
-                lid.triangles.clone().map(|t| triangles[t as usize]).map(|[a, b, _]| [a, b, b]).collect();
-            TriangleTree::new(closed.mesh.points(), &sides)
+            let sides = lid.triangles.clone().map(|t| triangles[t as usize]).map(|[a, b, _]| [a, b]);
+            TriangleTree::of_segments(closed.mesh.points(), sides)
         };
         let all = TriangleTree::new(closed.mesh.points(), &triangles);
         Target {

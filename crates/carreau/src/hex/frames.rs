@@ -10,8 +10,7 @@
 //! become regular over the next few rings; a long narrow quad joined to a square would fold the hexes between.
 
 use super::connection::Connection;
-use crate::mesh::Branch;
-use crate::mesh::CurveNet;
+use crate::mesh::{Branch, CurveNet};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};

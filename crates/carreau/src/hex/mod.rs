@@ -234,7 +234,7 @@ fn valid_base(net: &CurveNet, nodes: Nodes, context: &Context) -> Result<BaseMes
 fn optimise(tube: &mut TubeMesh, effort: &Effort, nodes: Nodes, context: &Context) -> Result<()> {
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
     hold(&mut optimiser, tube, nodes);
-    optimiser.run(&mut tube.points, effort, context).map(|_| ())
+    optimiser.run(&mut tube.points, effort, context)
 }
 
 fn warn_of_poor(base: &BaseMesh, warnings: &mut Vec<String>) {

@@ -21,6 +21,8 @@ use std::f64::consts::TAU;
 const SHORTEST: f64 = 0.7;
 /// Patches that are laid flat have no normal farther from the mean than this cosine.
 const STEEPEST: f64 = 0.3;
+/// Corners of outlines with a lower cosine are nearly straight.
+const FLAT: f64 = -0.6;
 
 /// The quads of a layout with the patch of each.
 pub struct Filled {
@@ -424,7 +426,54 @@ fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) 
 type LaidOut = (Vec<DVec3>, Vec<[u32; 3]>);
 
 fn laid_out(chart: &Chart, flat: Flat, length: f64, context: &Context) -> Option<LaidOut> {
-    let filled = planar::fill(&flat.outlines, length * flat.scale, context).ok()?;
-    let inner = filled.inner.iter().map(|&q| chart.above(&flat.at, q)).collect::<Option<_>>()?;
-    Some((inner, filled.triangles))
+    let planar::Filled { inner, mut triangles } = planar::fill(&flat.outlines, length * flat.scale, context).ok()?;
+    let mut points = flat.outlines.concat();
+    points.extend(&inner);
+    share_flat_corners(&points, &mut triangles);
+    let inner = inner.iter().map(|&q| chart.above(&flat.at, q)).collect::<Option<_>>()?;
+    Some((inner, triangles))
+}
+
+/// Turns edges so that no triangle has a nearly straight corner of the outline to itself: its halves would, too.
+///
+/// ```text
+///   b ──v── a        b ──v── a
+///    ╲     ╱          ╲  │  ╱
+///      ╲ ╱      from a ─ b to v ─ d
+///       d                d
+/// ```
+fn share_flat_corners(points: &[DVec2], triangles: &mut [[u32; 3]]) {
+    let at = |v: u32| points[v as usize];
+    let is_flat = |v: u32, a: u32, b: u32| {
+        let (to_a, to_b) = (at(a) - at(v), at(b) - at(v));
+        to_a.dot(to_b) < FLAT * to_a.length() * to_b.length()
+    };
+    let turns_left = |[a, b, c]: [u32; 3]| (at(b) - at(a)).perp_dot(at(c) - at(a)) > 0.0;
+    let mut count = vec![0u32; points.len()];
+    triangles.as_flattened().iter().for_each(|&v| count[v as usize] += 1);
+    let ears: Vec<usize> =
+        (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| count[v as usize] == 1)).collect();
+    for ear in ears {
+        for k in 0..3 {
+            let [v, b, a] = [0, 1, 2].map(|j| triangles[ear][(k + j) % 3]);
+            if count[v as usize] != 1 || !is_flat(v, a, b) {
+                continue;
+            }
+            let across = |t: &[u32; 3]| (0..3).find(|&j| [t[j], t[(j + 1) % 3]] == [a, b]);
+            let Some((other, j)) = triangles.iter().enumerate().find_map(|(n, t)| Some((n, across(t)?))) else {
+                continue;
+            };
+            let d = triangles[other][(j + 2) % 3];
+            let turned = [[v, b, d], [v, d, a]];
+            let moves_on = |x: u32, y: u32| count[x as usize] == 2 && is_flat(x, y, d);
+            if !turned.into_iter().all(turns_left) || moves_on(a, v) || moves_on(b, v) {
+                continue;
+            }
+            (triangles[ear], triangles[other]) = (turned[0], turned[1]);
+            for (x, by) in [(v, 1), (d, 1), (a, -1), (b, -1)] {
+                count[x as usize] = count[x as usize].saturating_add_signed(by);
+            }
+            break;
+        }
+    }
 }

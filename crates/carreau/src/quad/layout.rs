@@ -315,6 +315,24 @@ impl Layout {
         }
     }
 
+    /// What a patch without a grid has along each side at least. One quad in a patch of fewer than four sides would have a
+    /// corner in the middle of a side; so would one in a strip one quad wide whose long sides differ.
+    pub fn make_room(&mut self, patch: usize) {
+        let sides = &self.patches[patch].sides;
+        let least = match sides.len() {
+            1..4 => 6usize.div_ceil(sides.len()),
+            4 => 2,
+            _ => 1,
+        };
+        for side in sides {
+            for s in side {
+                let arc = &mut self.arcs[s.arc as usize];
+                arc.least = arc.least.max(least.div_ceil(side.len()) as i64);
+                arc.count = arc.count.max(arc.least);
+            }
+        }
+    }
+
     /// Mean length of the quads around a patch.
     pub fn length_around(&self, patch: &Patch) -> f64 {
         let arcs = || patch.loops.iter().flatten().map(|s| &self.arcs[s.arc as usize]);

@@ -117,8 +117,10 @@ const RUNS: usize = 4;
 const SHORTER: f64 = 0.7;
 /// Rounds in which quads that are no good are made straight.
 const STRAIGHTEN: usize = 30;
-/// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do.
-const FINER: [f64; 2] = [1.0, 0.6];
+/// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
+/// without triangles, those after the first two where nothing came of these.
+const FINER: [f64; 4] = [1.0, 0.6, 0.8, 0.45];
+const USUAL: usize = 2;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -189,7 +191,10 @@ fn first(
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
     let (mut best, mut refused): (Option<(usize, Made)>, _) = (None, String::new());
-    for finer in FINER {
+    for (k, finer) in FINER.into_iter().enumerate() {
+        if k >= USUAL && best.is_some() {
+            break;
+        }
         let wish = Wish { length, quads, finer, first: options.rung == 1 };
         let made = match regular(source, &wish, feature_deg, context) {
             Err(Error::Numeric(why)) => Err(why),

@@ -2,8 +2,8 @@
 //!
 //! Every arc starts with its length over the wanted one. In a patch with a grid opposite sides have to add up to the same
 //! number; around any other one the number has to be even. What a side has too many or too few is passed on along the
-//! cheapest chain of arcs that ends where another patch is off, too, or at an open border. A patch for which no chain exists
-//! gives up its grid: then it only has to be even.
+//! cheapest chain of arcs that ends where another patch is off, too, or at an open border. Where no chain exists, the grid with
+//! most room on the ways that were looked at is given up: then it only has to be even, and chains may turn round in it.
 
 use super::layout::{Kind, Layout};
 use std::cmp::Reverse;
@@ -11,6 +11,9 @@ use std::collections::BinaryHeap;
 
 /// Numbers of quads stay between these shares of what their length asks for; the next where that does not do.
 const LIMITS: [[f64; 2]; 3] = [[0.75, 1.4], [0.5, 2.0], [0.2, 8.0]];
+
+/// Quads across a grid that a pattern fits into without being squeezed.
+const ROOM: i64 = 3;
 
 /// What the numbers along arcs have to fulfil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,15 +133,14 @@ impl Search {
         self.queue.push(Reverse((cost.to_bits(), condition, owed)));
     }
 
-    /// Whether an arc is among the steps that led to a state.
-    fn is_on_way(&self, mut at: State, arc: u32) -> bool {
-        while let Some((before, step, _)) = self.from[at] {
-            if step == arc {
-                return true;
-            }
+    /// What the steps that led to a state have changed an arc by.
+    fn so_far(&self, mut at: State, arc: u32) -> i64 {
+        let mut sum = 0;
+        while let Some((before, step, change)) = self.from[at] {
+            sum += if step == arc { change } else { 0 };
             at = before;
         }
-        false
+        sum
     }
 
     /// The steps that led to a state, and the last one.
@@ -160,10 +162,16 @@ impl Layout {
         for arc in &mut self.arcs {
             arc.count = ((arc.length / length).round() as i64).max(arc.least);
         }
+        let without_grid = |p: &usize| self.patches[*p].kind != Kind::Grid;
+        let without_grid: Vec<usize> = (0..self.patches.len()).filter(without_grid).collect();
+        without_grid.into_iter().for_each(|p| self.make_room(p));
         loop {
             match self.settle(length) {
                 Ok(()) => return true,
-                Err(patch) if self.patches[patch].kind == Kind::Grid => self.patches[patch].kind = Kind::Pattern,
+                Err(patch) if self.patches[patch].kind == Kind::Grid => {
+                    self.patches[patch].kind = Kind::Pattern;
+                    self.make_room(patch);
+                }
                 Err(_) => return false,
             }
         }
@@ -176,7 +184,7 @@ impl Layout {
         self.length = length;
     }
 
-    /// Changes numbers until every condition is met. A patch that does not add up is the error.
+    /// Changes numbers until every condition is met. The error is a patch that should do without a grid.
     ///
     /// It ends: every chain brings what is off nearer to what it should be, and what is met stays so.
     fn settle(&mut self, length: f64) -> Result<(), usize> {
@@ -189,7 +197,8 @@ impl Layout {
                     let mut chain =
                         |limits: &[f64; 2]| self.chain(start as u32, &conditions, length, limits, &mut search);
                     let Some(chain) = LIMITS.iter().find_map(&mut chain) else {
-                        return Err(conditions.list[start].patch);
+                        let patch = conditions.list[start].patch;
+                        return Err(self.roomiest(&conditions, &search).unwrap_or(patch));
                     };
                     for (arc, change) in chain {
                         self.arcs[arc as usize].count += change;
@@ -199,6 +208,15 @@ impl Layout {
             }
         }
         Ok(())
+    }
+
+    /// The grid with most room among those that a search has reached: where a pattern costs least, and chains may turn round.
+    fn roomiest(&self, conditions: &Conditions, search: &Search) -> Option<usize> {
+        let reached = search.reached.iter().map(|state| conditions.list[state / 2].patch);
+        let grids = reached.filter(|&p| self.patches[p].kind == Kind::Grid);
+        let room = |&p: &usize| self.patches[p].sides.iter().map(|side| self.sum(side)).min().unwrap_or(0);
+        let best = grids.max_by_key(|p| (room(p), Reverse(*p)))?;
+        (room(&best) >= ROOM).then_some(best)
     }
 
     /// The cheapest chain of changes by one that brings a condition nearer to what it should be and leaves no other one worse.
@@ -226,10 +244,12 @@ impl Layout {
             let both = here.demand == Demand::Even;
             for &(arc, times) in here.arcs.iter().filter(|a| both || a.1.abs() == 1) {
                 for change in [owed * times.signum(), -owed * times.signum()].into_iter().take(1 + usize::from(both)) {
-                    let Some(price) = self.price(arc, change, length, limits) else { continue };
-                    if search.is_on_way(at, arc) {
+                    // A chain may come along an arc again, but not take back what it has done.
+                    let before = search.so_far(at, arc);
+                    if before * change < 0 {
                         continue;
                     }
+                    let Some(price) = self.price(arc, before + change, length, limits) else { continue };
                     let next = all.of_arc[arc as usize].iter().find(|u| u.0 != c);
                     let is_end = |&(other, times): &(u32, i64)| {
                         all.list[other as usize].welcomes(times * change, other == start)
@@ -249,14 +269,14 @@ impl Layout {
         None
     }
 
-    /// What one more or less on an arc costs: what the square of the difference from the ideal number grows by, over that
-    /// number; never negative. `None` where it would be too far off.
+    /// What a change of an arc costs: what the square of the difference from the ideal number grows by, over that number;
+    /// never negative. `None` where it would be too far off.
     fn price(&self, arc: u32, change: i64, length: f64, [fewest, most]: &[f64; 2]) -> Option<f64> {
         let arc = &self.arcs[arc as usize];
         let ideal = (arc.length / length).max(0.5);
         let count = arc.count + change;
         let is_far = (count as f64) < (fewest * ideal).floor() || count as f64 > (most * ideal).ceil() + 1.0;
         let off = arc.count as f64 - ideal;
-        (!is_far && count >= arc.least).then(|| (1.0 + (2.0 * off * change as f64 + 1.0).max(0.0)) / ideal)
+        (!is_far && count >= arc.least).then(|| (1.0 + ((2.0 * off + change as f64) * change as f64).max(0.0)) / ideal)
     }
 }

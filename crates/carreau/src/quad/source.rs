@@ -59,10 +59,6 @@ impl Source {
             (list, tree)
         };
         let trees = in_regions.into_iter().map(tree).collect();
-        let flat = |e: &u32| {
-            let [a, b] = edges[*e as usize];
-            [a, b, b]
-        };
         let mut is_seam = vec![false; curve.len()];
         for (c, &curve) in surface.features.edges(mesh).zip(&curve) {
             let other = mesh.opposite(c).map(|o| region[mesh.face_of(o).index()]);
@@ -70,8 +66,7 @@ impl Source {
         }
         let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
         let line = |list: Vec<u32>| {
-            let faces: Vec<[u32; 3]> = list.iter().map(flat).collect();
-            let tree = TriangleTree::new(mesh.points(), &faces);
+            let tree = TriangleTree::of_segments(mesh.points(), list.iter().map(|&e| edges[e as usize]));
             (list, tree)
         };
         let lines = members(&curve, curve_count).into_iter().map(line).collect();

@@ -67,29 +67,28 @@ pub fn faults<'a>(work: &'a Work, source: &'a Source) -> impl Iterator<Item = (u
 /// Borders stay on features; where two lie on each other, as in a surface that was cut, their vertices do, too.
 fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
     let half_edges = HalfEdges::new(&work.faces, work.points.len());
-    let edges: Vec<[u32; 3]> =
-        half_edges.groups().filter(|e| e.len() == 1).map(|e| [e.ends[0], e.ends[1], e.ends[1]]).collect();
+    let edges: Vec<[u32; 2]> = half_edges.groups().filter(|e| e.len() == 1).map(|e| e.ends).collect();
     let near = BORDER * source.diagonal;
-    let is_far = |e: &[u32; 3]| {
-        let [a, b, _] = e.map(|v| work.points[v as usize]);
+    let is_far = |e: &[u32; 2]| {
+        let [a, b] = e.map(|v| work.points[v as usize]);
         [0.25, 0.5, 0.75].iter().any(|&s| source.feature_along(a + (b - a) * s, DVec3::X, near, -1.0).is_none())
     };
     if edges.iter().any(is_far) {
         return Some("a border is off the borders of the surface");
     }
-    let tree = TriangleTree::new(&work.points, &edges);
+    let tree = TriangleTree::of_segments(&work.points, edges.iter().copied());
     let touch = TOUCH * source.diagonal;
     let is_inside = |v: u32| {
         let p = work.points[v as usize];
         let mut inside = false;
         tree.within(p, touch, |found| {
-            let [a, b, _] = edges[found.triangle as usize];
+            let [a, b] = edges[found.triangle as usize];
             let far = |w: u32| work.points[w as usize].distance(p) > touch;
             inside |= far(a) && far(b);
         });
         inside
     };
-    edges.iter().flat_map(|e| [e[0], e[1]]).any(is_inside).then_some("a border vertex is inside another border edge")
+    edges.iter().flatten().copied().any(is_inside).then_some("a border vertex is inside another border edge")
 }
 
 /// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
@@ -120,8 +119,7 @@ pub fn lost_features(work: &Work, source: &Source) -> Vec<(u32, DVec3)> {
 
 /// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.
 fn for_features(work: &Work, source: &Source, mut visit: impl FnMut(usize, DVec3, f64, bool)) {
-    let edges: Vec<[u32; 3]> = work.features.iter().map(|([a, b], _)| [*a, *b, *b]).collect();
-    let tree = TriangleTree::new(&work.points, &edges);
+    let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
     let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
     for (edge, ends) in source.edges.iter().enumerate() {
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
@@ -131,7 +129,7 @@ fn for_features(work: &Work, source: &Source, mut visit: impl FnMut(usize, DVec3
             let p = a + (b - a) * ((k as f64 + 0.5) / n);
             let mut found = false;
             tree.within(p, near, |closest| {
-                let [a, b, _] = edges[closest.triangle as usize].map(|v| work.points[v as usize]);
+                let [a, b] = work.features[closest.triangle as usize].0.map(|v| work.points[v as usize]);
                 found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
             });
             visit(edge, p, length / n, found);

@@ -88,9 +88,7 @@ pub fn grow_limbs(
 
 /// Distance of every point from the net, over the radius of the net there.
 fn distances(net: &CurveNet, points: &[DVec3]) -> Vec<f64> {
-    // Segments, as triangles without width.
-    let sides: Vec<[u32; 3]> = net.edges.iter().map(|&[a, b]| [a, b, b]).collect();
-    let segments = TriangleTree::new(&net.points, &sides);
+    let segments = TriangleTree::of_segments(&net.points, net.edges.iter().copied());
     let of = |p: &DVec3| {
         let Some(near) = segments.closest(*p) else { return 0.0 };
         let radius = net.edges[near.triangle as usize].map(|v| net.radii[v as usize]);

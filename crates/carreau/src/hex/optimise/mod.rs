@@ -322,8 +322,8 @@ impl<'a> Optimiser<'a> {
         (0..self.hexes.len() as u32).into_par_iter().filter(is_weak).collect()
     }
 
-    /// All steps; returns the cells without a certificate.
-    pub fn run(&mut self, points: &mut Vec<DVec3>, effort: &Effort, context: &Context) -> Result<Vec<u32>> {
+    /// All steps, until every cell has a certificate or nothing helps.
+    pub fn run(&mut self, points: &mut Vec<DVec3>, effort: &Effort, context: &Context) -> Result<()> {
         let mut valid = self.is_valid(points);
         if !valid {
             valid = self.untangle(points, effort, context)?;
@@ -349,6 +349,6 @@ impl<'a> Optimiser<'a> {
             }
         }
         *points = best;
-        Ok(uncertified)
+        Ok(())
     }
 }
