@@ -1,7 +1,7 @@
 """Heat through a bent pipe: triangles to hexahedra with carreau, finite elements with scikit-fem.
 
-The pipe is a sector of a torus, cold at one open end, warm at the other, insulated along its wall. The temperature is then
-proportional to the angle around the axis of the bend, and the flow through the pipe is known: 2π (R − √(R² − a²)) / angle.
+The pipe is a sector of a torus, cold at one open end, warm at the other, insulated along its wall. The temperature is
+then proportional to the angle around the axis of the bend, and the flow is known: 2π (R − √(R² − a²)) / angle.
 
     pip install . scikit-fem meshio
     python docs/examples/heat_in_a_pipe.py
@@ -9,12 +9,13 @@ proportional to the angle around the axis of the bend, and the flow through the 
 
 import math
 
-import carreau as cr
 import meshio
 import numpy as np
 import skfem
 from skfem.helpers import dot, grad
 from skfem.io.meshio import from_meshio
+
+import carreau as cr
 
 BEND, RADIUS, ANGLE = 3.0, 1.0, 1.5
 

@@ -1,4 +1,4 @@
-"""A mesh of hexahedra carries a finite-element solution: the example of the documents, against what is known exactly."""
+"""Finite elements on a mesh of hexahedra: the example of the documents, against what is known exactly."""
 
 from __future__ import annotations
 

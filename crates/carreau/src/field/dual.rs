@@ -100,8 +100,9 @@ impl<'a> Dual<'a> {
         let own = [3 * i, 3 * i + 1, 3 * i + 2];
         let constraint = own.into_iter().find(|&c| self.feature[c as usize]);
         let area = self.along(own[0]).cross(self.along(own[1]));
-        let x = self.along(constraint.unwrap_or(own[0])).normalize_or_zero();
-        let y = area.normalize_or_zero().cross(x);
+        let x = self.along(constraint.unwrap_or(own[0])).normalize_or(DVec3::X);
+        // Far from the origin the corners of a small triangle may be rounded onto a line: any frame along it will do.
+        let y = area.try_normalize().map_or_else(|| x.any_orthonormal_vector(), |normal| normal.cross(x));
         self.angle.extend(own.map(|c| self.along(c).dot(y).atan2(self.along(c).dot(x))));
         self.constrained.push(constraint.is_some());
         self.areas.push(area.length() / 2.0);

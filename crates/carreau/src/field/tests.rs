@@ -216,3 +216,16 @@ proptest! {
         prop_assert!(found.energy[1] <= found.energy[0]);
     }
 }
+
+/// Far from the origin corners may be rounded onto a line: the triangle has no normal, its frame is whole all the same.
+#[test]
+fn a_triangle_without_area_has_a_frame() {
+    let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let mesh = triangles(&points, &[[0, 1, 2], [2, 3, 0]]);
+    let source = vec![0, 1];
+    let conditioned = Conditioned { feature: vec![false; mesh.corner_count()], mesh, source };
+    let dual = Dual::new(&conditioned).unwrap();
+    for (x, y) in dual.x.iter().zip(&dual.y) {
+        assert!((x.length() - 1.0).abs() < 1e-12 && (y.length() - 1.0).abs() < 1e-12 && x.dot(*y).abs() < 1e-12);
+    }
+}

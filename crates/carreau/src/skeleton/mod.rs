@@ -157,6 +157,10 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
             if grown > 0 {
                 warnings.push(format!("{grown} limbs had no branch and were given one"));
             }
+            let is_thin = |v: &usize| !(net.radii[*v] > THINNEST * surface.diagonal());
+            if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
+                return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
+            }
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
             return Ok(Skeleton { net, preimage, closed, figures, warnings });
         }
@@ -166,6 +170,15 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
              refine the surface (`carreau enrich`), or check it for tunnels with `carreau info`"
         )))
     })
+}
+
+/// What is thinner than this share of the diagonal is a sheet, flat or folded onto itself, but for rounding.
+const THINNEST: f64 = 1e-9;
+/// Volumes below this share of the cube of the diagonal are rounding.
+const EMPTY: f64 = 1e-14;
+
+fn no_room(place: String) -> Error {
+    Error::input("the surface has no room inside", place, "give a surface that encloses a volume")
 }
 
 /// Checks the surface and closes its open ends; also its handles and components.
@@ -198,6 +211,10 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
         warnings.push(format!("the border of open end {} is far from a plane: its lid is a guess", bent + 1));
     }
     let topology = Topology::of(&closed.mesh);
+    let box_volume = closed.mesh.diagonal().powi(3);
+    if topology.volume.is_some_and(|volume| !(volume.abs() > EMPTY * box_volume)) {
+        return Err(no_room(String::new()));
+    }
     let genus = topology.genus.unwrap_or(0);
     Ok((closed, genus, topology.components, warnings))
 }

@@ -84,3 +84,12 @@ fn what_is_no_surface_is_refused() {
     let options = SkeletonOptions { detail: 0.0, ..SkeletonOptions::default() };
     assert_eq!(extract(&torus(8, 6), &options, &Context::new()).map_err(|e| e.exit_code()).err(), Some(2));
 }
+
+/// A flat patch closed by its lid encloses nothing: no node could have a radius.
+#[test]
+fn a_flat_sheet_has_no_inside() {
+    let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 3.0)).to_vec();
+    let sheet = SurfaceMesh::from_triangles(points, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let error = extract(&sheet, &SkeletonOptions::default(), &Context::new()).unwrap_err();
+    assert!(matches!(error, Error::Input { .. }), "{error}");
+}
