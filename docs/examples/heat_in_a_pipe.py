@@ -58,14 +58,14 @@ def model(result: cr.HexResult) -> tuple[skfem.MeshHex, list[np.ndarray]]:
     return mesh, [np.unique(result.quads[result.tags == tag]).astype(np.int64) for tag in (2, 3)]
 
 
-def main() -> dict[str, float]:
+def flows(result: cr.HexResult) -> dict[str, float]:
     """Flows by hexahedra, by tetrahedra on the same vertices, and the exact one."""
-    mesh, ends = model(cr.hex(pipe()))
+    mesh, ends = model(result)
     hexes, _ = flow(mesh, skfem.ElementHex1(), *ends)
     tetrahedra, _ = flow(mesh.to_meshtet(), skfem.ElementTetP1(), *ends)
     return {"hexahedra": hexes, "tetrahedra": tetrahedra, "exact": exact_flow()}
 
 
 if __name__ == "__main__":
-    for name, value in main().items():
+    for name, value in flows(cr.hex(pipe())).items():
         print(f"{name:>10}: {value:.4f}")

@@ -48,8 +48,13 @@ impl Condition {
         Condition { patch, demand, arcs: merged, value: 0 }
     }
 
+    /// How far its value is from what it should be.
+    fn off(&self) -> i64 {
+        if self.demand == Demand::Even { self.value.rem_euclid(2) } else { self.value.abs() }
+    }
+
     fn is_met(&self) -> bool {
-        if self.demand == Demand::Even { self.value % 2 == 0 } else { self.value == 0 }
+        self.off() == 0
     }
 
     /// Whether a change of its value brings it nearer to what it should be; by two, where the change begins here, too.
@@ -186,7 +191,7 @@ impl Layout {
 
     /// Changes numbers until every condition is met. The error is a patch that should do without a grid.
     ///
-    /// It ends: every chain brings what is off nearer to what it should be, and what is met stays so.
+    /// It ends: every chain brings what is off nearer to what it should be, or the patch is given up.
     fn settle(&mut self, length: f64) -> Result<(), usize> {
         let mut conditions = Conditions::new(self);
         let mut search = Search::new(conditions.list.len());
@@ -200,9 +205,13 @@ impl Layout {
                         let patch = conditions.list[start].patch;
                         return Err(self.roomiest(&conditions, &search).unwrap_or(patch));
                     };
+                    let before = conditions.list[start].off();
                     for (arc, change) in chain {
                         self.arcs[arc as usize].count += change;
                         conditions.change(arc, change);
+                    }
+                    if conditions.list[start].off() >= before {
+                        return Err(conditions.list[start].patch);
                     }
                 }
             }
