@@ -11,8 +11,8 @@
 //!    ═══════╧════════    skeleton
 //! ```
 
+use super::tidy::Body;
 use crate::geometry::search_tree::TriangleTree;
-use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, NONE, SurfaceMesh};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,16 +31,9 @@ const LIMBS: usize = 64;
 const SMOOTHING: usize = 10;
 const SAMPLES: usize = 8;
 
-/// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex, `poles` the centre of the inner ball
-/// there; nodes need radii.
-pub fn grow_limbs(
-    net: &mut CurveNet,
-    preimage: &mut [u32],
-    surface: &SurfaceMesh,
-    poles: &[DVec3],
-    tree: &TriangleTree,
-    inside: &WindingTree,
-) -> usize {
+/// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii.
+pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+    let &Body { surface, poles, .. } = body;
     let neighbours = Neighbours::of(surface);
     let mut given_up = vec![false; poles.len()];
     let mut grown = 0;
@@ -49,7 +42,7 @@ pub fn grow_limbs(
         let farthest = (0..far.len()).filter(|&v| !given_up[v]).max_by(|&a, &b| far[a].total_cmp(&far[b]));
         let Some(tip) = farthest.filter(|&v| far[v] > LOST) else { break };
         let way = neighbours.way(surface.points(), tip as u32, |v| far[v as usize] < NEAR);
-        let branch = way.as_deref().and_then(|w| branch(net, preimage, w, poles, tree, inside));
+        let branch = way.as_deref().and_then(|w| branch(net, preimage, w, body));
         let Some((root, points)) = branch else {
             // The whole limb would be tried in vain, vertex by vertex.
             let reach = surface.points()[tip].distance(poles[tip]);
@@ -64,7 +57,7 @@ pub fn grow_limbs(
             net.edges.push([last, net.points.len() as u32]);
             last = net.points.len() as u32;
             net.ids.push(net.points.len() as i64);
-            net.radii.push(tree.closest(p).map_or(0.0, |c| c.distance()));
+            net.radii.push(body.room(p));
             net.points.push(p);
         }
         given_up[tip] = true;
@@ -102,9 +95,7 @@ fn branch(
     net: &CurveNet,
     preimage: &[u32],
     way: &[u32],
-    poles: &[DVec3],
-    tree: &TriangleTree,
-    inside: &WindingTree,
+    &Body { poles, tree, inside, .. }: &Body,
 ) -> Option<(u32, Vec<DVec3>)> {
     let root = preimage[*way.last()? as usize];
     let mut points: Vec<DVec3> = vec![net.points[root as usize]];
@@ -210,6 +201,7 @@ mod tests {
     use super::super::poles::poles;
     use super::*;
     use crate::context::Context;
+    use crate::geometry::winding::WindingTree;
     use crate::sample::{Tube, tubes};
 
     /// A trunk along x with its axis as a net, and a surface that may have a limb along y.
@@ -232,7 +224,8 @@ mod tests {
         };
         let mut preimage: Vec<u32> = surface.points().iter().map(|p| nearest(p).unwrap()).collect();
         let inside = WindingTree::new(&tree);
-        let count = grow_limbs(&mut net, &mut preimage, &surface, &centres, &tree, &inside);
+        let body = Body { surface: &surface, poles: &centres, tree: &tree, inside: &inside };
+        let count = grow_limbs(&mut net, &mut preimage, &body);
         assert!(net.points.iter().all(|&p| inside.contains(p)));
         assert!(preimage.iter().all(|&v| (v as usize) < net.points.len()));
         (net, preimage, surface, count)

@@ -27,6 +27,7 @@ mod tests;
 mod tidy;
 
 pub use lids::{Closed, Lid, closed};
+use tidy::Body;
 pub(crate) use tidy::centre;
 
 use crate::context::Context;
@@ -149,8 +150,8 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
                 continue;
             }
             let (mut net, mut preimage) = (curves.net, curves.preimage);
-            let (brought_in, grown) =
-                tidy::tidy(&mut net, &mut preimage, surface, &poles, &tree, &WindingTree::new(&tree), options.prune);
+            let body = Body { surface, poles: &poles, tree: &tree, inside: &WindingTree::new(&tree) };
+            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, options.prune);
             if brought_in > 0 {
                 warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
             }

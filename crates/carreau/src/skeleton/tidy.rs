@@ -20,25 +20,32 @@ const FAR: f64 = 8.0;
 /// Rounds of drawing them to their neighbours.
 const ROUNDS: usize = 20;
 
-/// Tidies the net of a surface; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node of every vertex of the surface, `poles`
-/// the centre of the inner ball there.
-pub fn tidy(
-    net: &mut CurveNet,
-    preimage: &mut [u32],
-    surface: &SurfaceMesh,
-    poles: &[DVec3],
-    tree: &TriangleTree,
-    inside: &WindingTree,
-    prune: bool,
-) -> (usize, usize) {
-    let brought_in = bring_in(net, surface, poles, inside);
-    centre(net, tree, inside);
-    let radii =
-        |net: &CurveNet| net.points.par_iter().map(|&p| tree.closest(p).map_or(0.0, |c| c.distance())).collect();
+/// A closed surface, and what is asked of it.
+pub struct Body<'a> {
+    pub surface: &'a SurfaceMesh,
+    /// The centre of the inner ball at every vertex.
+    pub poles: &'a [DVec3],
+    pub tree: &'a TriangleTree,
+    pub inside: &'a WindingTree,
+}
+
+impl Body<'_> {
+    /// The distance of a point from the surface.
+    pub fn room(&self, p: DVec3) -> f64 {
+        self.tree.closest(p).map_or(0.0, |c| c.distance())
+    }
+}
+
+/// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
+/// of every vertex of the surface.
+pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) -> (usize, usize) {
+    let brought_in = bring_in(net, body);
+    centre(net, body.tree, body.inside);
+    let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.room(p)).collect();
     net.radii = radii(net);
-    let grown = grow_limbs(net, preimage, surface, poles, tree, inside);
+    let grown = grow_limbs(net, preimage, body);
     if grown > 0 {
-        centre(net, tree, inside);
+        centre(net, body.tree, body.inside);
         net.radii = radii(net);
     }
     if prune {
@@ -49,7 +56,7 @@ pub fn tidy(
 
 /// Nodes outside go to the pole of the vertex nearest to them: the centres of inner balls are inside. Then they are drawn
 /// to the middle of their neighbours, as far as that is inside.
-fn bring_in(net: &mut CurveNet, surface: &SurfaceMesh, poles: &[DVec3], inside: &WindingTree) -> usize {
+fn bring_in(net: &mut CurveNet, &Body { surface, poles, inside, .. }: &Body) -> usize {
     let all = 0..net.points.len() as u32;
     let outside: Vec<u32> = all.into_par_iter().filter(|&v| !inside.contains(net.points[v as usize])).collect();
     for &v in &outside {
