@@ -160,16 +160,14 @@ impl Remesh {
         Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
             session.record.set("options", options);
             let source = session.read(&self.input)?.into_surface()?;
-            let cut = if source.is_triangular() { None } else { Some(source.clone().triangulated()?) };
-            let mesh = cut.as_ref().unwrap_or(&source);
             let context = session.context.clone();
-            let diagonal = mesh.diagonal();
+            let diagonal = source.diagonal();
             let mut wanted = options.remesh.clone();
             wanted.distance = options.distance.map(|d| d.resolve(diagonal));
             let share = |length: Length| length.resolve(diagonal) / diagonal.max(f64::MIN_POSITIVE);
             wanted.min_size = options.min_size.map_or(wanted.min_size, share);
             wanted.max_size = options.max_size.map_or(wanted.max_size, share);
-            let result = context.install(|| method(mesh, &wanted, &context))?;
+            let result = context.install(|| method(&source, &wanted, &context))?;
             self.tell(session, &source, result)
         })
     }

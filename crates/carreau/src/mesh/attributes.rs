@@ -50,6 +50,28 @@ impl Column {
             Column::Color(v) => Column::Color(pick(v, source)),
         }
     }
+
+    /// The column of a mesh whose elements are mixtures of this mesh's, each given by elements and their weights, which add
+    /// up to one: numbers are blended, labels are copied from the heaviest.
+    pub fn blend<M: AsRef<[(u32, f64)]>>(&self, mixtures: &[M]) -> Column {
+        fn mean(mixture: &[(u32, f64)], value: impl Fn(usize) -> f64) -> f64 {
+            mixture.iter().map(|&(k, w)| w * value(k as usize)).sum()
+        }
+        fn heaviest(mixture: &[(u32, f64)]) -> usize {
+            mixture.iter().fold((0, f64::NEG_INFINITY), |best, &part| if part.1 > best.1 { part } else { best }).0 as usize
+        }
+        let parts = mixtures.iter().map(AsRef::as_ref);
+        match self {
+            Column::Scalar(v) => Column::Scalar(parts.map(|m| mean(m, |k| v[k])).collect()),
+            Column::Vector2(v) => Column::Vector2(parts.map(|m| [0, 1].map(|i| mean(m, |k| v[k][i]))).collect()),
+            Column::Vector3(v) => Column::Vector3(parts.map(|m| [0, 1, 2].map(|i| mean(m, |k| v[k][i]))).collect()),
+            Column::Label(v) => Column::Label(parts.map(|m| v[heaviest(m)]).collect()),
+            Column::Color(v) => {
+                let channel = |m, i: usize| mean(m, |k| f64::from(v[k][i])).round().clamp(0.0, 255.0) as u8;
+                Column::Color(parts.map(|m| [0, 1, 2, 3].map(|i| channel(m, i))).collect())
+            }
+        }
+    }
 }
 
 /// Attributes of one kind of element, by name, in alphabetical order.
@@ -71,4 +93,9 @@ pub struct Attributes {
 /// Every column, gathered; see [`Column::gather`].
 pub fn gather_columns(columns: &Columns, source: &[u32]) -> Columns {
     columns.iter().map(|(name, column)| (name.clone(), column.gather(source))).collect()
+}
+
+/// Every column, blended; see [`Column::blend`].
+pub fn blend_columns<M: AsRef<[(u32, f64)]>>(columns: &Columns, mixtures: &[M]) -> Columns {
+    columns.iter().map(|(name, column)| (name.clone(), column.blend(mixtures))).collect()
 }

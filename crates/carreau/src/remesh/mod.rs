@@ -6,6 +6,7 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
+//! | polygons that are not plane | `warped` | – |
 //! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | the surface: normals, radii, walking | `support` | Part I |
 //! | size map, gradation, lengths | `source`, `size` | §3, remark; H-shock |
@@ -24,7 +25,7 @@
 //! | a wanted number of triangles, a wanted distance | `search`, `target` | – |
 //! | shapes left aside: least error first | `geometric` | – |
 //! | what is smallest comes first | `buckets` | – |
-//! | the result, attributes | `output`, `transfer` | – |
+//! | the result, attributes | `output` | – |
 //! | figures | `quality` | §4 |
 
 mod adapt;
@@ -52,7 +53,7 @@ mod swap;
 mod target;
 #[cfg(test)]
 mod tests;
-mod transfer;
+mod warped;
 mod work;
 
 use crate::context::Context;
@@ -219,7 +220,7 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
     let _stage = context.stage("clean");
     let (mut mesh, mut said) = repaired_if_needed(mesh.clone(), context)?;
     if !mesh.is_triangular() {
-        let (triangles, more) = repaired_if_needed(mesh.triangulated()?, context)?;
+        let (triangles, more) = repaired_if_needed(warped::with_middles(mesh)?.triangulated()?, context)?;
         mesh = triangles;
         said.extend(more);
     }

@@ -1,9 +1,8 @@
 //! The result as a surface mesh: cut vertices are joined again, attributes come along, every vertex has its size.
 
 use super::support::Support;
-use super::transfer;
 use crate::error::Result;
-use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, gather_columns};
+use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, blend_columns, gather_columns};
 use glam::DVec3;
 
 /// What a method has made.
@@ -46,12 +45,14 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
         out.attributes.face = gather_columns(&source.attributes.face, &parents);
     }
     if !source.attributes.vertex.is_empty() {
-        let seat = |&v: &u32| {
+        let mixture = |&v: &u32| {
             let corner = made.mesh.around(v).next().unwrap_or(0);
-            support.locate((made.seat)(corner), made.mesh.points[v as usize]).0
+            let seat = support.locate((made.seat)(corner), made.mesh.points[v as usize]).0;
+            let corners = support.mesh.triangle(seat.triangle);
+            [0, 1, 2].map(|k| (support.mesh.origin[corners[k] as usize], seat.weights[k]))
         };
-        let seats: Vec<_> = kept.iter().map(seat).collect();
-        out.attributes.vertex = transfer::at_seats(&source.attributes.vertex, support, &seats);
+        let mixtures: Vec<_> = kept.iter().map(mixture).collect();
+        out.attributes.vertex = blend_columns(&source.attributes.vertex, &mixtures);
     }
     out.attributes.names = source.attributes.names.clone();
     let size = kept.iter().map(|&v| (made.size)(v)).collect();
