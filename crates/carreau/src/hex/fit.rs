@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, SurfaceMesh, boundary_faces};
+use crate::mesh::{CurveNet, SurfaceMesh, boundary_faces, split_quad};
 use crate::skeleton::{self, Closed, Lid};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -22,6 +22,10 @@ use rayon::prelude::*;
 const AGREES: f64 = 0.25;
 /// Share of its quality that a cell keeps when its vertices are put onto the surface.
 const KEPT: f64 = 0.4;
+/// The surface bulges where it is farther from the boundary than this share of the boundary's faces; it is looked at in so
+/// many places, about.
+const BULGE: f64 = 0.3;
+const SAMPLES: usize = 20_000;
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
 
@@ -69,6 +73,12 @@ impl<'a> Target<'a> {
     /// The closed surface.
     pub fn surface(&self) -> &SurfaceMesh {
         &self.closed.mesh
+    }
+
+    /// Triangles of the wall, evenly many of them.
+    fn samples(&self) -> impl Iterator<Item = u32> + Clone + use<> {
+        let wall = self.closed.wall;
+        (0..wall as u32).step_by(wall.div_ceil(SAMPLES).max(1))
     }
 
     /// The lids.
@@ -221,6 +231,44 @@ impl Skin {
             .collect()
     }
 
+    /// Draws boundary vertices to where the surface bulges away from the boundary, though all of its vertices be on it: the
+    /// one nearest to each bulge goes to its farthest place.
+    ///
+    /// ```text
+    ///     ╭──s──╮         ╭──v──╮
+    ///     │  ↑  │    →    │ ╱ ╲ │
+    ///   ──v──v──v──     ──v╯   ╰v──
+    /// ```
+    fn reach_out(&self, points: &[DVec3], target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
+        let triangles: Vec<[u32; 3]> = self.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
+        let tree = TriangleTree::new(points, &triangles);
+        let (normals, sizes) = (self.normals(points), self.sizes(points));
+        let corners = target.surface().faces().corners();
+        let bulge = |t: u32| {
+            let n = target.normals[t as usize];
+            let [a, b, c] = [0, 1, 2].map(|k| target.surface().points()[corners[3 * t as usize + k] as usize]);
+            let sample = (a + b + c) / 3.0;
+            let found = tree.closest(sample)?;
+            let near = |v: &u32| points[*v as usize].distance_squared(sample);
+            let walls =
+                triangles[found.triangle as usize].into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
+            let v = walls.min_by(|a, b| near(a).total_cmp(&near(b)))?;
+            let bulges = found.distance() > BULGE * sizes[v as usize] && normals[v as usize].dot(n) > AGREES;
+            bulges.then_some((v, found.distance(), sample, n))
+        };
+        let samples: Vec<u32> = target.samples().collect();
+        let bulges: Vec<_> = samples.into_par_iter().filter_map(bulge).collect();
+        let mut farthest = vec![0f64; points.len()];
+        let mut index = vec![usize::MAX; points.len()];
+        places.iter().enumerate().for_each(|(k, p)| index[p.0 as usize] = k);
+        for (v, distance, to, normal) in bulges {
+            if distance > farthest[v as usize] {
+                farthest[v as usize] = distance;
+                places[index[v as usize]] = (v, to, normal);
+            }
+        }
+    }
+
     /// The longest side of the boundary faces at each vertex.
     fn sizes(&self, points: &[DVec3]) -> Vec<f64> {
         let mut sizes = vec![0f64; points.len()];
@@ -258,7 +306,9 @@ pub fn pull(
         let t = round as f64 / (rise.rounds.max(2) - 1) as f64;
         let strength = rise.strength[0] * (rise.strength[1] / rise.strength[0]).powf(t);
         let mut springs = Vec::new();
-        for (vertex, to, normal) in skin.places(points, target) {
+        let mut places = skin.places(points, target);
+        skin.reach_out(points, target, &mut places);
+        for (vertex, to, normal) in places {
             springs.push(Spring { vertex, to, normal, along: strength, across: 1e-3 * strength.min(1.0) });
             if let Part::Rim(k) = skin.parts[vertex as usize] {
                 // Along the border it slides.

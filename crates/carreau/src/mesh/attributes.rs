@@ -58,7 +58,8 @@ impl Column {
             mixture.iter().map(|&(k, w)| w * value(k as usize)).sum()
         }
         fn heaviest(mixture: &[(u32, f64)]) -> usize {
-            mixture.iter().fold((0, f64::NEG_INFINITY), |best, &part| if part.1 > best.1 { part } else { best }).0 as usize
+            mixture.iter().fold((0, f64::NEG_INFINITY), |best, &part| if part.1 > best.1 { part } else { best }).0
+                as usize
         }
         let parts = mixtures.iter().map(AsRef::as_ref);
         match self {

@@ -26,7 +26,7 @@ pub struct Stop {
     pub decrease: f64,
 }
 
-/// Minimises a function from `x` on, in place; returns its value. `scale` is the length over which the function changes
+/// Minimises a function from `x` on, in place; returns its value. Where it is infinite at `x`, nothing is done. `scale` is the length over which the function changes
 /// at each point (zero: the point is fixed). `function` fills the gradient and returns the value, or infinity.
 pub fn minimise(
     x: &mut Vec<DVec3>,
@@ -37,6 +37,10 @@ pub fn minimise(
     let n = x.len();
     let mut gradient = vec![DVec3::ZERO; n];
     let mut value = function(x, &mut gradient)?;
+    if !value.is_finite() {
+        // From outside of the set no step is better than another.
+        return Ok(value);
+    }
     let mut memory: VecDeque<Pair> = VecDeque::with_capacity(MEMORY);
     let mut next = x.clone();
     let mut next_gradient = gradient.clone();
@@ -193,5 +197,10 @@ mod tests {
         minimise(&mut x, &[1.0, 0.0], stop, function).unwrap();
         assert!(x[0].x < 1.0 && x[0].x > 0.98);
         assert_eq!(x[1], DVec3::splat(7.0));
+        // From outside nothing moves: there every step would do.
+        let mut x = vec![DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO];
+        let start = x.clone();
+        assert_eq!(minimise(&mut x, &[1.0, 0.0], stop, function).unwrap(), f64::INFINITY);
+        assert_eq!(x, start);
     }
 }

@@ -11,6 +11,9 @@ use std::f64::consts::FRAC_PI_2;
 /// Features turn no more than this along a quad of the wanted length, in radians.
 const TURN: f64 = 0.4;
 
+/// The same for any length: with more an edge would not run along its feature.
+const MOST_TURN: f64 = 0.45;
+
 /// A place is near an arc within this share of the length of quads.
 const NEAR: f64 = 0.3;
 
@@ -30,6 +33,8 @@ pub struct Arc {
     pub stations: Vec<f64>,
     /// Quads that it has at least.
     pub least: i64,
+    /// Quads that patches beside it need, as long as these have no grid.
+    pub room: i64,
     /// The quads along it.
     pub count: i64,
 }
@@ -278,7 +283,9 @@ impl Layout {
             _ => 0.0,
         };
         // One that closes is a loop of its own.
-        let least = if vertices.first() == vertices.last() { 4 } else { 1 };
+        let closed: i64 = if vertices.first() == vertices.last() { 4 } else { 1 };
+        let turns: f64 = (1..run.len()).map(turn).sum();
+        let least = closed.max((turns / MOST_TURN).ceil() as i64);
         let mut stations = vec![0.0];
         for (k, &h) in run.iter().enumerate() {
             // Half of a turn belongs to the edge before it.
@@ -287,7 +294,7 @@ impl Layout {
         }
         let length = stations[run.len()].max(f64::MIN_POSITIVE);
         stations.iter_mut().for_each(|s| *s /= length);
-        self.arcs.push(Arc { vertices, length, curve, stations, least, count: least });
+        self.arcs.push(Arc { vertices, length, curve, stations, least, room: 0, count: least });
         Side { arc, reversed: false, halves: run.to_vec() }
     }
 
@@ -310,6 +317,8 @@ impl Layout {
             };
             let times = lost.iter().filter(|round| round.iter().any(is_near)).count() as i64;
             if times > 0 {
+                let (least, before) = (arc.least, arc.length / length);
+                tracing::debug!(target: "carreau::quad", curve, times, least, before, "feature lost");
                 arc.least = arc.least.max((arc.length / length).round() as i64 + (1 << times.min(6)) - 1);
             }
         }
@@ -327,8 +336,8 @@ impl Layout {
         for side in sides {
             for s in side {
                 let arc = &mut self.arcs[s.arc as usize];
-                arc.least = arc.least.max(least.div_ceil(side.len()) as i64);
-                arc.count = arc.count.max(arc.least);
+                arc.room = arc.room.max(least.div_ceil(side.len()) as i64);
+                arc.count = arc.count.max(arc.room);
             }
         }
     }

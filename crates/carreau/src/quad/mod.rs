@@ -16,6 +16,7 @@
 //! | patches, sides; numbers of quads | `layout`; `quantise` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
+//! | vertices where features bend | `bends` |
 //!
 //! | shared | file |
 //! |---|---|
@@ -23,6 +24,7 @@
 //! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
 //! | the validator, figures | `validate`, `quality` |
 
+mod bends;
 mod chart;
 mod cut;
 mod fill;
@@ -252,6 +254,7 @@ fn third(
             continue;
         };
         let mut work = halve(&coarse, source, Middle::OnSurface);
+        bends::follow(&mut work, source);
         smooth::smooth(&mut work, source, context)?;
         straighten(&mut work, &coarse, source);
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {

@@ -165,6 +165,7 @@ impl Layout {
     pub fn quantise(&mut self, length: f64) -> bool {
         self.length = length;
         for arc in &mut self.arcs {
+            arc.room = 0;
             arc.count = ((arc.length / length).round() as i64).max(arc.least);
         }
         let without_grid = |p: &usize| self.patches[*p].kind != Kind::Grid;
@@ -286,6 +287,7 @@ impl Layout {
         let count = arc.count + change;
         let is_far = (count as f64) < (fewest * ideal).floor() || count as f64 > (most * ideal).ceil() + 1.0;
         let off = arc.count as f64 - ideal;
-        (!is_far && count >= arc.least).then(|| (1.0 + ((2.0 * off + change as f64) * change as f64).max(0.0)) / ideal)
+        (!is_far && count >= arc.least.max(arc.room))
+            .then(|| (1.0 + ((2.0 * off + change as f64) * change as f64).max(0.0)) / ideal)
     }
 }

@@ -4,6 +4,7 @@
 //! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
 //! too, it is joined to its neighbours.
 
+use super::bends;
 use super::cut::open_holes;
 use super::fill::{Filled, fill};
 use super::layout::{Fault, Kind, Layout, Patch, audit};
@@ -40,6 +41,9 @@ enum State {
     /// Its patch was joined to its neighbours.
     Joined,
 }
+
+/// Numbers of quads this near to what is wanted will do: the logarithm of the ratio.
+const WITHIN: f64 = 0.05;
 
 /// Layouts with more quads than so many times those wanted are not filled.
 const MOST: f64 = 2.5;
@@ -87,6 +91,9 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     let mut why = "a patch could not be filled".to_string();
     // The fewest bad patches, and the rounds since then.
     let mut fewest = (usize::MAX, 0);
+    // The number that is asked of the layout, which only estimates patches without grids; and the nearest result so far.
+    let mut aim = wish.quads.map(|n| n as f64);
+    let mut nearest: Option<(f64, Made)> = None;
     for round in 0..ROUNDS {
         let place = |v: u32| place(&sheet, &coarse, v);
         let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
@@ -100,13 +107,14 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
         layout.refine(&sheet, &lost_places, wish.length);
-        quantise(&mut layout, wish);
+        quantise(&mut layout, wish, aim);
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
         tracing::debug!(target: "carreau::quad", round, dropped, grids, patterns, others);
         let count = layout.quads();
         if wish.quads.is_some_and(|n| count > MOST * n as f64) {
-            return Ok(Err(format!("its features would need {count:.0} quads")));
+            why = format!("its features would need {count:.0} quads");
+            break;
         }
         let (mut bad, mut kinds) = (Vec::new(), Vec::new());
         match fill(&sheet, &layout, place, context)? {
@@ -133,10 +141,23 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                             rung[*region as usize] = 2;
                         }
                     }
-                    return Ok(Ok(Made { work, rung }));
+                    let count = work.faces.len() as f64;
+                    let off = wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
+                    if nearest.as_ref().is_some_and(|n| off >= n.0) {
+                        break;
+                    }
+                    nearest = Some((off, Made { work, rung }));
+                    if off < WITHIN {
+                        break;
+                    }
+                    aim = aim.zip(wish.quads).map(|(aim, n)| aim * n as f64 / count);
+                    continue;
                 }
                 kinds = kind;
             }
+        }
+        if nearest.is_some() {
+            break;
         }
         // Bad grids give way to triangles, bad triangles to those of a larger patch.
         bad.sort_unstable();
@@ -166,7 +187,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         }
         open_holes(&mut sheet);
     }
-    Ok(Err(why))
+    Ok(nearest.map(|n| n.1).ok_or(why))
 }
 
 /// Every vertex where it belongs: the sheet's features are chords of the source's.
@@ -174,6 +195,7 @@ fn settled(mut work: Work, source: &Source) -> Work {
     for v in 0..work.points.len() as u32 {
         work.points[v as usize] = work.put_back(source, v, work.points[v as usize]);
     }
+    bends::follow(&mut work, source);
     work
 }
 
@@ -213,8 +235,8 @@ fn place(sheet: &Sheet, coarse: &Coarse, v: u32) -> Option<Place> {
     Some(if curves.all(|c| c == first) { Place::Curve(first) } else { Place::Fixed })
 }
 
-/// Chooses numbers of quads until their sum is what is wanted. On rung 2, and where a patch would stay odd, all are even.
-fn quantise(layout: &mut Layout, wish: &Wish) {
+/// Chooses numbers of quads until their sum is the one aimed at. On rung 2, and where a patch would stay odd, all are even.
+fn quantise(layout: &mut Layout, wish: &Wish, aim: Option<f64>) {
     let kinds: Vec<Kind> = layout.patches.iter().map(|p| p.kind).collect();
     let mut length = wish.length;
     let mut best = (f64::INFINITY, length);
@@ -223,8 +245,8 @@ fn quantise(layout: &mut Layout, wish: &Wish) {
         if !wish.first || !layout.quantise(length) {
             layout.quantise_doubled(length);
         }
-        let Some(wanted) = wish.quads else { return };
-        let ratio = layout.quads() / wanted as f64;
+        let Some(aim) = aim else { return };
+        let ratio = layout.quads() / aim;
         let off = ratio.ln().abs();
         if off < best.0 {
             best = (off, length);

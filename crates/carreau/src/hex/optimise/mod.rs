@@ -12,7 +12,7 @@ mod energy;
 
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::hexes::{Corners, is_certified, scaled_jacobian, uncertified};
+use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified};
 use crate::mesh::HEX_EDGES;
 use crate::numeric::lbfgs::{Stop, minimise};
 use energy::cell_energy;
@@ -313,11 +313,13 @@ impl<'a> Optimiser<'a> {
         (0..self.hexes.len()).into_par_iter().map(|h| scaled_jacobian(&self.cell(points, h))).collect()
     }
 
-    /// The cells without a certificate, and those whose scaled Jacobian is below a floor.
+    /// The cells that leave the valid set, and those whose scaled Jacobian is below a floor. A cell with a certificate by
+    /// parts is not in the valid set: from there no descent would go on.
     pub fn weak(&self, points: &[DVec3], floors: &[f64]) -> Vec<u32> {
         let is_weak = |h: &u32| {
-            let cell = self.cell(points, *h as usize);
-            scaled_jacobian(&cell) < floors[*h as usize] || !is_certified(&cell)
+            let k = *h as usize;
+            let cell = self.cell(points, k);
+            scaled_jacobian(&cell) < floors[k] || !(cell_energy(&cell, self.inverse[k], 1.0, 1).least > VALID)
         };
         (0..self.hexes.len() as u32).into_par_iter().filter(is_weak).collect()
     }
