@@ -115,8 +115,12 @@ impl Quads {
 /// Numbers of quads are met within this share.
 const WITHIN: f64 = 0.1;
 /// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
-const RUNS: usize = 4;
+const RUNS: usize = 6;
 const SHORTER: f64 = 0.7;
+/// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
+const MANY: f64 = 1.2;
+const LOOSER: f64 = 1.5;
+const LOOSEST: f64 = 2.5;
 /// Rounds in which quads that are no good are made straight.
 const STRAIGHTEN: usize = 30;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
@@ -246,10 +250,11 @@ fn third(
         Some(length) => 2.0 * length,
         None => (source.area / triangles * 4.0 / 3f64.sqrt()).sqrt(),
     };
+    let mut loose = 1.0;
     let mut best: Option<Work> = None;
     let mut refused = String::new();
     for _ in 0..RUNS {
-        let Some(coarse) = attempt(pair::paired(source, length, feature_deg, context))? else {
+        let Some(coarse) = attempt(pair::paired(source, length, loose, feature_deg, context))? else {
             length *= SHORTER;
             continue;
         };
@@ -269,7 +274,11 @@ fn third(
         if options.edge_length.is_some() || off(count, options.quads) < 0.5 * WITHIN {
             break;
         }
-        length *= (count as f64 / options.quads as f64).sqrt();
+        let ratio = count as f64 / options.quads as f64;
+        length *= ratio.sqrt();
+        if ratio > MANY {
+            loose = (LOOSER * loose).min(LOOSEST);
+        }
     }
     if best.is_none() {
         warnings.push(format!("rung 3 was refused ({refused}): every triangle becomes three quads"));

@@ -35,9 +35,10 @@ const STEPS: f64 = 1e6;
 const LEAST_JACOBIAN: f64 = 0.15;
 const MOST_FOLD: f64 = 0.6;
 
-/// Triangles with sides up to a length that keep the features, paired. `None` where features could not be found again.
-pub fn paired(source: &Source, length: f64, feature_deg: f64, context: &Context) -> Result<Option<Work>> {
-    let Some(coarse) = coarse(source, length, feature_deg, context)? else { return Ok(None) };
+/// Triangles with sides up to a length that keep the features, paired; `loose` as in [`coarse`]. `None` where features could
+/// not be found again.
+pub fn paired(source: &Source, length: f64, loose: f64, feature_deg: f64, context: &Context) -> Result<Option<Work>> {
+    let Some(coarse) = coarse(source, length, loose, feature_deg, context)? else { return Ok(None) };
     let frames = frames(&coarse, context)?;
     let _stage = context.stage("pairs");
     let Some(t) = Triangles::of(&coarse.mesh) else { return Ok(None) };
@@ -144,19 +145,20 @@ pub struct Coarse {
     pub region: Vec<u32>,
 }
 
-/// Triangles with sides up to a length that keep the features; `None` where these could not be found again.
-pub fn coarse(source: &Source, length: f64, feature_deg: f64, context: &Context) -> Result<Option<Coarse>> {
+/// Triangles with sides up to a length that keep the features; `None` where these could not be found again. They follow the
+/// surface `loose` times less closely than they should: where it bends a lot they would be too many.
+pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, context: &Context) -> Result<Option<Coarse>> {
     let mut mesh = source.surface.mesh.clone();
     mesh.attributes = Default::default();
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
     let largest = length / source.diagonal;
     let options = RemeshOptions {
-        deviation: DEVIATION,
+        deviation: loose * DEVIATION,
         feature_angle: feature_deg,
         labels: Some("region".into()),
         min_size: SMALLEST * largest,
         max_size: largest,
-        ridge_tolerance: RIDGE_TOLERANCE,
+        ridge_tolerance: loose * RIDGE_TOLERANCE,
         ..RemeshOptions::default()
     };
     let made = simplify(&mesh, &options, context)?.mesh;

@@ -71,7 +71,7 @@ pub struct Wish {
 
 /// Quads as wished.
 pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context) -> Result<Outcome> {
-    let Some(coarse) = coarse(source, wish.finer * wish.length, feature_deg, context)? else {
+    let Some(coarse) = coarse(source, wish.finer * wish.length, 1.0, feature_deg, context)? else {
         return Ok(Err("its features were not found again".into()));
     };
     let field = frames(&coarse, context)?;

@@ -14,6 +14,8 @@ const TRIED: usize = 64;
 const CYCLES: usize = 3;
 const CENTRING: usize = 12;
 const ALIGNING: usize = 4;
+/// A branching lies in a cleft where it has less than this share of a neighbour's room.
+const CLEFT: f64 = 0.5;
 /// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
 const CURLED: f64 = 1.5;
 const FAR: f64 = 8.0;
@@ -111,7 +113,7 @@ fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) ->
         _ => DVec3::ZERO,
     };
     let Some(mut here) = tree.closest(p) else { return p };
-    let leash = if tangent == DVec3::ZERO { here.distance() } else { f64::INFINITY };
+    let leash = if tangent == DVec3::ZERO { leash(net, around, v, here.distance(), tree) } else { f64::INFINITY };
     let mut step = 0.5;
     for _ in 0..CENTRING {
         let away = p - here.point;
@@ -127,6 +129,14 @@ fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) ->
         }
     }
     p
+}
+
+/// How far a branching may move: as far as the surface is, or as far as it is from a neighbour where that has far more room,
+/// as where fingers part and the flow has left the branching in the cleft between them.
+fn leash(net: &CurveNet, around: &Incidence, v: usize, room: f64, tree: &TriangleTree) -> f64 {
+    let of = |e: &[u32; 2]| tree.closest(net.points[e[1] as usize]).map_or(0.0, |c| c.distance());
+    let most = around.of(v as u32).iter().map(of).fold(0.0, f64::max);
+    if room < CLEFT * most { most } else { room }
 }
 
 /// Where a branch takes a roundabout way to a node that lies in the inner ball of another, it goes straight: a ball holds
