@@ -26,6 +26,8 @@ const KEPT: f64 = 0.4;
 /// many places, about.
 const BULGE: f64 = 0.3;
 const SAMPLES: usize = 20_000;
+/// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
+const SWELL: f64 = 8e-5;
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
 
@@ -231,6 +233,32 @@ impl Skin {
             .collect()
     }
 
+    /// Moves the places of wall vertices off the surface by half of the sag of the faces around them, within a limit: faces
+    /// with all corners on a round wall lie inside of it, and the volume would be too small.
+    fn swell(&self, points: &[DVec3], target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
+        let mut placed = points.to_vec();
+        places.iter().for_each(|p| placed[p.0 as usize] = p.1);
+        let sag = |q: &[u32; 4]| {
+            let p = q.map(|v| placed[v as usize]);
+            let (middle, normal) = (p.iter().sum::<DVec3>() / 4.0, (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero());
+            target.closest_wall(middle).map_or(0.0, |(on, _)| (on - middle).dot(normal))
+        };
+        let sags: Vec<f64> = self.quads.par_iter().map(sag).collect();
+        let mut sums = vec![(0.0, 0.0); points.len()];
+        for (q, sag) in self.quads.iter().zip(sags) {
+            for &v in q {
+                let (sum, count) = sums[v as usize];
+                sums[v as usize] = (sum + sag, count + 1.0);
+            }
+        }
+        let normals = self.normals(&placed);
+        let most = SWELL * target.surface().diagonal();
+        for (v, to, _) in places.iter_mut().filter(|p| self.parts[p.0 as usize] == Part::Wall) {
+            let (sum, count) = sums[*v as usize];
+            *to += normals[*v as usize] * (0.5 * sum / f64::max(count, 1.0)).clamp(-most, most);
+        }
+    }
+
     /// Draws boundary vertices to where the surface bulges away from the boundary, though all of its vertices be on it: the
     /// one nearest to each bulge goes to its farthest place.
     ///
@@ -335,6 +363,7 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
             p.1 = to;
         }
     });
+    skin.swell(points, target, &mut places);
     let mut goes = vec![true; points.len()];
     for _ in 0..ROUNDS {
         for &(v, to, _) in &places {
