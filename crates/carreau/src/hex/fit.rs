@@ -240,7 +240,8 @@ impl Skin {
         places.iter().for_each(|p| placed[p.0 as usize] = p.1);
         let sag = |q: &[u32; 4]| {
             let p = q.map(|v| placed[v as usize]);
-            let (middle, normal) = (p.iter().sum::<DVec3>() / 4.0, (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero());
+            let (middle, normal) =
+                (p.iter().sum::<DVec3>() / 4.0, (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero());
             target.closest_wall(middle).map_or(0.0, |(on, _)| (on - middle).dot(normal))
         };
         let sags: Vec<f64> = self.quads.par_iter().map(sag).collect();
