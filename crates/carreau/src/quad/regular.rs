@@ -159,35 +159,51 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         if nearest.is_some() {
             break;
         }
-        // Bad grids give way to triangles, bad triangles to those of a larger patch.
         bad.sort_unstable();
         bad.dedup();
         fewest = if bad.len() < fewest.0 { (bad.len(), 0) } else { (fewest.0, fewest.1 + 1) };
         if fewest.1 > PATIENCE {
             break;
         }
-        for &p in &bad {
-            let patch = &layout.patches[p];
-            let around = patch.sides.iter().map(|s| s.iter().map(|s| &layout.arcs[s.arc as usize]));
-            let counts: Vec<Vec<_>> =
-                around.map(|s| s.map(|a| (a.count, a.length / layout.length)).collect()).collect();
-            tracing::debug!(target: "carreau::quad", ?why, kind = ?patch.kind, ?counts, "bad patch");
-        }
-        for (number, p) in bad.into_iter().map(|p| (p, &layout.patches[p])) {
-            let least = p.triangles.iter().map(|&t| state[t as usize]).fold(State::Joined, State::min);
-            let next = match least {
-                _ if kinds.get(number).is_some_and(|&k| k != Kind::Triangles) => State::Barred,
-                State::Joined => return Ok(Err(why)),
-                _ => State::Joined,
-            };
-            if next == State::Joined && !sheet.clear_around(&p.triangles) {
-                return Ok(Err(why));
-            }
-            p.triangles.iter().for_each(|&t| state[t as usize] = next);
+        tell(&layout, &bad, &why);
+        if !give_way(&mut sheet, &layout, &bad, &kinds, &mut state) {
+            break;
         }
         open_holes(&mut sheet);
     }
     Ok(nearest.map(|n| n.1).ok_or(why))
+}
+
+/// Bad grids give way to triangles, bad triangles to those of a larger patch; `kinds` is what patches were filled with. False
+/// where there is nothing larger.
+fn give_way(sheet: &mut Sheet, layout: &Layout, bad: &[usize], kinds: &[Kind], state: &mut [State]) -> bool {
+    for &number in bad {
+        let triangles = &layout.patches[number].triangles;
+        let least = triangles.iter().map(|&t| state[t as usize]).fold(State::Joined, State::min);
+        let next = match least {
+            _ if kinds.get(number).is_some_and(|&k| k != Kind::Triangles) => State::Barred,
+            State::Joined => return false,
+            _ => State::Joined,
+        };
+        if next == State::Joined && !sheet.clear_around(triangles) {
+            return false;
+        }
+        triangles.iter().for_each(|&t| state[t as usize] = next);
+    }
+    true
+}
+
+/// Says of bad patches what they are, for who looks for the reason.
+fn tell(layout: &Layout, bad: &[usize], why: &str) {
+    for patch in bad.iter().map(|&p| &layout.patches[p]) {
+        let arc = |arc: u32| &layout.arcs[arc as usize];
+        let counts: Vec<Vec<_>> = patch
+            .sides
+            .iter()
+            .map(|side| side.iter().map(|s| (arc(s.arc).count, arc(s.arc).length / layout.length)).collect())
+            .collect();
+        tracing::debug!(target: "carreau::quad", why, kind = ?patch.kind, ?counts, "bad patch");
+    }
 }
 
 /// Every vertex where it belongs: the sheet's features are chords of the source's.
