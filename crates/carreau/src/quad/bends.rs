@@ -19,8 +19,9 @@ use rustc_hash::FxHashMap;
 
 /// Curves are straight where they turn by less, in degrees.
 const BEND_DEG: f64 = 8.0;
-/// A vertex goes no farther than this share of the shorter edge beside it.
-const REACH: f64 = 0.45;
+/// A vertex goes no farther than this share of the shorter edge beside it: a little more than half, or bends between two would
+/// be left out.
+const REACH: f64 = 0.55;
 /// Rounds in which the vertices between bends become evenly spaced.
 const EVEN: usize = 8;
 

@@ -128,6 +128,9 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                 }
                 let lost = lost_features(&work, source);
                 let is_lost = !lost.is_empty() && round + 1 < ROUNDS;
+                if !lost.is_empty() && !is_lost && nearest.is_some() {
+                    break;
+                }
                 if is_lost {
                     lost_places.push(lost);
                 }

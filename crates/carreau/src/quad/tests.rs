@@ -118,3 +118,36 @@ fn a_box_has_eight_irregular_vertices_and_grids() {
     assert_eq!((result.rung(), result.quality.irregular), (1, 8));
     assert!(result.quality.scaled_jacobian_mean > 0.999 && result.mesh.face_count().is_multiple_of(2));
 }
+
+/// A prism over a regular polygon: a coarse cylinder, whose rims are chains of straight edges.
+fn prism(sides: u32) -> SurfaceMesh {
+    let ring = |z: f64| {
+        (0..sides).map(move |k| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+            DVec3::new(cos, sin, z)
+        })
+    };
+    let points: Vec<DVec3> = ring(0.0).chain(ring(2.0)).chain([DVec3::ZERO, DVec3::new(0.0, 0.0, 2.0)]).collect();
+    let [low, high] = [2 * sides, 2 * sides + 1];
+    let faces: Vec<[u32; 3]> = (0..sides)
+        .map(|k| [k, (k + 1) % sides])
+        .flat_map(|[a, b]| {
+            let [c, d] = [a, b].map(|v| v + sides);
+            [[a, b, d], [a, d, c], [low, b, a], [high, c, d]]
+        })
+        .collect();
+    SurfaceMesh::from_triangles(points, &faces).unwrap()
+}
+
+#[test]
+fn vertices_lie_where_coarse_rims_bend_and_the_number_is_met() {
+    let mesh = prism(16);
+    let wanted = 900;
+    let options = QuadOptions { quads: wanted, ..QuadOptions::default() };
+    let result = quads(&mesh, &options, &Context::new()).unwrap();
+    check(&mesh, &result);
+    assert!(result.rung() == 1 && off(result.mesh.face_count(), wanted) <= WITHIN, "{}", result.mesh.face_count());
+    let is_met = |p: &&DVec3| result.mesh.points().iter().any(|q| q.distance(**p) < 1e-9);
+    let met = mesh.points()[..32].iter().filter(is_met).count();
+    assert!(met >= 28, "{met} of 32 bends");
+}
