@@ -133,6 +133,11 @@ impl TriangleTree {
         self.closest_within(p, f64::INFINITY)
     }
 
+    /// How far the closest point is; zero for an empty tree.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.closest(p).map_or(0.0, |c| c.distance())
+    }
+
     /// The closest point that is not farther than `radius`, if there is one.
     pub fn closest_within(&self, p: DVec3, radius: f64) -> Option<Closest> {
         self.closest_below(p, radius * radius)

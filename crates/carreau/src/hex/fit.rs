@@ -77,12 +77,6 @@ impl<'a> Target<'a> {
         &self.closed.mesh
     }
 
-    /// Triangles of the wall, evenly many of them.
-    fn samples(&self) -> impl Iterator<Item = u32> + Clone + use<> {
-        let wall = self.closed.wall;
-        (0..wall as u32).step_by(wall.div_ceil(SAMPLES).max(1))
-    }
-
     /// The lids.
     pub fn lids(&self) -> &[Lid] {
         &self.closed.lids
@@ -90,7 +84,7 @@ impl<'a> Target<'a> {
 
     /// Distance to the closed surface.
     pub fn distance(&self, p: DVec3) -> f64 {
-        self.all.closest(p).map_or(0.0, |c| c.distance())
+        self.all.distance(p)
     }
 
     /// Moves the nodes of a net to the middle of the surface.
@@ -177,6 +171,12 @@ pub struct Skin {
     parts: Vec<Part>,
 }
 
+/// The boundary where its vertices are: unit normals, and the longest side of the faces at each.
+struct Shape {
+    normals: Vec<DVec3>,
+    sizes: Vec<f64>,
+}
+
 impl Skin {
     /// `caps` numbers the end of every vertex from 1, `lid_of` the lid of every end, from 1, zero for a round tip.
     pub fn new(hexes: &[[u32; 8]], caps: &[u32], lid_of: &[u32]) -> Skin {
@@ -218,16 +218,18 @@ impl Skin {
         sums.iter().map(|s| s.normalize_or_zero()).collect()
     }
 
-    /// Where every boundary vertex belongs.
-    fn places(&self, points: &[DVec3], target: &Target) -> Vec<(u32, DVec3, DVec3)> {
-        let normals = self.normals(points);
-        let sizes = self.sizes(points);
+    fn shape(&self, points: &[DVec3]) -> Shape {
+        Shape { normals: self.normals(points), sizes: self.sizes(points) }
+    }
+
+    /// Where every boundary vertex belongs, in their order.
+    fn places(&self, points: &[DVec3], shape: &Shape, target: &Target) -> Vec<(u32, DVec3, DVec3)> {
         (0..points.len() as u32)
             .into_par_iter()
             .filter(|&v| self.parts[v as usize] != Part::Inner)
             .map(|v| {
                 let k = v as usize;
-                let (to, normal) = target.place(self.parts[k], points[k], normals[k], 4.0 * sizes[k]);
+                let (to, normal) = target.place(self.parts[k], points[k], shape.normals[k], 4.0 * shape.sizes[k]);
                 (v, to, normal)
             })
             .collect()
@@ -268,10 +270,9 @@ impl Skin {
     ///     │  ↑  │    →    │ ╱ ╲ │
     ///   ──v──v──v──     ──v╯   ╰v──
     /// ```
-    fn reach_out(&self, points: &[DVec3], target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
+    fn reach_out(&self, points: &[DVec3], shape: &Shape, target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
         let triangles: Vec<[u32; 3]> = self.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
         let tree = TriangleTree::new(points, &triangles);
-        let (normals, sizes) = (self.normals(points), self.sizes(points));
         let corners = target.surface().faces().corners();
         let bulge = |t: u32| {
             let n = target.normals[t as usize];
@@ -282,18 +283,20 @@ impl Skin {
             let walls =
                 triangles[found.triangle as usize].into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
             let v = walls.min_by(|a, b| near(a).total_cmp(&near(b)))?;
-            let bulges = found.distance() > BULGE * sizes[v as usize] && normals[v as usize].dot(n) > AGREES;
+            let k = v as usize;
+            let bulges = found.distance() > BULGE * shape.sizes[k] && shape.normals[k].dot(n) > AGREES;
             bulges.then_some((v, found.distance(), sample, n))
         };
-        let samples: Vec<u32> = target.samples().collect();
-        let bulges: Vec<_> = samples.into_par_iter().filter_map(bulge).collect();
-        let mut farthest = vec![0f64; points.len()];
-        let mut index = vec![usize::MAX; points.len()];
-        places.iter().enumerate().for_each(|(k, p)| index[p.0 as usize] = k);
+        let wall = target.closed.wall;
+        let samples = (0..wall as u32).into_par_iter().step_by(wall.div_ceil(SAMPLES).max(1));
+        let bulges: Vec<_> = samples.filter_map(bulge).collect();
+        let mut farthest = vec![0f64; places.len()];
         for (v, distance, to, normal) in bulges {
-            if distance > farthest[v as usize] {
-                farthest[v as usize] = distance;
-                places[index[v as usize]] = (v, to, normal);
+            if let Ok(k) = places.binary_search_by_key(&v, |p| p.0)
+                && distance > farthest[k]
+            {
+                farthest[k] = distance;
+                places[k] = (v, to, normal);
             }
         }
     }
@@ -335,8 +338,9 @@ pub fn pull(
         let t = round as f64 / (rise.rounds.max(2) - 1) as f64;
         let strength = rise.strength[0] * (rise.strength[1] / rise.strength[0]).powf(t);
         let mut springs = Vec::new();
-        let mut places = skin.places(points, target);
-        skin.reach_out(points, target, &mut places);
+        let shape = skin.shape(points);
+        let mut places = skin.places(points, &shape, target);
+        skin.reach_out(points, &shape, target, &mut places);
         for (vertex, to, normal) in places {
             springs.push(Spring { vertex, to, normal, along: strength, across: 1e-3 * strength.min(1.0) });
             if let Part::Rim(k) = skin.parts[vertex as usize] {
@@ -357,7 +361,7 @@ pub fn pull(
 pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &Target) -> Vec<bool> {
     let start = points.to_vec();
     let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| KEPT * q).collect();
-    let mut places = skin.places(points, target);
+    let mut places = skin.places(points, &skin.shape(points), target);
     // The projection of a projection: rays meet flat pieces, and the closest point is on them for sure.
     places.iter_mut().filter(|p| skin.parts[p.0 as usize] == Part::Wall).for_each(|p| {
         if let Some((to, _)) = target.closest_wall(p.1) {

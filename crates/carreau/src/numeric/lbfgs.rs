@@ -26,8 +26,9 @@ pub struct Stop {
     pub decrease: f64,
 }
 
-/// Minimises a function from `x` on, in place; returns its value. Where it is infinite at `x`, nothing is done. `scale` is the length over which the function changes
-/// at each point (zero: the point is fixed). `function` fills the gradient and returns the value, or infinity.
+/// Minimises a function from `x` on, in place; returns its value. Where it is infinite at `x`, nothing is done. `scale` is the
+/// length over which the function changes at each point (zero: the point is fixed). `function` fills the gradient and returns
+/// the value, or infinity.
 pub fn minimise(
     x: &mut Vec<DVec3>,
     scale: &[f64],

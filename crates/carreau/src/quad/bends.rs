@@ -16,6 +16,8 @@ use super::source::Source;
 use super::work::{Place, Work};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// Curves are straight where they turn by less, in degrees.
 const BEND_DEG: f64 = 8.0;
@@ -38,9 +40,8 @@ pub fn follow(work: &mut Work, source: &Source) {
     for (curve, beads) in &mut beads {
         let Some(bends) = bends.get(curve) else { continue };
         let reach = |bead: &Bead| {
-            let here = work.points[bead.vertex as usize];
-            REACH
-                * bead.beside.map(|w| work.points[w as usize].distance(here)).into_iter().fold(f64::INFINITY, f64::min)
+            let [v, a, b] = [bead.vertex, bead.beside[0], bead.beside[1]].map(|w| work.points[w as usize]);
+            REACH * v.distance(a).min(v.distance(b))
         };
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (k, bead) in beads.iter().enumerate() {
@@ -48,7 +49,7 @@ pub fn follow(work: &mut Work, source: &Source) {
             let near = bends.iter().enumerate().map(|(b, p)| (p.distance(here), k, b));
             pairs.extend(near.filter(|pair| pair.0 <= reach));
         }
-        pairs.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut taken = vec![false; bends.len()];
         for (_, k, b) in pairs {
             let v = beads[k].vertex as usize;
@@ -75,7 +76,7 @@ fn beads(work: &Work) -> Vec<(u32, Vec<Bead>)> {
         beside[*a as usize].push(*b);
         beside[*b as usize].push(*a);
     }
-    let mut of_curve: std::collections::BTreeMap<u32, Vec<Bead>> = std::collections::BTreeMap::new();
+    let mut of_curve: BTreeMap<u32, Vec<Bead>> = BTreeMap::new();
     for (vertex, beside) in (0u32..).zip(&beside) {
         if let (Place::Curve(curve), [a, b]) = (work.place[vertex as usize], beside.as_slice()) {
             of_curve.entry(curve).or_default().push(Bead { vertex, beside: [*a, *b] });
@@ -98,7 +99,7 @@ fn bends(source: &Source) -> FxHashMap<u32, Vec<DVec3>> {
             list.push(w);
         }
     }
-    let straight = (std::f64::consts::PI) - BEND_DEG.to_radians();
+    let straight = PI - BEND_DEG.to_radians();
     let mut bends: FxHashMap<u32, Vec<DVec3>> = FxHashMap::default();
     for (curve, v) in order {
         if let [a, b] = arms[&(curve, v)].as_slice()

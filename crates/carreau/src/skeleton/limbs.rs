@@ -57,7 +57,7 @@ pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usiz
             net.edges.push([last, net.points.len() as u32]);
             last = net.points.len() as u32;
             net.ids.push(net.points.len() as i64);
-            net.radii.push(body.room(p));
+            net.radii.push(body.tree.distance(p));
             net.points.push(p);
         }
         given_up[tip] = true;

@@ -31,19 +31,12 @@ pub struct Body<'a> {
     pub inside: &'a WindingTree,
 }
 
-impl Body<'_> {
-    /// The distance of a point from the surface.
-    pub fn room(&self, p: DVec3) -> f64 {
-        self.tree.closest(p).map_or(0.0, |c| c.distance())
-    }
-}
-
 /// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
 /// of every vertex of the surface.
 pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) -> (usize, usize) {
     let brought_in = bring_in(net, body);
     centre(net, body.tree, body.inside);
-    let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.room(p)).collect();
+    let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
     let grown = grow_limbs(net, preimage, body);
     if grown > 0 {
@@ -134,8 +127,8 @@ fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) ->
 /// How far a branching may move: as far as the surface is, or as far as it is from a neighbour where that has far more room,
 /// as where fingers part and the flow has left the branching in the cleft between them.
 fn leash(net: &CurveNet, around: &Incidence, v: usize, room: f64, tree: &TriangleTree) -> f64 {
-    let of = |e: &[u32; 2]| tree.closest(net.points[e[1] as usize]).map_or(0.0, |c| c.distance());
-    let most = around.of(v as u32).iter().map(of).fold(0.0, f64::max);
+    let rooms = around.of(v as u32).iter().map(|e| tree.distance(net.points[e[1] as usize]));
+    let most = rooms.fold(0.0, f64::max);
     if room < CLEFT * most { most } else { room }
 }
 
@@ -154,7 +147,7 @@ fn uncurl(net: &mut CurveNet, tree: &TriangleTree) {
         let mut i = 0;
         while i + 2 < nodes.len() {
             let p = net.points[nodes[i] as usize];
-            let radius = tree.closest(p).map_or(0.0, |c| c.distance());
+            let radius = tree.distance(p);
             let (mut way, mut last) = (0.0, None);
             for j in i + 1..nodes.len() {
                 way += net.points[nodes[j - 1] as usize].distance(net.points[nodes[j] as usize]);
