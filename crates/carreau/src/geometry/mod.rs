@@ -10,6 +10,7 @@
 //! | `brep` | boundary representation: what CAD files hold |
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
 //! | `summary` | minimum, mean, percentiles, histogram |
+//! | `quadric` | sums of squared distances to planes |
 //! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
@@ -25,6 +26,7 @@ pub mod hexes;
 pub mod normals;
 pub(crate) mod planar;
 pub mod primitive;
+pub(crate) mod quadric;
 pub mod quality;
 pub mod search_tree;
 pub mod summary;

@@ -12,6 +12,7 @@
 //!
 //! The vertex nearest to a bend moves there and stays; those beside it share what is left of the curve.
 
+use super::smooth::{Around, worst};
 use super::source::Source;
 use super::work::{Place, Work};
 use glam::DVec3;
@@ -24,6 +25,10 @@ const BEND_DEG: f64 = 8.0;
 /// A vertex goes no farther than this share of the shorter edge beside it: a little more than half, or bends between two would
 /// be left out.
 const REACH: f64 = 0.55;
+/// What has to be left of the edges beside it: two bends next to each other do not both get a vertex.
+const LEFT: f64 = 0.35;
+/// A move may worsen quads down to this scaled Jacobian: bends of two features side by side may be out of step.
+const FAIR: f64 = 0.15;
 /// Rounds in which the vertices between bends become evenly spaced.
 const EVEN: usize = 8;
 
@@ -33,30 +38,34 @@ struct Bead {
     beside: [u32; 2],
 }
 
-/// Moves vertices on curves to bends of the source.
-pub fn follow(work: &mut Work, source: &Source) {
-    let mut beads = beads(work);
+/// Moves vertices on curves to bends of the source, where the quads around allow it.
+pub fn follow(work: &mut Work, around: &Around, source: &Source) {
+    let mut beads = beads(work, around);
     let bends = bends(source);
     for (curve, beads) in &mut beads {
         let Some(bends) = bends.get(curve) else { continue };
-        let reach = |bead: &Bead| {
-            let [v, a, b] = [bead.vertex, bead.beside[0], bead.beside[1]].map(|w| work.points[w as usize]);
-            REACH * v.distance(a).min(v.distance(b))
+        let from_beside = |bead: &Bead, p: DVec3, points: &[DVec3]| {
+            bead.beside.map(|w| points[w as usize].distance(p)).into_iter().fold(f64::INFINITY, f64::min)
         };
+        let here = |bead: &Bead| work.points[bead.vertex as usize];
+        let edges: Vec<f64> = beads.iter().map(|bead| from_beside(bead, here(bead), &work.points)).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (k, bead) in beads.iter().enumerate() {
-            let (here, reach) = (work.points[bead.vertex as usize], reach(bead));
-            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(here), k, b));
-            pairs.extend(near.filter(|pair| pair.0 <= reach));
+            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(here(bead)), k, b));
+            pairs.extend(near.filter(|pair| pair.0 <= REACH * edges[k]));
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut taken = vec![false; bends.len()];
         for (_, k, b) in pairs {
-            let v = beads[k].vertex as usize;
-            if !taken[b] && work.place[v] != Place::Fixed {
+            let (v, to) = (beads[k].vertex, bends[b]);
+            if taken[b] || work.place[v as usize] == Place::Fixed {
+                continue;
+            }
+            let has_room = from_beside(&beads[k], to, &work.points) >= LEFT * edges[k];
+            if has_room && worst(work, around, v, to) >= worst(work, around, v, work.points[v as usize]).min(FAIR) {
                 taken[b] = true;
-                work.points[v] = bends[b];
-                work.place[v] = Place::Fixed;
+                work.points[v as usize] = to;
+                work.place[v as usize] = Place::Fixed;
             }
         }
         beads.retain(|bead| work.place[bead.vertex as usize] != Place::Fixed);
@@ -70,19 +79,14 @@ pub fn follow(work: &mut Work, source: &Source) {
 }
 
 /// The vertices inside of every curve, in their order.
-fn beads(work: &Work) -> Vec<(u32, Vec<Bead>)> {
-    let mut beside: Vec<Vec<u32>> = vec![Vec::new(); work.points.len()];
-    for ([a, b], _) in &work.features {
-        beside[*a as usize].push(*b);
-        beside[*b as usize].push(*a);
-    }
+fn beads(work: &Work, around: &Around) -> BTreeMap<u32, Vec<Bead>> {
     let mut of_curve: BTreeMap<u32, Vec<Bead>> = BTreeMap::new();
-    for (vertex, beside) in (0u32..).zip(&beside) {
-        if let (Place::Curve(curve), [a, b]) = (work.place[vertex as usize], beside.as_slice()) {
-            of_curve.entry(curve).or_default().push(Bead { vertex, beside: [*a, *b] });
+    for (vertex, place) in (0u32..).zip(&work.place) {
+        if let (Place::Curve(curve), &[a, b]) = (place, &*around.neighbours[vertex as usize]) {
+            of_curve.entry(*curve).or_default().push(Bead { vertex, beside: [a, b] });
         }
     }
-    of_curve.into_iter().collect()
+    of_curve
 }
 
 /// The points inside of every curve of the source where it bends.

@@ -198,8 +198,9 @@ fn characteristic(sheet: &Sheet, patch: &[u32], count: usize) -> Vec<i64> {
 }
 
 impl Layout {
-    /// The patches. `is_fixed`: vertices that are nodes in any case.
-    pub fn new(sheet: &Sheet, is_fixed: impl Fn(u32) -> bool) -> Option<Self> {
+    /// The patches. `sag`: how far edges may be from the features that they are on; `is_fixed`: vertices that are nodes in
+    /// any case.
+    pub fn new(sheet: &Sheet, sag: f64, is_fixed: impl Fn(u32) -> bool) -> Option<Self> {
         let (patch, count) = patch_of(sheet);
         let loops = loops(sheet, &patch, count)?;
         let mut is_node: Vec<bool> = (0..sheet.points.len() as u32).map(is_fixed).collect();
@@ -242,7 +243,7 @@ impl Layout {
                 for &(h, k) in &turned {
                     run.push(h);
                     if is_node[sheet.head(h) as usize] {
-                        let arc = layout.arc(sheet, &mut arc_of, &run);
+                        let arc = layout.arc(sheet, sag, &mut arc_of, &run);
                         if is_disc {
                             sides.get_mut(side)?.push(arc.clone());
                         }
@@ -260,7 +261,7 @@ impl Layout {
     }
 
     /// The arc of a run of half-edges from node to node, from whichever side it was met first.
-    fn arc(&mut self, sheet: &Sheet, arc_of: &mut [u32], run: &[u32]) -> Side {
+    fn arc(&mut self, sheet: &Sheet, sag: f64, arc_of: &mut [u32], run: &[u32]) -> Side {
         let known = arc_of[run[0] as usize];
         if known != NONE {
             return Side { arc: known, reversed: true, halves: run.to_vec() };
@@ -285,7 +286,10 @@ impl Layout {
         // One that closes is a loop of its own.
         let closed: i64 = if vertices.first() == vertices.last() { 4 } else { 1 };
         let turns: f64 = (1..run.len()).map(turn).sum();
-        let least = closed.max((turns / MOST_TURN).ceil() as i64);
+        // A chord of length l that turns by a is a l / 8 away from its arc.
+        let way: f64 = run.iter().map(|&h| sheet.along(h).length()).sum();
+        let least = (turns / MOST_TURN).max((turns * way / (8.0 * sag)).sqrt()).ceil() as i64;
+        let least = closed.max(least);
         let mut stations = vec![0.0];
         for (k, &h) in run.iter().enumerate() {
             // Half of a turn belongs to the edge before it.

@@ -21,13 +21,14 @@
 //! | shared | file |
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
-//! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
+//! | the mesh at work, midpoint subdivision, smoothing, vertices where the surface bends | `work`, `halve`, `smooth`, `fit` |
 //! | the validator, figures | `validate`, `quality` |
 
 mod bends;
 mod chart;
 mod cut;
 mod fill;
+mod fit;
 mod halve;
 mod junction;
 mod layout;
@@ -123,6 +124,9 @@ const LOOSER: f64 = 1.5;
 const LOOSEST: f64 = 2.5;
 /// Rounds in which quads that are no good are made straight.
 const STRAIGHTEN: usize = 30;
+/// Quads farther from the surface than this share of their edges make way for another attempt's; than the other, for rung 3's.
+const STRAYS: f64 = 0.4;
+const LOST: f64 = 1.0;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
 /// without triangles, those after the first two where nothing came of these.
 const FINER: [f64; 4] = [1.0, 0.6, 0.8, 0.45];
@@ -181,7 +185,7 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rungs 1 and 2: the attempt with the fewest irregular vertices; `None` where none comes to an end or the validator refuses.
+/// Rungs 1 and 2: the attempt that stays on the surface with the fewest irregular vertices; `None` where none comes to an end or the validator refuses.
 fn first(
     source: &Source,
     options: &QuadOptions,
@@ -196,7 +200,7 @@ fn first(
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
-    let (mut best, mut refused): (Option<(usize, Made)>, _) = (None, String::new());
+    let (mut best, mut refused): (Option<((bool, usize), Made)>, _) = (None, String::new());
     for (k, finer) in FINER.into_iter().enumerate() {
         if k >= USUAL && best.is_some() {
             break;
@@ -216,12 +220,18 @@ fn first(
         match made {
             Err(why) => refused = why,
             Ok(made) => {
-                let irregular = quality::irregular(&made.work);
-                let is_whole = made.rung.iter().all(|&r| r == 1);
-                if best.as_ref().is_none_or(|b| irregular < b.0) {
-                    best = Some((irregular, made));
+                let straying = quality::straying(&made.work, source, context)?;
+                if straying > LOST {
+                    refused = "it leaves part of the surface out".into();
+                    continue;
                 }
-                if is_whole {
+                let strays = straying > STRAYS;
+                let cost = (strays, quality::irregular(&made.work));
+                let is_whole = made.rung.iter().all(|&r| r == 1);
+                if best.as_ref().is_none_or(|b| cost < b.0) {
+                    best = Some((cost, made));
+                }
+                if is_whole && !strays {
                     break;
                 }
             }
@@ -259,7 +269,6 @@ fn third(
             continue;
         };
         let mut work = halve(&coarse, source, Middle::OnSurface);
-        bends::follow(&mut work, source);
         smooth::smooth(&mut work, source, context)?;
         straighten(&mut work, &coarse, source);
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {

@@ -28,6 +28,10 @@ pub struct QuadQuality {
     pub distance_max: Option<f64>,
 }
 
+/// Samples in search of what quads leave out.
+const SAMPLES: usize = 5_000;
+
+/// All but the distance.
 pub fn measure(work: &Work, source: &Source) -> QuadQuality {
     let corner = |f: &[u32]| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
     let jacobians: Vec<f64> = work.faces.iter().map(|f| scaled_jacobian(corner(f))).collect();
@@ -41,8 +45,21 @@ pub fn measure(work: &Work, source: &Source) -> QuadQuality {
     }
 }
 
-/// The distance from the source; quads are taken as two triangles along their shorter diagonal.
+/// A bound of the distance from the source, both ways.
 pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> {
+    let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
+    Ok(compare(&source.surface.mesh, &halves(work)?, &options, context)?.relative.max_upper)
+}
+
+/// How far the quads leave the source, or leave part of it out: the largest distance of some samples, over the length of edges.
+pub fn straying(work: &Work, source: &Source, context: &Context) -> Result<f64> {
+    let options = DistanceOptions { samples: SAMPLES, refinements: 0, normals: false };
+    let edge = (source.area / work.faces.len() as f64).sqrt();
+    Ok(compare(&source.surface.mesh, &halves(work)?, &options, context)?.distance.max / edge)
+}
+
+/// Two triangles for each quad, along its shorter diagonal.
+fn halves(work: &Work) -> Result<SurfaceMesh> {
     let mut triangles = Vec::with_capacity(2 * work.faces.len());
     for f in work.faces.iter() {
         let p = [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
@@ -50,9 +67,7 @@ pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> 
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| f[(k + shift) % 4]);
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    let mesh = SurfaceMesh::from_triangles(work.points.clone(), &triangles)?;
-    let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
-    Ok(compare(&source.surface.mesh, &mesh, &options, context)?.relative.max_upper)
+    SurfaceMesh::from_triangles(work.points.clone(), &triangles)
 }
 
 /// Inner vertices without four quads, and border vertices whose quads do not fit their angle.

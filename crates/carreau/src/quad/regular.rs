@@ -4,7 +4,6 @@
 //! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
 //! too, it is joined to its neighbours.
 
-use super::bends;
 use super::cut::open_holes;
 use super::fill::{Filled, fill};
 use super::layout::{Fault, Kind, Layout, Patch, audit};
@@ -13,7 +12,7 @@ use super::sheet::Sheet;
 use super::smooth::smooth;
 use super::source::Source;
 use super::trace::{cut, trace};
-use super::validate::{faults, lost_features};
+use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -26,6 +25,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const CUTS: usize = 200;
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
+
+/// Edges stay within this share of the distance at which a feature counts as kept.
+const SAG: f64 = 0.8;
 
 /// Rounds in which patches with bad quads get triangles, and then lose their tracks.
 const ROUNDS: usize = 7;
@@ -96,7 +98,8 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     let mut nearest: Option<(f64, Made)> = None;
     for round in 0..ROUNDS {
         let place = |v: u32| place(&sheet, &coarse, v);
-        let Some(mut layout) = Layout::new(&sheet, |v| place(v) == Some(Place::Fixed)) else {
+        let Some(mut layout) = Layout::new(&sheet, SAG * NEAR * source.diagonal, |v| place(v) == Some(Place::Fixed))
+        else {
             return Ok(Err("its tracks do not enclose patches".into()));
         };
         // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
@@ -214,7 +217,6 @@ fn settled(mut work: Work, source: &Source) -> Work {
     for v in 0..work.points.len() as u32 {
         work.points[v as usize] = work.put_back(source, v, work.points[v as usize]);
     }
-    bends::follow(&mut work, source);
     work
 }
 

@@ -1,6 +1,8 @@
 //! Smoothing: vertices move to the mean of their neighbours, back to their curve or region, and only as far as the worst
 //! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
+use super::bends;
+use super::fit::fit;
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -13,7 +15,7 @@ const SWEEPS: usize = 20;
 /// A move may worsen quads down to this scaled Jacobian.
 const GOOD: f64 = 0.75;
 /// Shares of the way that are tried.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
+pub const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 /// Vertices with a worse quad are looked after, in so many rounds, with steps that start at this share of their edges.
 const POOR: f64 = 0.6;
 const ROUNDS: usize = 10;
@@ -27,10 +29,10 @@ const PATIENCE: usize = 4;
 const TURN: f64 = 0.5;
 
 /// The quads and neighbours of every vertex.
-struct Around {
-    quads: Vec<Vec<u32>>,
+pub struct Around {
+    pub quads: Vec<Vec<u32>>,
     /// Along edges; for vertices on curves, along their curve.
-    neighbours: Vec<Vec<u32>>,
+    pub neighbours: Vec<Vec<u32>>,
 }
 
 impl Around {
@@ -56,6 +58,12 @@ impl Around {
         }
         around
     }
+
+    /// Unit normal at a vertex; zero where its quads look everywhere.
+    pub fn up(&self, work: &Work, v: u32) -> DVec3 {
+        let of = |&q: &u32| normal(corners(work, q, v, work.points[v as usize]));
+        self.quads[v as usize].iter().map(of).sum::<DVec3>().normalize_or_zero()
+    }
 }
 
 /// The corners of a quad, with one vertex elsewhere.
@@ -70,7 +78,7 @@ fn normal(q: [DVec3; 4]) -> DVec3 {
 
 /// The worst quad around a vertex that would be elsewhere; −1 where one turned over. One that is turned over already is
 /// measured against the quads around.
-fn worst(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
+pub fn worst(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
     let quads = &around.quads[v as usize];
     let here = |q: u32| corners(work, q, v, work.points[v as usize]);
     let of = |&q: &u32| {
@@ -100,10 +108,11 @@ fn jacobian_towards(p: [DVec3; 4], up: DVec3) -> f64 {
     (0..4).map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up)).fold(f64::INFINITY, f64::min)
 }
 
-/// Smooths what may move.
+/// Puts vertices on features to where these bend, and smooths what may move.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     let _stage = context.stage("smooth");
     let around = Around::new(work);
+    bends::follow(work, &around, source);
     for _ in 0..SWEEPS {
         let mut moved = 0usize;
         for v in 0..work.points.len() as u32 {
@@ -115,6 +124,7 @@ pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()>
         }
     }
     untangle(work, &around, source, context)?;
+    fit(work, &around, source, context)?;
     for round in 0..ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
@@ -189,9 +199,7 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     }
     let length =
         neighbours.iter().map(|&w| work.points[w as usize].distance(from)).sum::<f64>() / neighbours.len() as f64;
-    let up =
-        around.quads[v as usize].iter().map(|&q| normal(corners(work, q, v, from))).sum::<DVec3>().normalize_or_zero();
-    let (x, y) = up.any_orthonormal_pair();
+    let (x, y) = around.up(work, v).any_orthonormal_pair();
     for k in 0..8 {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
         let to = work.put_back(source, v, from + (x * cos + y * sin) * step * length);

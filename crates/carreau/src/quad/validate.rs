@@ -9,7 +9,7 @@ use crate::mesh::{HalfEdges, SurfaceMesh, Topology};
 use glam::DVec3;
 
 /// A feature is kept where an edge is as near as this share of the diagonal and as parallel as this angle.
-const NEAR: f64 = 0.002;
+pub const NEAR: f64 = 0.002;
 const ALONG_DEG: f64 = 15.0;
 /// Samples along the diagonal.
 const SAMPLES: f64 = 1000.0;

@@ -16,8 +16,9 @@ use super::work::shape_and_normal;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::unit;
+use crate::geometry::quadric::Quadric;
 use crate::mesh::{EditMesh, Keep, NONE, previous, triangle_area_vector};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -29,7 +30,7 @@ const GOOD_SHAPE: f64 = 0.3;
 const LEAST_TURN: f64 = 0.3;
 /// Weight of the planes across curves, beside those of faces.
 const CURVE_WEIGHT: f64 = 10.0;
-/// Share of the identity in the matrix of the optimum: slides along flat directions end between the two vertices.
+/// What holds a vertex on its way along flat directions: slides end between the two.
 const STEADY: f64 = 1e-6;
 
 /// When to stop.
@@ -41,45 +42,6 @@ pub struct Goal {
     pub error: f64,
     /// Cosine of the largest angle between a face and the normals at its corners: constraint (1).
     pub cosine: f64,
-}
-
-/// Sum of squared distances to planes: pᵀ A p + 2 bᵀ p + c, and of their weights.
-#[derive(Debug, Clone, Copy)]
-struct Quadric {
-    a: DMat3,
-    b: DVec3,
-    c: f64,
-    weight: f64,
-}
-
-impl Quadric {
-    const ZERO: Quadric = Quadric { a: DMat3::ZERO, b: DVec3::ZERO, c: 0.0, weight: 0.0 };
-
-    /// The plane through `p` with unit normal `n`.
-    fn plane(p: DVec3, n: DVec3, weight: f64) -> Self {
-        let d = -n.dot(p);
-        let a = DMat3::from_cols(n * n.x, n * n.y, n * n.z) * weight;
-        Quadric { a, b: n * (d * weight), c: d * d * weight, weight }
-    }
-
-    fn add(&mut self, other: &Quadric) {
-        self.a += other.a;
-        self.b += other.b;
-        self.c += other.c;
-        self.weight += other.weight;
-    }
-
-    fn at(&self, p: DVec3) -> f64 {
-        (p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c).max(0.0)
-    }
-
-    /// The point of least error; where that is not unique, the one nearest to `near`.
-    fn optimum(&self, near: DVec3) -> DVec3 {
-        let steady = STEADY * (self.a.x_axis.x + self.a.y_axis.y + self.a.z_axis.z);
-        let matrix = self.a + DMat3::from_diagonal(DVec3::splat(steady));
-        let p = matrix.inverse() * (near * steady - self.b);
-        if p.is_finite() { p } else { near }
-    }
 }
 
 /// A collapse with its place and error.
@@ -187,7 +149,7 @@ impl<'a> Geometric<'a> {
         quadric.add(&self.quadric[b as usize]);
         let [p, q] = [a, b].map(|v| mesh.points[v as usize] - self.origin);
         let point = match keep {
-            _ if rank_a.max(rank_b) < Rank::Corner => quadric.optimum(0.5 * (p + q)),
+            _ if rank_a.max(rank_b) < Rank::Corner => quadric.optimum(0.5 * (p + q), STEADY),
             Keep::Tail => p,
             Keep::Head => q,
         };
