@@ -45,6 +45,8 @@ pub struct Chain {
     pub closed: bool,
     /// A ridge all of whose edges are sharp.
     pub sharp: bool,
+    /// A ridge or crease none of whose edges is: tagged, between labels, or fading out.
+    pub smooth: bool,
     pub points: Vec<DVec3>,
     /// Source vertices; in a closed chain the first is repeated at the end.
     pub vertices: Vec<u32>,
@@ -180,7 +182,7 @@ impl Curves {
         curves
     }
 
-    /// Tells for every ridge whether all its edges have an angle above a limit with the given cosine.
+    /// Tells for every ridge whether all its edges have an angle above a limit with the given cosine, or none.
     pub fn find_sharp(&mut self, mesh: &EditMesh, cosine: f64) {
         let normal = |h: u32| {
             let [a, b, c] = mesh.positions(h / 3);
@@ -189,6 +191,7 @@ impl Curves {
         for chain in self.chains.iter_mut().filter(|c| c.kind == Kind::Ridge) {
             let is_sharp = |s: &[u32; 2]| s[0] != NONE && s[1] != NONE && normal(s[0]).dot(normal(s[1])) < cosine;
             chain.sharp = chain.sides.iter().all(is_sharp);
+            chain.smooth = !chain.sides.iter().any(is_sharp);
         }
     }
 
@@ -363,6 +366,7 @@ impl Tracer {
             kind: self.ends[k].kind,
             closed: false,
             sharp: false,
+            smooth: self.ends[k].kind == Kind::Crease,
             points: vec![mesh.points[v as usize]],
             vertices: vec![v],
             arc: vec![0.0],

@@ -106,7 +106,7 @@ impl Work<'_> {
         Some(m)
     }
 
-    /// Whether the new triangles keep constraint (1), or are no worse than the old ones, and none degenerates.
+    /// Whether the new triangles keep constraint (1), or are no worse than the old ones, and none degenerates or folds.
     fn split_holds(&self, h: u32, p: DVec3, normals: [DVec3; 2]) -> bool {
         let mesh = &self.mesh;
         for (side, n) in [(h, normals[0]), (mesh.opposite(h), normals[1])] {
@@ -128,6 +128,7 @@ impl Work<'_> {
                 }
             }
         }
-        true
+        let (before, after) = self.strain_of_split(h, p);
+        after.may_follow(before)
     }
 }

@@ -110,7 +110,7 @@ impl Work<'_> {
             return false;
         }
         let (strain_before, strain_after) = self.strain_of_flip(h);
-        if !mesh.can_flip(h) || !self.allows_strain(strain_after, strain_before) {
+        if !mesh.can_flip(h) || !strain_after.may_follow(strain_before) {
             return false;
         }
         self.mesh.flip(h);
