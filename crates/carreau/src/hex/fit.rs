@@ -20,8 +20,6 @@ use rayon::prelude::*;
 
 /// A hit counts when its normal is at most about 75° off.
 const AGREES: f64 = 0.25;
-/// Share of its quality that a cell keeps when its vertices are put onto the surface.
-const KEPT: f64 = 0.4;
 /// The surface bulges where it is farther from the boundary than this share of the boundary's faces; it is looked at in so
 /// many places, about.
 const BULGE: f64 = 0.3;
@@ -85,6 +83,11 @@ impl<'a> Target<'a> {
     /// Distance to the closed surface.
     pub fn distance(&self, p: DVec3) -> f64 {
         self.all.distance(p)
+    }
+
+    /// Whether a point is inside.
+    pub fn contains(&self, p: DVec3) -> bool {
+        self.inside.contains(p)
     }
 
     /// Moves the nodes of a net to the middle of the surface.
@@ -356,11 +359,11 @@ pub fn pull(
     Ok(())
 }
 
-/// Puts the boundary onto the surface as far as all cells stay certified and keep a share of their quality; says of every
+/// Puts the boundary onto the surface as far as all cells stay certified and keep a share of their quality, `kept`; says of every
 /// vertex whether it is inside, or could not be put there.
-pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &Target) -> Vec<bool> {
+pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &Target, kept: f64) -> Vec<bool> {
     let start = points.to_vec();
-    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| KEPT * q).collect();
+    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| kept * q).collect();
     let mut places = skin.places(points, &skin.shape(points), target);
     // The projection of a projection: rays meet flat pieces, and the closest point is on them for sure.
     places.iter_mut().filter(|p| skin.parts[p.0 as usize] == Part::Wall).for_each(|p| {

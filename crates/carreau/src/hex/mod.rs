@@ -10,6 +10,7 @@
 //! | stubs go, branches get nodes in proportion to the radius | `resample` |
 //! | radii that leave no room are reduced | `limit` |
 //! | whether the result stands for the skeleton that was given | `cover` |
+//! | where many branches of a surface meet | `meet` |
 //! | connection surfaces of the branchings | `connection` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
@@ -27,6 +28,7 @@ mod figures;
 mod fit;
 mod frames;
 mod limit;
+mod meet;
 mod optimise;
 mod refine;
 mod resample;
@@ -212,7 +214,7 @@ fn refined(net: &CurveNet, base: &BaseMesh, nodes: Nodes, options: &HexOptions, 
     let halved = options.refine_across() + options.refine_along > 0;
     let mut tube = padded(net, base, options, if halved { &PASSING } else { &COARSE }, nodes, context)?;
     (0..options.refine_across()).for_each(|_| tube.refine_across());
-    (0..options.refine_along).for_each(|_| tube.refine_along());
+    (0..options.refine_along).for_each(|_| tube.refine_along(|_| true));
     if halved {
         let _stage = context.stage("optimise");
         optimise(&mut tube, &FINE, nodes, context)?;

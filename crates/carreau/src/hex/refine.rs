@@ -16,7 +16,7 @@
 
 use super::Padding;
 use super::sew::BaseMesh;
-use crate::mesh::CurveNet;
+use crate::mesh::{CurveNet, NONE};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -28,10 +28,10 @@ pub const CORE: f64 = 0.6;
 pub struct TubeMesh {
     /// Positions.
     pub points: Vec<DVec3>,
-    /// Cells; the third axis runs along the segment, unless `along` is false.
+    /// Cells; the third axis runs along the segment, where there is one.
     pub hexes: Vec<[u32; 8]>,
-    /// Whether the third axis of each cell runs along its segment; the layer on an end has no such axis.
-    pub along: Vec<bool>,
+    /// The segment that the third axis of each cell runs along; [`NONE`] for the layer on an end, which has no such axis.
+    pub segments: Vec<u32>,
     /// The point of the skeleton that each vertex belongs to.
     pub centres: Vec<DVec3>,
     /// Distance of wall vertices from their centre; zero off the wall.
@@ -72,7 +72,7 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     let mut mesh = TubeMesh {
         points: base.points.clone(),
         hexes: base.hexes.clone(),
-        along: vec![true; base.hexes.len()],
+        segments: (0..base.hexes.len() as u32).map(|h| h / 4).collect(),
         centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
         radii: (0..count as u32)
             .map(|v| if is_centre(v) { 0.0 } else { net.radii[nodes[v as usize] as usize] })
@@ -107,12 +107,12 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     }
     (0..count as u32).filter(|&v| !is_centre(v)).for_each(|v| mesh.radii[v as usize] = 0.0);
     mesh.hexes.reserve(2 * base.hexes.len());
-    for h in &base.hexes {
+    for (h, segment) in base.hexes.iter().zip(mesh.segments.clone()) {
         let [_, v, m, w, _, v1, m1, w1] = *h;
         mesh.hexes.push([v, outer(v), outer(m), m, v1, outer(v1), outer(m1), m1]);
         mesh.hexes.push([m, outer(m), outer(w), w, m1, outer(m1), outer(w1), w1]);
+        mesh.segments.extend([segment; 2]);
     }
-    mesh.along.resize(mesh.hexes.len(), true);
     if padding == Padding::All {
         cover_ends(net, base, &mut mesh, &outer, &outer_centre, 1.0 - core);
     }
@@ -144,7 +144,7 @@ fn cover_ends(
                     [[face[0], face[1], face[2], face[3]], copy]
                 };
                 mesh.hexes.push([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]);
-                mesh.along.push(false);
+                mesh.segments.push(NONE);
             }
             let axis = net.points[other as usize] - net.points[node as usize];
             let depth = depth * net.radii[node as usize].min(0.9 * axis.length());
@@ -169,19 +169,19 @@ impl TubeMesh {
 
     /// Halves every cell across its axis (and, on ends, in its thickness).
     pub fn refine_across(&mut self) {
-        let along = self.along.clone();
-        self.halve(|h| [true, true, !along[h]]);
+        let segments = self.segments.clone();
+        self.halve(|h| [true, true, segments[h] == NONE]);
     }
 
-    /// Halves every cell along its segment.
-    pub fn refine_along(&mut self) {
-        let along = self.along.clone();
-        self.halve(|h| [false, false, along[h]]);
+    /// Halves the cells of some segments along these; their neighbours need not follow.
+    pub fn refine_along(&mut self, which: impl Fn(u32) -> bool) {
+        let segments = self.segments.clone();
+        self.halve(|h| [false, false, segments[h] != NONE && which(segments[h])]);
     }
 
     fn halve(&mut self, axes: impl Fn(usize) -> [bool; 3]) {
         let hexes = std::mem::take(&mut self.hexes);
-        let along = std::mem::take(&mut self.along);
+        let segments = std::mem::take(&mut self.segments);
         let mut middles: FxHashMap<[u32; 4], u32> = FxHashMap::default();
         for (h, corners) in hexes.iter().enumerate() {
             let halved = axes(h);
@@ -203,7 +203,7 @@ impl TubeMesh {
                             grid[at[0] + 3 * at[1] + 9 * at[2]]
                         };
                         self.hexes.push(UNIT.map(corner));
-                        self.along.push(along[h]);
+                        self.segments.push(segments[h]);
                     }
                 }
             }

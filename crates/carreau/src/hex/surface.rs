@@ -4,7 +4,7 @@ use super::fit::{self, Rise, Skin, Target};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
-use super::{HexOptions, HexResult, Nodes, Stage, deliver, limit, padded, tips, zip};
+use super::{HexOptions, HexResult, Nodes, Stage, deliver, limit, meet, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
@@ -19,10 +19,15 @@ const ACROSS: u32 = 2;
 const ALONG: u32 = 1;
 /// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
 const LONGEST: f64 = 1.6;
+/// Segments longer than this, in radii, are halved, at most so many times.
+const UNEVEN: f64 = 3.0;
+const EVENINGS: usize = 3;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
 /// have no room for cells; but those of a tree do.
-const MERGES: [f64; 3] = [1.0, 0.6, 1.4];
+const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
+/// Cells with vertices that cannot be put there are taken for so much farther from the surface.
+const STUCK: f64 = 1.5;
 /// A boundary this near to the surface, as a share of the diagonal, needs no second try.
 const WELL: f64 = 0.02;
 /// How the boundary of the coarsest cells is compared with the surface.
@@ -31,8 +36,9 @@ const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements
 const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
 const LEAST: f64 = 0.6;
-/// Attempts of putting the boundary onto the surface.
-const ATTEMPTS: usize = 3;
+/// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt: that the
+/// boundary is there comes first.
+const KEPT: [f64; 5] = [0.4, 0.4, 0.3, 0.15, 0.05];
 /// The first cells take this share of the room about the skeleton.
 const INSIDE: f64 = 0.85;
 
@@ -50,11 +56,24 @@ pub fn from_surface(
     let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
     let target = Target::new(&closed);
     let mut best: Option<Coarse> = None;
+    let mut known: Vec<CurveNet> = Vec::new();
     for merge in MERGES {
-        let tried = Coarse::new(&net, merge, &target, options, context)?;
-        tracing::debug!(merge, left = tried.left, off = tried.off, segments = tried.net.edges.len(), "coarse cells");
+        let ready = Ready::new(&net, merge, &target, options, context)?;
+        if known.contains(&ready.net) {
+            continue;
+        }
+        known.push(ready.net.clone());
+        let tried = Coarse::new(ready, &target, context)?;
+        tracing::debug!(
+            merge,
+            left = tried.left,
+            off = tried.off,
+            mean = tried.mean,
+            segments = tried.net.edges.len(),
+            "coarse cells"
+        );
         let fits = tried.left == 0 && tried.off < WELL * closed.mesh.diagonal();
-        if best.as_ref().is_none_or(|b| tried.off < b.off) {
+        if best.as_ref().is_none_or(|b| tried.score() < b.score()) {
             best = Some(tried);
         }
         if fits || options.stage == Stage::Base {
@@ -74,13 +93,35 @@ pub fn from_surface(
     Ok(result)
 }
 
+/// The skeleton made ready for cells.
+struct Ready {
+    net: CurveNet,
+    /// The options with the levels of halving that the size asks for.
+    options: HexOptions,
+    /// The lid of every end, from 1; zero for a round tip.
+    lid_of: Vec<u32>,
+    /// Whether long segments are halved: no size is asked for.
+    evenly: bool,
+    warnings: Vec<String>,
+}
+
+impl Ready {
+    fn new(net: &CurveNet, merge: f64, target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
+        let _stage = context.stage("skeleton");
+        let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
+        let evenly = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
+        let lid_of_node = prepare(&mut net, merge, target, &mut options, &mut warnings)?;
+        super::check_size(&net, &options)?;
+        let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
+        Ok(Ready { net, options, lid_of, evenly, warnings })
+    }
+}
+
 /// The skeleton made ready, and the coarsest cells about it, drawn to the surface.
 struct Coarse {
     net: CurveNet,
     tube: TubeMesh,
-    /// The options with the levels of halving that the size asks for.
     options: HexOptions,
-    /// The lid of every end, from 1; zero for a round tip.
     lid_of: Vec<u32>,
     warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
@@ -88,32 +129,51 @@ struct Coarse {
     /// The largest distance of the boundary from the surface: what spans the room between two branches shows here. Infinite
     /// where a cell is folded.
     off: f64,
+    /// Sum of the mean distances from the boundary to the surface and back: the less, the better the skeleton.
+    mean: f64,
 }
 
 impl Coarse {
-    fn new(net: &CurveNet, merge: f64, target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
-        let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
-        let lid_of_node = {
-            let _stage = context.stage("skeleton");
-            prepare(&mut net, merge, target, &mut options, &mut warnings)?
-        };
-        super::check_size(&net, &options)?;
-        let lid_of: Vec<u32> = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
+    /// Less is better. Where a vertex of coarse cells cannot be put onto the surface, many of fine ones cannot.
+    fn score(&self) -> f64 {
+        if self.left > 0 { STUCK * self.mean } else { self.mean }
+    }
+
+    fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
+        let Ready { net, options, lid_of, evenly, mut warnings } = ready;
         let base = super::valid_base(&net, Nodes::Drawn, context)?;
         super::warn_of_poor(&base, &mut warnings);
         let mut tube = padded(&net, &base, &options, &PASSING, Nodes::Drawn, context)?;
+        if evenly {
+            even_out(&mut tube, &net);
+        }
         let _stage = context.stage("fit");
         let skin = Skin::new(&tube.hexes, &tube.caps, &lid_of);
         let TubeMesh { points, hexes, .. } = &mut tube;
         let mut optimiser = Optimiser::new(points, hexes);
         fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
-        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target);
+        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT[0]);
         let left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
         let is_valid = optimiser.is_valid(points);
         let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
-        Ok(Coarse { net, tube, options, lid_of, warnings, left, off })
+        let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
+        Ok(Coarse { net, tube, options, lid_of, warnings, left, off, mean })
+    }
+}
+
+/// Segments much longer than thick, as those of a narrow fork are by the first-ring rule, are halved along: their cells
+/// must reach into the cleft between the tubes.
+fn even_out(tube: &mut TubeMesh, net: &CurveNet) {
+    let ratio = |e: usize| {
+        let [a, b] = net.edges[e].map(|v| net.radii[v as usize] / INSIDE);
+        net.length(e) / (0.5 * (a + b)).max(1e-300)
+    };
+    let mut ratios: Vec<f64> = (0..net.edges.len()).map(ratio).collect();
+    for _ in 0..EVENINGS {
+        tube.refine_along(|e| ratios[e as usize] > UNEVEN);
+        ratios.iter_mut().filter(|r| **r > UNEVEN).for_each(|r| *r *= 0.5);
     }
 }
 
@@ -157,6 +217,7 @@ fn prepare(
         warnings.push(format!("{missed} open ends have no branch of the skeleton and were taken as wall"));
     }
     if options.stage == Stage::Full {
+        meet::meet(net, target);
         zip::zip(net);
         *net = sized(net, options);
         let around = net.incidence();
@@ -230,7 +291,7 @@ fn fitted(
                 tube.refine_across();
             }
             if level <= options.refine_along {
-                tube.refine_along();
+                tube.refine_along(|_| true);
             }
         }
         let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
@@ -242,10 +303,10 @@ fn fitted(
         if level == levels {
             fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
             // What cannot be put onto the surface at once may have room when its neighbours are there.
-            for attempt in 0..ATTEMPTS {
-                let free = fit::snap(&optimiser, points, &skin, target);
+            for (attempt, kept) in KEPT.into_iter().enumerate() {
+                let free = fit::snap(&optimiser, points, &skin, target, kept);
                 left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
-                if left == 0 || attempt + 1 == ATTEMPTS {
+                if left == 0 || attempt + 1 == KEPT.len() {
                     optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
                     break;
                 }

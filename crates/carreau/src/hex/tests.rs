@@ -272,3 +272,55 @@ fn a_given_skeleton_is_used_and_a_torus_stays_one() {
     assert_conforming(&result.mesh.hexes, &result.mesh.points, &[1]);
     assert!(result.mesh.tags.iter().all(|&t| t == 1));
 }
+
+/// Five tubes from one point, two of them side by side for three radii.
+fn narrow_star() -> Vec<DVec3> {
+    let narrow = |y: f64| DVec3::new(1.0, y, 0.0).normalize();
+    vec![narrow(0.3), narrow(-0.3), DVec3::new(-0.7, 0.7, 0.2).normalize(), -DVec3::Y, DVec3::new(-0.3, 0.1, 1.0)]
+}
+
+fn star_surface(directions: &[DVec3]) -> SurfaceMesh {
+    let tube = |d: &DVec3| crate::sample::Tube { ends: [DVec3::ZERO, *d], radii: [0.12; 2] };
+    let parts: Vec<_> = directions.iter().map(tube).collect();
+    crate::sample::tubes(&parts, 0.04, 0.05, &Context::new()).unwrap().mesh.triangulated().unwrap()
+}
+
+/// The cells of a narrow fork reach into the cleft between its tubes.
+#[test]
+fn a_star_of_tubes_side_by_side_is_on_its_surface() {
+    let result = from_surface(&star_surface(&narrow_star()), None, &HexOptions::default(), &Context::new()).unwrap();
+    let f = &result.figures;
+    assert!(f.quality.certified && f.distance_mean.unwrap() < 1.5e-3, "{f:?}");
+    assert!((0.98..1.02).contains(&f.volume_ratio.unwrap()), "{:?}", f.volume_ratio);
+    assert!(!result.warnings.iter().any(|w| w.contains("could not be put")), "{:?}", result.warnings);
+}
+
+/// Branchings that were merged beside the point that the tubes aim at go there.
+#[test]
+fn branches_meet_where_their_tubes_aim_at() {
+    let directions = narrow_star();
+    let mesh = star_surface(&directions);
+    let (closed, _) = crate::skeleton::prepared(&mesh, &Context::new()).unwrap();
+    let mut points = vec![DVec3::new(0.08, 0.0, 0.03)];
+    let mut edges = Vec::new();
+    for d in &directions {
+        for k in 1..=10 {
+            edges.push([if k == 1 { 0 } else { points.len() as u32 - 1 }, points.len() as u32]);
+            points.push(0.1 * f64::from(k) * *d);
+        }
+    }
+    let mut net = CurveNet::new(points, vec![0.12; 51], edges);
+    meet::meet(&mut net, &fit::Target::new(&closed));
+    assert!(net.points[0].length() < 0.02, "{}", net.points[0]);
+}
+
+/// The segments of a mesh are halved along one by one.
+#[test]
+fn a_segment_halved_alone_conforms() {
+    let net = tree();
+    let mut tube = refine::pad(&net, &sew::base_mesh(&net), Padding::All, CORE);
+    let before = tube.hexes.len();
+    tube.refine_along(|segment| segment == 2);
+    assert_eq!(tube.hexes.len(), before + 12);
+    assert_conforming(&tube.hexes, &tube.points, &net.cycles());
+}

@@ -2,7 +2,7 @@
 //! the ball of their branching are dropped.
 
 use super::limbs::grow_limbs;
-use crate::geometry::search_tree::TriangleTree;
+use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh, branches};
 use glam::DVec3;
@@ -19,6 +19,8 @@ const CLEFT: f64 = 0.5;
 /// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
 const CURLED: f64 = 1.5;
 const FAR: f64 = 8.0;
+/// A node within this share of the radius of a branch is in its middle.
+const TWIN: f64 = 0.5;
 /// Rounds of drawing them to their neighbours.
 const ROUNDS: usize = 20;
 
@@ -183,7 +185,20 @@ fn align(net: &mut CurveNet, around: &Incidence, inside: &WindingTree) {
     net.points = (0..net.points.len()).into_par_iter().map(moved).collect();
 }
 
-/// Leaf branches that stay in the ball of their branching go, the shortest of each branching first.
+/// Whether a leaf branch runs back in the middle of another: all of its nodes are near segments that are not its own.
+fn is_twin(net: &CurveNet, branch: &[u32]) -> bool {
+    let others = || net.edges.iter().filter(|e| !e.iter().any(|v| branch.contains(v)));
+    let is_near = |p: DVec3| {
+        others().any(|&[a, b]| {
+            let [a, b] = [a, b].map(|v| v as usize);
+            let on = closest_on_triangle(p, [net.points[a], net.points[b], net.points[b]]);
+            on.distance(p) < TWIN * net.radii[a].max(net.radii[b])
+        })
+    };
+    branch.iter().all(|&v| is_near(net.points[v as usize]))
+}
+
+/// Leaf branches that stay in the ball of their branching or in the middle of another branch go, the shortest of each branching first.
 fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
     loop {
         let around = net.incidence();
@@ -194,7 +209,8 @@ fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
             let centre = net.points[fork as usize];
             let reach = branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max);
             let best = &mut shortest[fork as usize];
-            if reach < net.radii[fork as usize] && best.as_ref().is_none_or(|b| reach < b.0) {
+            if (reach < net.radii[fork as usize] || is_twin(net, &branch)) && best.as_ref().is_none_or(|b| reach < b.0)
+            {
                 *best = Some((reach, branch));
             }
         }
@@ -228,5 +244,24 @@ fn branch_to_fork(around: &Incidence, tip: u32) -> Option<(Vec<u32>, u32)> {
             _ => return Some((branch, node)),
         }
         edge = around.of(node).iter().find(|e| e[0] != id)?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A trunk along x, and a leaf branch of its middle that runs back beside it, or away from it.
+    #[test]
+    fn a_branch_that_runs_back_goes_and_one_that_leaves_stays() {
+        for (to, left) in [(DVec3::new(-1.0, 0.1, 0.0), 9), (DVec3::new(0.3, 1.0, 0.0), 12)] {
+            let mut points: Vec<DVec3> = (0..9).map(|k| DVec3::X * f64::from(k)).collect();
+            points.extend((1..=3).map(|k| DVec3::X * 4.0 + to * f64::from(k)));
+            let mut edges: Vec<[u32; 2]> = (1..9).map(|k| [k - 1, k]).collect();
+            edges.extend([[4, 9], [9, 10], [10, 11]]);
+            let mut net = CurveNet::new(points, vec![1.2; 12], edges);
+            drop_stubs(&mut net, &mut [0; 0]);
+            assert_eq!(net.points.len(), left);
+        }
     }
 }

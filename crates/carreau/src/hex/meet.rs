@@ -1,0 +1,115 @@
+//! Where many branches meet: their common point is where their lines come closest to each other.
+//!
+//! Tubes that leave one point side by side part far from it, and the curves of a skeleton run together on the way. When
+//! such branchings are merged, their middle is not the point that the tubes aim at:
+//!
+//! ```text
+//!     ╲    ╱            ╲    ╱
+//!      ╲  ╱              ╲  ╱
+//!       ╲╱       →        ╲╱        the lines of the branches, where these are apart, meet in v
+//!    ────v───          ───v────
+//! ```
+
+use super::fit::Target;
+use crate::mesh::{Branch, CurveNet, branches};
+use glam::{DMat3, DVec3};
+
+/// So many branches and more.
+const MANY: usize = 4;
+/// The line of a branch is that of its nodes between so many radii of the branching from it; one that ends before says
+/// nothing.
+const FROM: f64 = 4.0;
+const TO: f64 = 8.0;
+/// Weight of the place where the branching is, against that of a branch's line.
+const STAY: f64 = 0.05;
+/// The new place has at least this share of the room of the old one.
+const ROOM: f64 = 0.7;
+
+/// Moves branchings of many branches to where the lines of these meet, and straightens the branches up to there.
+pub fn meet(net: &mut CurveNet, target: &Target) {
+    let around = net.incidence();
+    let all = branches(net, &around);
+    for v in (0..net.points.len() as u32).filter(|&v| around.valence(v) >= MANY) {
+        let from = net.points[v as usize];
+        let room = target.distance(from);
+        let ways: Vec<Vec<u32>> = all.iter().flat_map(|b| leaving(b, v)).collect();
+        let lines: Vec<(DVec3, DVec3)> = ways.iter().filter_map(|w| line(net, w, room)).collect();
+        if lines.len() < MANY {
+            continue;
+        }
+        let Some(to) = nearest_to(&lines, from) else { continue };
+        if !target.contains(to) || target.distance(to) < ROOM * room {
+            continue;
+        }
+        net.points[v as usize] = to;
+        for way in &ways {
+            straighten(net, way, room, target);
+        }
+    }
+}
+
+/// The nodes of a branch as seen from a node, once for each end that is there.
+fn leaving(branch: &Branch, v: u32) -> Vec<Vec<u32>> {
+    let mut ways = Vec::new();
+    if branch.nodes.first() == Some(&v) {
+        ways.push(branch.nodes.clone());
+    }
+    if branch.nodes.last() == Some(&v) {
+        ways.push(branch.nodes.iter().rev().copied().collect());
+    }
+    ways
+}
+
+/// A point and the direction of the line of a branch where it has left the branching.
+fn line(net: &CurveNet, way: &[u32], room: f64) -> Option<(DVec3, DVec3)> {
+    let from = net.points[way[0] as usize];
+    let points = way[1..].iter().map(|&v| net.points[v as usize]);
+    let part: Vec<DVec3> =
+        points.skip_while(|p| p.distance(from) < FROM * room).take_while(|p| p.distance(from) < TO * room).collect();
+    let (first, last) = (part.first()?, part.last()?);
+    let middle = part.iter().sum::<DVec3>() / part.len() as f64;
+    let direction = if part.len() > 1 { *last - *first } else { *first - from };
+    Some((middle, direction.try_normalize()?))
+}
+
+/// The point with the least sum of squared distances from lines.
+fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
+    let mut matrix = DMat3::IDENTITY * STAY;
+    let mut right = stay * STAY;
+    for &(p, d) in lines {
+        let across = DMat3::IDENTITY - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+        matrix += across;
+        right += across * p;
+    }
+    let point = matrix.inverse() * right;
+    point.is_finite().then_some(point)
+}
+
+/// Nodes of a branch before it has left the branching go onto the line from there, where they keep their room.
+fn straighten(net: &mut CurveNet, way: &[u32], room: f64, target: &Target) {
+    let from = net.points[way[0] as usize];
+    let at = |k: usize| net.points[way[k] as usize];
+    let Some(end) = (1..way.len()).find(|&k| at(k).distance(from) > FROM * room) else { return };
+    let on = |k: usize| from.lerp(at(end), k as f64 / end as f64);
+    let fits = |k: usize| target.contains(on(k)) && target.distance(on(k)) > ROOM * target.distance(at(k));
+    if (1..end).all(fits) {
+        let points: Vec<DVec3> = (1..end).map(on).collect();
+        points.into_iter().zip(&way[1..]).for_each(|(p, &v)| net.points[v as usize] = p);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_meet_where_they_aim_at() {
+        let aim = DVec3::new(0.1, -0.2, 0.3);
+        let directions = [DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 1.0), DVec3::new(-1.0, 0.2, 0.0)];
+        let lines = directions.map(|d| (aim + 3.0 * d, d.normalize()));
+        assert!(nearest_to(&lines, aim + 0.1).unwrap().distance(aim) < 0.02);
+        // Lines side by side say nothing along them.
+        let stay = nearest_to(&[(DVec3::Y, DVec3::X); 3], DVec3::X).unwrap();
+        assert!(stay.distance(DVec3::new(1.0, 1.0, 0.0)) < 0.1, "{stay}");
+    }
+}
