@@ -22,6 +22,8 @@ const LONGEST: f64 = 1.6;
 /// Segments longer than this, in radii, are halved, at most so many times.
 const UNEVEN: f64 = 3.0;
 const EVENINGS: usize = 3;
+/// Fewer than one of so many vertices that cannot be put onto the surface are worth a second try.
+const FEW: usize = 100;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
 /// have no room for cells; but those of a tree do.
@@ -80,10 +82,18 @@ pub fn from_surface(
             break;
         }
     }
-    let Some(coarse) = best else { return Err(Error::Numeric("no cells were made".into())) };
+    let Some(mut coarse) = best else { return Err(Error::Numeric("no cells were made".into())) };
+    let mut left = coarse.fitted(&target, context)?;
+    // Halved segments have flat cells, which may be in each other's way.
+    if coarse.is_even && (1..coarse.tube.points.len() / FEW).contains(&left) {
+        let mut uneven = Coarse::new(coarse.uneven(), &target, context)?;
+        let left_uneven = uneven.fitted(&target, context)?;
+        if left_uneven < left {
+            (coarse, left) = (uneven, left_uneven);
+        }
+    }
     let Coarse { net, mut tube, options, lid_of, .. } = coarse;
     warnings.extend(coarse.warnings);
-    let left = fitted(&mut tube, &lid_of, &target, &options, context)?;
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
@@ -131,6 +141,8 @@ struct Coarse {
     off: f64,
     /// Sum of the mean distances from the boundary to the surface and back: the less, the better the skeleton.
     mean: f64,
+    /// Whether segments were halved for their length.
+    is_even: bool,
 }
 
 impl Coarse {
@@ -139,14 +151,18 @@ impl Coarse {
         if self.left > 0 { STUCK * self.mean } else { self.mean }
     }
 
+    /// The same before cells were made, which will not be halved.
+    fn uneven(&self) -> Ready {
+        let (net, options) = (self.net.clone(), self.options.clone());
+        Ready { net, options, lid_of: self.lid_of.clone(), evenly: false, warnings: self.warnings.clone() }
+    }
+
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, mut warnings } = ready;
         let base = super::valid_base(&net, Nodes::Drawn, context)?;
         super::warn_of_poor(&base, &mut warnings);
         let mut tube = padded(&net, &base, &options, &PASSING, Nodes::Drawn, context)?;
-        if evenly {
-            even_out(&mut tube, &net);
-        }
+        let is_even = evenly && even_out(&mut tube, &net);
         let _stage = context.stage("fit");
         let skin = Skin::new(&tube.hexes, &tube.caps, &lid_of);
         let TubeMesh { points, hexes, .. } = &mut tube;
@@ -159,22 +175,68 @@ impl Coarse {
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { net, tube, options, lid_of, warnings, left, off, mean })
+        Ok(Coarse { net, tube, options, lid_of, warnings, left, off, mean, is_even })
+    }
+
+    /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns how
+    /// many vertices could not be put onto it.
+    fn fitted(&mut self, target: &Target, context: &Context) -> Result<usize> {
+        let stage = context.stage("fit");
+        let Coarse { tube, options, lid_of, .. } = self;
+        let levels = options.refine_across().max(options.refine_along);
+        let mut left = 0;
+        for level in 0..=levels {
+            stage.step(level as usize, levels as usize + 1)?;
+            if level > 0 {
+                if level <= options.refine_across() {
+                    tube.refine_across();
+                }
+                if level <= options.refine_along {
+                    tube.refine_along(|_| true);
+                }
+            }
+            let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
+            let TubeMesh { points, hexes, .. } = tube;
+            let mut optimiser = Optimiser::new(points, hexes);
+            if level > 0 {
+                fit::pull(&mut optimiser, points, &skin, target, &NEXT, context)?;
+            }
+            if level == levels {
+                fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
+                // What cannot be put onto the surface at once may have room when its neighbours are there.
+                for (attempt, kept) in KEPT.into_iter().enumerate() {
+                    let free = fit::snap(&optimiser, points, &skin, target, kept);
+                    left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
+                    if left == 0 || attempt + 1 == KEPT.len() {
+                        optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
+                        break;
+                    }
+                    optimiser.fix(free.iter().map(|f| !f).collect());
+                    fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
+                    optimiser.fix(vec![false; free.len()]);
+                }
+                optimiser.tie(Vec::new());
+                optimiser.run(points, &super::optimise::INNER, context)?;
+            }
+        }
+        Ok(left)
     }
 }
 
 /// Segments much longer than thick, as those of a narrow fork are by the first-ring rule, are halved along: their cells
-/// must reach into the cleft between the tubes.
-fn even_out(tube: &mut TubeMesh, net: &CurveNet) {
+/// must reach into the cleft between the tubes. Returns whether there are any.
+fn even_out(tube: &mut TubeMesh, net: &CurveNet) -> bool {
     let ratio = |e: usize| {
         let [a, b] = net.edges[e].map(|v| net.radii[v as usize] / INSIDE);
         net.length(e) / (0.5 * (a + b)).max(1e-300)
     };
     let mut ratios: Vec<f64> = (0..net.edges.len()).map(ratio).collect();
+    let is_uneven = ratios.iter().any(|&r| r > UNEVEN);
     for _ in 0..EVENINGS {
         tube.refine_along(|e| ratios[e as usize] > UNEVEN);
         ratios.iter_mut().filter(|r| **r > UNEVEN).for_each(|r| *r *= 0.5);
     }
+    is_uneven
 }
 
 /// The surface closed, and a skeleton.
@@ -271,54 +333,6 @@ fn mean_radius(net: &CurveNet) -> f64 {
     let sum = |f: &dyn Fn(usize) -> f64| (0..net.edges.len()).map(|e| f(e) * net.length(e)).sum::<f64>();
     let radius = |e: usize| net.edges[e].iter().map(|&v| 0.5 * net.radii[v as usize]).sum::<f64>();
     sum(&radius) / sum(&|_| 1.0)
-}
-
-/// Coarse cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns the vertices that could not be put onto it.
-fn fitted(
-    tube: &mut TubeMesh,
-    lid_of: &[u32],
-    target: &Target,
-    options: &HexOptions,
-    context: &Context,
-) -> Result<usize> {
-    let stage = context.stage("fit");
-    let levels = options.refine_across().max(options.refine_along);
-    let mut left = 0;
-    for level in 0..=levels {
-        stage.step(level as usize, levels as usize + 1)?;
-        if level > 0 {
-            if level <= options.refine_across() {
-                tube.refine_across();
-            }
-            if level <= options.refine_along {
-                tube.refine_along(|_| true);
-            }
-        }
-        let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
-        let TubeMesh { points, hexes, .. } = tube;
-        let mut optimiser = Optimiser::new(points, hexes);
-        if level > 0 {
-            fit::pull(&mut optimiser, points, &skin, target, &NEXT, context)?;
-        }
-        if level == levels {
-            fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
-            // What cannot be put onto the surface at once may have room when its neighbours are there.
-            for (attempt, kept) in KEPT.into_iter().enumerate() {
-                let free = fit::snap(&optimiser, points, &skin, target, kept);
-                left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
-                if left == 0 || attempt + 1 == KEPT.len() {
-                    optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
-                    break;
-                }
-                optimiser.fix(free.iter().map(|f| !f).collect());
-                fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
-                optimiser.fix(vec![false; free.len()]);
-            }
-            optimiser.tie(Vec::new());
-            optimiser.run(points, &super::optimise::INNER, context)?;
-        }
-    }
-    Ok(left)
 }
 
 const FIRST: Rise = Rise { strength: [0.05, 100.0], rounds: 9, power: 1, iterations: 30 };

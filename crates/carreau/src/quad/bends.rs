@@ -27,8 +27,9 @@ const BEND_DEG: f64 = 8.0;
 const REACH: f64 = 0.55;
 /// What has to be left of the edges beside it: two bends next to each other do not both get a vertex.
 const LEFT: f64 = 0.35;
-/// A move may worsen quads down to this scaled Jacobian: bends of two features side by side may be out of step.
-const FAIR: f64 = 0.15;
+/// Moves that leave a quad worse than this scaled Jacobian are taken back: bends of two features side by side may be out of
+/// step. Both have to be there before it shows.
+const FAIR: f64 = 0.2;
 /// Rounds in which the vertices between bends become evenly spaced.
 const EVEN: usize = 8;
 
@@ -38,10 +39,19 @@ struct Bead {
     beside: [u32; 2],
 }
 
+/// A vertex that has moved, with where and how it was.
+struct Moved {
+    vertex: u32,
+    from: DVec3,
+    place: Place,
+    worst: f64,
+}
+
 /// Moves vertices on curves to bends of the source, where the quads around allow it.
 pub fn follow(work: &mut Work, around: &Around, source: &Source) {
     let mut beads = beads(work, around);
     let bends = bends(source);
+    let mut moved = Vec::new();
     for (curve, beads) in &mut beads {
         let Some(bends) = bends.get(curve) else { continue };
         let from_beside = |bead: &Bead, p: DVec3, points: &[DVec3]| {
@@ -57,15 +67,14 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) {
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut taken = vec![false; bends.len()];
         for (_, k, b) in pairs {
-            let (v, to) = (beads[k].vertex, bends[b]);
-            if taken[b] || work.place[v as usize] == Place::Fixed {
-                continue;
-            }
-            let has_room = from_beside(&beads[k], to, &work.points) >= LEFT * edges[k];
-            if has_room && worst(work, around, v, to) >= worst(work, around, v, work.points[v as usize]).min(FAIR) {
+            let (v, to) = (beads[k].vertex as usize, bends[b]);
+            let is_free = !taken[b] && work.place[v] != Place::Fixed;
+            if is_free && from_beside(&beads[k], to, &work.points) >= LEFT * edges[k] {
+                let (from, place) = (work.points[v], work.place[v]);
+                moved.push(Moved { vertex: v as u32, from, place, worst: worst(work, around, v as u32, from) });
                 taken[b] = true;
-                work.points[v as usize] = to;
-                work.place[v as usize] = Place::Fixed;
+                work.points[v] = to;
+                work.place[v] = Place::Fixed;
             }
         }
         beads.retain(|bead| work.place[bead.vertex as usize] != Place::Fixed);
@@ -74,6 +83,13 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) {
                 let mean = (work.points[*a as usize] + work.points[*b as usize]) / 2.0;
                 work.points[*vertex as usize] = work.put_back(source, *vertex, mean);
             }
+        }
+    }
+    for Moved { vertex, from, place, worst: before } in moved {
+        let now = worst(work, around, vertex, work.points[vertex as usize]);
+        if now < before.min(FAIR) && worst(work, around, vertex, from) > now {
+            work.points[vertex as usize] = from;
+            work.place[vertex as usize] = place;
         }
     }
 }
