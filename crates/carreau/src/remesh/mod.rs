@@ -9,7 +9,7 @@
 //! | polygons that are not plane | `warped` | – |
 //! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | the surface: normals, radii, walking | `support` | Part I |
-//! | size map, gradation, lengths | `source`, `size`, `rings` | §3, remark; H-shock |
+//! | size map, gradation, lengths | `source`, `size` | §3, remark; H-shock |
 //! | edges longer where the surface bends less | `anisotropy` | announced |
 //! | the mesh at work | `work` | – |
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
@@ -44,7 +44,6 @@ mod output;
 mod polish;
 mod quality;
 mod relocate;
-mod rings;
 mod search;
 mod size;
 mod source;

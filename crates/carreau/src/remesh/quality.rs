@@ -98,7 +98,7 @@ impl RemeshQuality {
     pub fn with_distance(mut self, source: &SurfaceMesh, result: &SurfaceMesh, context: &Context) -> Result<Self> {
         // A fine mesh has a vertex wherever the distance may be largest, and all vertices are looked at.
         let refinements = (REFINED / source.face_count().max(1)).clamp(2_000, 50_000);
-        let options = DistanceOptions { samples: 20_000, refinements, normals: false };
+        let options = DistanceOptions { samples: 40_000, refinements, normals: false };
         let found = compare(source, result, &options, context)?;
         self.distance_max = Some(found.relative.max);
         self.distance_rms = Some(found.relative.rms);
