@@ -1,6 +1,7 @@
 //! Quadrics: sums of squared distances to planes (Garland and Heckbert, "Surface simplification using quadric error metrics",
 //! SIGGRAPH 1997).
 
+use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 
 /// Sum of squared distances to planes: pᵀ A p + 2 bᵀ p + c, and of their weights.
@@ -20,8 +21,7 @@ impl Quadric {
     /// The plane through `p` with unit normal `n`.
     pub fn plane(p: DVec3, n: DVec3, weight: f64) -> Self {
         let d = -n.dot(p);
-        let a = DMat3::from_cols(n * n.x, n * n.y, n * n.z) * weight;
-        Quadric { a, b: n * (d * weight), c: d * d * weight, weight }
+        Quadric { a: outer(n) * weight, b: n * (d * weight), c: d * d * weight, weight }
     }
 
     /// Takes in another sum.

@@ -359,8 +359,8 @@ pub fn pull(
     Ok(())
 }
 
-/// Puts the boundary onto the surface as far as all cells stay certified and keep a share of their quality, `kept`; says of every
-/// vertex whether it is inside, or could not be put there.
+/// Puts the boundary onto the surface as far as all cells stay certified and keep a share of their quality, `kept`; says of
+/// every vertex whether it is inside, or could not be put there.
 pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &Target, kept: f64) -> Vec<bool> {
     let start = points.to_vec();
     let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| kept * q).collect();

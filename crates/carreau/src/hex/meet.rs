@@ -12,6 +12,7 @@
 
 use super::fit::Target;
 use crate::mesh::{Branch, CurveNet, branches};
+use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 
 /// So many branches and more.
@@ -77,7 +78,7 @@ fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
     let mut matrix = DMat3::IDENTITY * STAY;
     let mut right = stay * STAY;
     for &(p, d) in lines {
-        let across = DMat3::IDENTITY - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+        let across = DMat3::IDENTITY - outer(d);
         matrix += across;
         right += across * p;
     }

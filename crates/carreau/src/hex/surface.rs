@@ -71,7 +71,7 @@ pub fn from_surface(
             left = tried.left,
             off = tried.off,
             mean = tried.mean,
-            segments = tried.net.edges.len(),
+            segments = tried.ready.net.edges.len(),
             "coarse cells"
         );
         let fits = tried.left == 0 && tried.off < WELL * closed.mesh.diagonal();
@@ -86,14 +86,15 @@ pub fn from_surface(
     let mut left = coarse.fitted(&target, context)?;
     // Halved segments have flat cells, which may be in each other's way.
     if coarse.is_even && (1..coarse.tube.points.len() / FEW).contains(&left) {
-        let mut uneven = Coarse::new(coarse.uneven(), &target, context)?;
+        let mut uneven = Coarse::new(Ready { evenly: false, ..coarse.ready.clone() }, &target, context)?;
         let left_uneven = uneven.fitted(&target, context)?;
         if left_uneven < left {
             (coarse, left) = (uneven, left_uneven);
         }
     }
-    let Coarse { net, mut tube, options, lid_of, .. } = coarse;
-    warnings.extend(coarse.warnings);
+    let Ready { net, options, lid_of, .. } = coarse.ready;
+    let mut tube = coarse.tube;
+    warnings.extend(coarse.ready.warnings.into_iter().chain(coarse.warnings));
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
@@ -104,6 +105,7 @@ pub fn from_surface(
 }
 
 /// The skeleton made ready for cells.
+#[derive(Clone)]
 struct Ready {
     net: CurveNet,
     /// The options with the levels of halving that the size asks for.
@@ -129,10 +131,9 @@ impl Ready {
 
 /// The skeleton made ready, and the coarsest cells about it, drawn to the surface.
 struct Coarse {
-    net: CurveNet,
+    ready: Ready,
     tube: TubeMesh,
-    options: HexOptions,
-    lid_of: Vec<u32>,
+    /// Of the cells.
     warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
     left: usize,
@@ -151,38 +152,33 @@ impl Coarse {
         if self.left > 0 { STUCK * self.mean } else { self.mean }
     }
 
-    /// The same before cells were made, which will not be halved.
-    fn uneven(&self) -> Ready {
-        let (net, options) = (self.net.clone(), self.options.clone());
-        Ready { net, options, lid_of: self.lid_of.clone(), evenly: false, warnings: self.warnings.clone() }
-    }
-
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
-        let Ready { net, options, lid_of, evenly, mut warnings } = ready;
-        let base = super::valid_base(&net, Nodes::Drawn, context)?;
+        let Ready { net, options, lid_of, evenly, .. } = &ready;
+        let mut warnings = Vec::new();
+        let base = super::valid_base(net, Nodes::Drawn, context)?;
         super::warn_of_poor(&base, &mut warnings);
-        let mut tube = padded(&net, &base, &options, &PASSING, Nodes::Drawn, context)?;
-        let is_even = evenly && even_out(&mut tube, &net);
+        let mut tube = padded(net, &base, options, &PASSING, Nodes::Drawn, context)?;
+        let is_even = *evenly && even_out(&mut tube, net);
         let _stage = context.stage("fit");
-        let skin = Skin::new(&tube.hexes, &tube.caps, &lid_of);
+        let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
         let TubeMesh { points, hexes, .. } = &mut tube;
         let mut optimiser = Optimiser::new(points, hexes);
         fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
         let free = fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT[0]);
-        let left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
+        let left = stuck(&free, &skin);
         let is_valid = optimiser.is_valid(points);
         let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { net, tube, options, lid_of, warnings, left, off, mean, is_even })
+        Ok(Coarse { ready, tube, warnings, left, off, mean, is_even })
     }
 
     /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns how
     /// many vertices could not be put onto it.
     fn fitted(&mut self, target: &Target, context: &Context) -> Result<usize> {
         let stage = context.stage("fit");
-        let Coarse { tube, options, lid_of, .. } = self;
+        let Coarse { tube, ready: Ready { options, lid_of, .. }, .. } = self;
         let levels = options.refine_across().max(options.refine_along);
         let mut left = 0;
         for level in 0..=levels {
@@ -206,7 +202,7 @@ impl Coarse {
                 // What cannot be put onto the surface at once may have room when its neighbours are there.
                 for (attempt, kept) in KEPT.into_iter().enumerate() {
                     let free = fit::snap(&optimiser, points, &skin, target, kept);
-                    left = (0..free.len()).filter(|&v| free[v] && skin.has(v)).count();
+                    left = stuck(&free, &skin);
                     if left == 0 || attempt + 1 == KEPT.len() {
                         optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
                         break;
@@ -221,6 +217,11 @@ impl Coarse {
         }
         Ok(left)
     }
+}
+
+/// How many boundary vertices could not be put onto the surface, of those that were left free.
+fn stuck(free: &[bool], skin: &Skin) -> usize {
+    (0..free.len()).filter(|&v| free[v] && skin.has(v)).count()
 }
 
 /// Segments much longer than thick, as those of a narrow fork are by the first-ring rule, are halved along: their cells

@@ -33,12 +33,6 @@ const FAIR: f64 = 0.2;
 /// Rounds in which the vertices between bends become evenly spaced.
 const EVEN: usize = 8;
 
-/// A vertex inside a curve, with its two neighbours there.
-struct Bead {
-    vertex: u32,
-    beside: [u32; 2],
-}
-
 /// A vertex that has moved, with where and how it was.
 struct Moved {
     vertex: u32,
@@ -50,38 +44,35 @@ struct Moved {
 /// Moves vertices on curves to bends of the source, where the quads around allow it.
 pub fn follow(work: &mut Work, around: &Around, source: &Source) {
     let mut beads = beads(work, around);
-    let bends = bends(source);
     let mut moved = Vec::new();
     for (curve, beads) in &mut beads {
-        let Some(bends) = bends.get(curve) else { continue };
-        let from_beside = |bead: &Bead, p: DVec3, points: &[DVec3]| {
-            bead.beside.map(|w| points[w as usize].distance(p)).into_iter().fold(f64::INFINITY, f64::min)
-        };
-        let here = |bead: &Bead| work.points[bead.vertex as usize];
-        let edges: Vec<f64> = beads.iter().map(|bead| from_beside(bead, here(bead), &work.points)).collect();
+        let Some(bends) = source.bends.get(curve) else { continue };
+        let edges: Vec<f64> = beads.iter().map(|&v| around.shortest_edge(work, v, work.points[v as usize])).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-        for (k, bead) in beads.iter().enumerate() {
-            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(here(bead)), k, b));
+        for (k, &v) in beads.iter().enumerate() {
+            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(work.points[v as usize]), k, b));
             pairs.extend(near.filter(|pair| pair.0 <= REACH * edges[k]));
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut taken = vec![false; bends.len()];
         for (_, k, b) in pairs {
-            let (v, to) = (beads[k].vertex as usize, bends[b]);
+            let (vertex, to) = (beads[k], bends[b]);
+            let v = vertex as usize;
             let is_free = !taken[b] && work.place[v] != Place::Fixed;
-            if is_free && from_beside(&beads[k], to, &work.points) >= LEFT * edges[k] {
+            if is_free && around.shortest_edge(work, vertex, to) >= LEFT * edges[k] {
                 let (from, place) = (work.points[v], work.place[v]);
-                moved.push(Moved { vertex: v as u32, from, place, worst: worst(work, around, v as u32, from) });
+                moved.push(Moved { vertex, from, place, worst: worst(work, around, vertex, from) });
                 taken[b] = true;
                 work.points[v] = to;
                 work.place[v] = Place::Fixed;
             }
         }
-        beads.retain(|bead| work.place[bead.vertex as usize] != Place::Fixed);
+        beads.retain(|&v| work.place[v as usize] != Place::Fixed);
         for _ in 0..EVEN {
-            for Bead { vertex, beside: [a, b] } in &*beads {
-                let mean = (work.points[*a as usize] + work.points[*b as usize]) / 2.0;
-                work.points[*vertex as usize] = work.put_back(source, *vertex, mean);
+            for &v in &*beads {
+                let ends = around.neighbours[v as usize].iter().map(|&w| work.points[w as usize]);
+                let mean = ends.sum::<DVec3>() / 2.0;
+                work.points[v as usize] = work.put_back(source, v, mean);
             }
         }
     }
@@ -94,23 +85,25 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) {
     }
 }
 
-/// The vertices inside of every curve, in their order.
-fn beads(work: &Work, around: &Around) -> BTreeMap<u32, Vec<Bead>> {
-    let mut of_curve: BTreeMap<u32, Vec<Bead>> = BTreeMap::new();
-    for (vertex, place) in (0u32..).zip(&work.place) {
-        if let (Place::Curve(curve), &[a, b]) = (place, &*around.neighbours[vertex as usize]) {
-            of_curve.entry(*curve).or_default().push(Bead { vertex, beside: [a, b] });
+/// The vertices inside of every curve, which have two neighbours there, in their order.
+fn beads(work: &Work, around: &Around) -> BTreeMap<u32, Vec<u32>> {
+    let mut of_curve: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (v, place) in (0u32..).zip(&work.place) {
+        if let Place::Curve(curve) = place
+            && around.neighbours[v as usize].len() == 2
+        {
+            of_curve.entry(*curve).or_default().push(v);
         }
     }
     of_curve
 }
 
-/// The points inside of every curve of the source where it bends.
-fn bends(source: &Source) -> FxHashMap<u32, Vec<DVec3>> {
-    let point = |v: u32| source.surface.mesh.points()[v as usize];
+/// The points inside of every curve where it bends; `edges` by their ends, with the curve of each.
+pub fn bends(points: &[DVec3], edges: &[[u32; 2]], curve: &[u32]) -> FxHashMap<u32, Vec<DVec3>> {
+    let point = |v: u32| points[v as usize];
     let mut arms: FxHashMap<(u32, u32), Vec<u32>> = FxHashMap::default();
     let mut order = Vec::new();
-    for (&[a, b], &curve) in source.edges.iter().zip(&source.curve) {
+    for (&[a, b], &curve) in edges.iter().zip(curve) {
         for (v, w) in [(a, b), (b, a)] {
             let list = arms.entry((curve, v)).or_default();
             if list.is_empty() {

@@ -9,9 +9,9 @@
 //!  ╱        ╲         v╱      ╲v
 //! ```
 //!
-//! Where there is but one plane nothing moves.
+//! Along the planes it goes to the mean of its neighbours.
 
-use super::smooth::{Around, SHARES, worst};
+use super::smooth::{Around, GOOD, SHARES, worst};
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -24,9 +24,8 @@ const ROUNDS: usize = 8;
 /// Where the surface beneath a quarter of a quad is looked at, along its sides: a little farther than to the middle, or what
 /// is there would be nobody's.
 const SAMPLES: [f64; 3] = [0.1, 0.33, 0.56];
-/// A move may worsen quads down to this scaled Jacobian; down to the other where more than this share of the diagonal would
-/// be cut off.
-const GOOD: f64 = 0.75;
+/// A move may worsen quads down to this scaled Jacobian, worse than in smoothing, where more than this share of the diagonal
+/// would be cut off.
 const FAIR: f64 = 0.4;
 const FAR: f64 = 0.0015;
 /// Directions that the planes hold by less than this share of their weight are left to the neighbours: those across a ridge
@@ -56,7 +55,7 @@ pub fn fit(work: &mut Work, around: &Around, source: &Source, context: &Context)
 fn settled(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -> Option<DVec3> {
     let from = work.points[v as usize];
     let neighbours = || around.neighbours[v as usize].iter().map(|&w| work.points[w as usize]);
-    let shortest = |p: DVec3| neighbours().map(|w| w.distance(p)).fold(f64::INFINITY, f64::min);
+    let shortest = |p: DVec3| around.shortest_edge(work, v, p);
     let count = neighbours().count() as f64;
     let mean = neighbours().sum::<DVec3>() / count - from;
     let length = neighbours().map(|w| w.distance(from)).sum::<f64>() / count;

@@ -288,8 +288,8 @@ impl Layout {
         let turns: f64 = (1..run.len()).map(turn).sum();
         // A chord of length l that turns by a is a l / 8 away from its arc.
         let way: f64 = run.iter().map(|&h| sheet.along(h).length()).sum();
-        let least = (turns / MOST_TURN).max((turns * way / (8.0 * sag)).sqrt()).ceil() as i64;
-        let least = closed.max(least);
+        let by_sag = (turns * way / (8.0 * sag)).sqrt();
+        let least = closed.max((turns / MOST_TURN).max(by_sag).ceil() as i64);
         let mut stations = vec![0.0];
         for (k, &h) in run.iter().enumerate() {
             // Half of a turn belongs to the edge before it.

@@ -185,7 +185,8 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rungs 1 and 2: the attempt that stays on the surface with the fewest irregular vertices; `None` where none comes to an end or the validator refuses.
+/// Rungs 1 and 2: the attempt that stays on the surface with the fewest irregular vertices; `None` where none comes to an end
+/// or the validator refuses.
 fn first(
     source: &Source,
     options: &QuadOptions,

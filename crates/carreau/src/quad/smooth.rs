@@ -13,7 +13,7 @@ use glam::DVec3;
 
 const SWEEPS: usize = 20;
 /// A move may worsen quads down to this scaled Jacobian.
-const GOOD: f64 = 0.75;
+pub const GOOD: f64 = 0.75;
 /// Shares of the way that are tried.
 pub const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 /// Vertices with a worse quad are looked after, in so many rounds, with steps that start at this share of their edges.
@@ -57,6 +57,12 @@ impl Around {
             }
         }
         around
+    }
+
+    /// How near a vertex would be to its neighbours.
+    pub fn shortest_edge(&self, work: &Work, v: u32, at: DVec3) -> f64 {
+        let neighbours = self.neighbours[v as usize].iter();
+        neighbours.map(|&w| work.points[w as usize].distance(at)).fold(f64::INFINITY, f64::min)
     }
 
     /// Unit normal at a vertex; zero where its quads look everywhere.

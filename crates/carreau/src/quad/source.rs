@@ -1,5 +1,6 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
+use super::bends::bends;
 use super::junction::meeting_borders;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -8,6 +9,7 @@ use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 /// A curve bends more than this at a corner, in degrees.
 const CORNER_DEG: f64 = 35.0;
@@ -29,6 +31,8 @@ pub struct Source {
     /// All feature edges, and those of every curve, as flat triangles.
     all_curves: TriangleTree,
     curves: Vec<(Vec<u32>, TriangleTree)>,
+    /// Where every curve bends inside.
+    pub bends: FxHashMap<u32, Vec<DVec3>>,
     /// Curves with the same region on both sides.
     pub is_seam: Vec<bool>,
 }
@@ -73,6 +77,7 @@ impl Source {
         let every: Vec<u32> = (0..edges.len() as u32).collect();
         Ok(Source {
             diagonal: mesh.diagonal(),
+            bends: bends(mesh.points(), &edges, &curve),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
             normals: face_normals(mesh),
             all_curves: line(every).1,

@@ -12,6 +12,7 @@
 use super::curves::Rank;
 use super::support::{Support, rounds};
 use crate::mesh::EditMesh;
+use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -45,8 +46,7 @@ pub fn stretches(support: &Support, bend: &[DVec3], rank: &[Rank], beta: Option<
 fn averaged(support: &Support, bend: &[DVec3], rank: &[Rank]) -> Vec<DMat3> {
     let mesh = &support.mesh;
     let wanted = rounds(mesh, &support.size, SHARE, ROUNDS);
-    let outer = |w: &DVec3| DMat3::from_cols(*w * w.x, *w * w.y, *w * w.z);
-    let mut tensor: Vec<DMat3> = bend.iter().map(outer).collect();
+    let mut tensor: Vec<DMat3> = bend.iter().map(|&w| outer(w)).collect();
     for round in 0..wanted.iter().copied().max().unwrap_or(0) {
         let mean = |v: u32| {
             if wanted[v as usize] <= round || rank[v as usize] != Rank::Free || !mesh.is_vertex(v) {

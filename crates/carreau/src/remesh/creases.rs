@@ -102,6 +102,18 @@ impl Work<'_> {
         curve
     }
 
+    /// Strain of an outer edge of a cavity whose own face had the normal `old` and has `new`, before and after.
+    fn strain_of_link(&self, limits: Dihedral, link: u32, old: DVec3, new: DVec3) -> (Strain, Strain) {
+        let outer = self.mesh.opposite(link);
+        if outer == NONE {
+            return Default::default();
+        }
+        let [a, b, c] = self.mesh.positions(outer / 3);
+        let there = unit(triangle_area_vector(a, b, c));
+        let of = |normal: DVec3| self.strain(limits, self.mesh.curve(link), normal, there);
+        (of(old), of(new))
+    }
+
     /// Strain of the two triangles of an edge and their neighbours, before and after it is flipped.
     pub fn strain_of_flip(&self, h: u32) -> (Strain, Strain) {
         let Some(limits) = self.limits.dihedral else { return Default::default() };
@@ -120,13 +132,8 @@ impl Work<'_> {
             (previous(o), old_o, new_b),
         ];
         for (side, old, new) in sides {
-            let outer = mesh.opposite(side);
-            if outer != NONE {
-                let [p, q, r] = mesh.positions(outer / 3);
-                let there = normal(p, q, r);
-                before = before.max(self.strain(limits, mesh.curve(side), old, there));
-                after = after.max(self.strain(limits, mesh.curve(side), new, there));
-            }
+            let (was, is) = self.strain_of_link(limits, side, old, new);
+            (before, after) = (before.max(was), after.max(is));
         }
         (before, after)
     }
@@ -145,13 +152,8 @@ impl Work<'_> {
             let (old, at_tail, at_head) = (normal(a, b, c), normal(a, p, c), normal(p, b, c));
             after = after.max(self.strain(limits, NONE, at_tail, at_head));
             for (link, new) in [(next(side), at_head), (previous(side), at_tail)] {
-                let outer = mesh.opposite(link);
-                if outer != NONE {
-                    let [x, y, z] = mesh.positions(outer / 3);
-                    let there = normal(x, y, z);
-                    before = before.max(self.strain(limits, mesh.curve(link), old, there));
-                    after = after.max(self.strain(limits, mesh.curve(link), new, there));
-                }
+                let (was, is) = self.strain_of_link(limits, link, old, new);
+                (before, after) = (before.max(was), after.max(is));
             }
             *halves = Some(if side == h { [old, at_tail, at_head] } else { [old, at_head, at_tail] });
         }

@@ -9,7 +9,7 @@ use super::regions::Region;
 use super::surface::Surface;
 use crate::geometry::primitive::Primitive;
 use crate::mesh::VertexId;
-use crate::numeric::eigen3::Eigen3;
+use crate::numeric::eigen3::{Eigen3, outer};
 use glam::{DMat3, DVec3};
 
 /// Steps of the fit.
@@ -66,7 +66,7 @@ fn meeting_point(vertex: DVec3, primitives: &[Primitive], room: f64) -> DVec3 {
         let (mut matrix, mut rhs) = (DMat3::ZERO, DVec3::ZERO);
         for s in primitives {
             let n = s.normal(p);
-            matrix += DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+            matrix += outer(n);
             rhs -= n * s.distance(p);
         }
         let eigen = Eigen3::new(matrix);

@@ -198,7 +198,8 @@ fn is_twin(net: &CurveNet, branch: &[u32]) -> bool {
     branch.iter().all(|&v| is_near(net.points[v as usize]))
 }
 
-/// Leaf branches that stay in the ball of their branching or in the middle of another branch go, the shortest of each branching first.
+/// Leaf branches that stay in the ball of their branching or in the middle of another branch go, the shortest of each
+/// branching first.
 fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
     loop {
         let around = net.incidence();
@@ -209,8 +210,8 @@ fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
             let centre = net.points[fork as usize];
             let reach = branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max);
             let best = &mut shortest[fork as usize];
-            if (reach < net.radii[fork as usize] || is_twin(net, &branch)) && best.as_ref().is_none_or(|b| reach < b.0)
-            {
+            let is_shorter = best.as_ref().is_none_or(|b| reach < b.0);
+            if is_shorter && (reach < net.radii[fork as usize] || is_twin(net, &branch)) {
                 *best = Some((reach, branch));
             }
         }

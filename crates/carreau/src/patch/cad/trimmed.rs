@@ -24,6 +24,7 @@ use crate::error::{Error, Result};
 use crate::geometry::brep::Surface;
 use crate::geometry::bspline::{BSplineSurface, Knots};
 use crate::mesh::{FaceId, SurfaceMesh, VertexId};
+use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -371,7 +372,7 @@ fn nearest_affine(net: &[Option<DVec3>], columns: usize) -> DMat3 {
     for (k, p) in net.iter().enumerate() {
         if let Some(p) = p {
             let x = DVec3::new(1.0, (k % columns) as f64, (k / columns) as f64);
-            gram += DMat3::from_cols(x * x.x, x * x.y, x * x.z);
+            gram += outer(x);
             moments += DMat3::from_cols(p * x.x, p * x.y, p * x.z);
         }
     }
