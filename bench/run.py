@@ -44,8 +44,9 @@ TAKES_RUNS = {"curvature", "segment", "patch", "quad", "hex", "decimate"}
 def python_of(folder, packages):
     """The venv's Python, with these packages as far as there are any for this machine; (python, missing)."""
     python = folder / "bin" / "python"
-    if not python.exists():
-        venv.create(folder, with_pip=True)
+    # One that was cut short has no pip.
+    if not python.exists() or subprocess.run([python, "-m", "pip", "--version"], capture_output=True).returncode != 0:
+        venv.create(folder, clear=True, with_pip=True)
     missing = []
     for package in dict.fromkeys(packages):
         done = subprocess.run([python, "-m", "pip", "install", "--quiet", "--only-binary", ":all:", package], capture_output=True, text=True)

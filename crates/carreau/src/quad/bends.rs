@@ -30,6 +30,8 @@ const LEFT: f64 = 0.35;
 /// Moves that leave a quad worse than this scaled Jacobian are taken back: bends of two features side by side may be out of
 /// step. Both have to be there before it shows.
 const FAIR: f64 = 0.2;
+/// Those that have a worse quad when all has been smoothed are let go.
+const TIGHT: f64 = 0.6;
 /// Rounds in which the vertices between bends become evenly spaced.
 const EVEN: usize = 8;
 
@@ -41,8 +43,9 @@ struct Moved {
     worst: f64,
 }
 
-/// Moves vertices on curves to bends of the source, where the quads around allow it.
-pub fn follow(work: &mut Work, around: &Around, source: &Source) {
+/// Moves vertices on curves to bends of the source, where the quads around allow it. Returns those that stay there, and where
+/// they were free to move.
+pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Place)> {
     let mut beads = beads(work, around);
     let mut moved = Vec::new();
     for (curve, beads) in &mut beads {
@@ -76,13 +79,26 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) {
             }
         }
     }
+    let mut held = Vec::new();
     for Moved { vertex, from, place, worst: before } in moved {
         let now = worst(work, around, vertex, work.points[vertex as usize]);
         if now < before.min(FAIR) && worst(work, around, vertex, from) > now {
             work.points[vertex as usize] = from;
             work.place[vertex as usize] = place;
+        } else {
+            held.push((vertex, place));
         }
     }
+    held
+}
+
+/// Vertices held at bends and tips may move along their curves and regions again where no smoothing has made the quads around good. Returns whether
+/// there are any.
+pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
+    let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v, work.points[v as usize]) < TIGHT;
+    let poor: Vec<(u32, Place)> = held.iter().filter(is_poor).copied().collect();
+    poor.iter().for_each(|&(v, place)| work.place[v as usize] = place);
+    !poor.is_empty()
 }
 
 /// The vertices inside of every curve, which have two neighbours there, in their order.

@@ -11,7 +11,7 @@
 //!
 //! Along the planes it goes to the mean of its neighbours.
 
-use super::smooth::{Around, GOOD, SHARES, worst};
+use super::smooth::{Around, GOOD, Moves, SHARES, worst};
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -38,12 +38,15 @@ const LEFT: f64 = 0.35;
 
 /// Moves the vertices inside regions.
 pub fn fit(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
-    for _ in 0..ROUNDS {
+    let mut moves = Moves::new(work);
+    for round in 0..ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
             if let Place::Region(region) = work.place[v as usize]
+                && moves.any_since(round, 1, work, around, v)
                 && let Some(to) = settled(work, around, source, v, region)
             {
+                moves.note(round, v, work.points[v as usize] != to);
                 work.points[v as usize] = to;
             }
         }
@@ -58,7 +61,7 @@ fn settled(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -
     let shortest = |p: DVec3| around.shortest_edge(work, v, p);
     let count = neighbours().count() as f64;
     let mean = neighbours().sum::<DVec3>() / count - from;
-    let length = neighbours().map(|w| w.distance(from)).sum::<f64>() / count;
+    let length = around.mean_edge(work, v);
     let step = beneath(work, around, source, v, region).optimum(mean, STEADY).clamp_length_max(REACH * shortest(from));
     let is_far = step.dot(around.up(work, v)).abs() > FAR * source.diagonal;
     let before = worst(work, around, v, from).min(if is_far { FAIR } else { GOOD });

@@ -16,15 +16,17 @@
 //! | patches, sides; numbers of quads | `layout`; `quantise` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
-//! | vertices where features bend | `bends` |
+//! | vertices where features bend, and where the surface comes to a point | `bends`, `tips` |
 //!
 //! | shared | file |
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
 //! | the mesh at work, midpoint subdivision, smoothing, vertices where the surface bends | `work`, `halve`, `smooth`, `fit` |
+//! | what quads can be between features | `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
 
 mod bends;
+mod ceiling;
 mod chart;
 mod cut;
 mod fill;
@@ -42,6 +44,7 @@ mod smooth;
 mod source;
 #[cfg(test)]
 mod tests;
+mod tips;
 mod trace;
 mod validate;
 mod work;
@@ -52,6 +55,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, VertexId};
+use ceiling::worst_shape;
 use halve::{Middle, halve};
 use regular::{Made, Wish, regular};
 use serde::{Deserialize, Serialize};
@@ -127,6 +131,12 @@ const STRAIGHTEN: usize = 30;
 /// Quads farther from the surface than this share of their edges make way for another attempt's; than the other, for rung 3's.
 const STRAYS: f64 = 0.4;
 const LOST: f64 = 1.0;
+/// Quads of a worse shape make way for another attempt's, too, by grades of this size; as many cost a number that is missed.
+const POOR: f64 = 0.5;
+const GRADE: f64 = 0.1;
+/// Where rungs 1 and 2 leave a quad of a worse shape, rung 3 may do better: its scaled Jacobians are above the other.
+const USELESS: f64 = 0.02;
+const USEFUL: f64 = 0.05;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
 /// without triangles, those after the first two where nothing came of these.
 const FINER: [f64; 4] = [1.0, 0.6, 0.8, 0.45];
@@ -151,13 +161,22 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     check(options)?;
     let source = Source::new(mesh, &options.features, context)?;
     let mut warnings = source.surface.repaired.clone();
-    let (work, rung) = match first(&source, options, &mut warnings, context)? {
-        Some(made) => (made.work, made.rung),
-        None => match third(&source, options, &mut warnings, context)? {
-            Some(work) => (work, vec![3; source.regions]),
-            None => (fourth(&source), vec![4; source.regions]),
-        },
-    };
+    let mut made = first(&source, options, &mut warnings, context)?;
+    let shape = made.as_ref().map_or(0.0, |made| worst_shape(&made.work));
+    if shape < USELESS
+        && let Some(work) = third(&source, options, &mut warnings, context)?
+        && (made.is_none() || quality::least_jacobian(&work) > USEFUL)
+    {
+        if made.is_some() {
+            warnings
+                .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
+        }
+        made = Some(Made { work, rung: vec![3; source.regions] });
+    }
+    let Made { work, rung } = made.unwrap_or_else(|| {
+        warnings.push("every triangle becomes three quads".into());
+        Made { work: fourth(&source), rung: vec![4; source.regions] }
+    });
     let count = work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
         let rung = rung.iter().max().copied().unwrap_or(0);
@@ -185,7 +204,7 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rungs 1 and 2: the attempt that stays on the surface with the fewest irregular vertices; `None` where none comes to an end
+/// Rungs 1 and 2: the attempt that stays on the surface, has no poor quads, has the fewest irregular vertices; `None` where none comes to an end
 /// or the validator refuses.
 fn first(
     source: &Source,
@@ -201,7 +220,8 @@ fn first(
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
-    let (mut best, mut refused): (Option<((bool, usize), Made)>, _) = (None, String::new());
+    let mut best: Option<((bool, u32, usize), Made)> = None;
+    let mut refused = String::new();
     for (k, finer) in FINER.into_iter().enumerate() {
         if k >= USUAL && best.is_some() {
             break;
@@ -227,12 +247,15 @@ fn first(
                     continue;
                 }
                 let strays = straying > STRAYS;
-                let cost = (strays, quality::irregular(&made.work));
+                let grade = |beyond: f64| (beyond / GRADE).ceil().max(0.0) as u32;
+                let misses = quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN));
+                let poor = grade(POOR - worst_shape(&made.work));
+                let cost = (strays, poor + misses, quality::irregular(&made.work));
                 let is_whole = made.rung.iter().all(|&r| r == 1);
                 if best.as_ref().is_none_or(|b| cost < b.0) {
                     best = Some((cost, made));
                 }
-                if is_whole && !strays {
+                if is_whole && !strays && poor == 0 {
                     break;
                 }
             }
@@ -291,7 +314,7 @@ fn third(
         }
     }
     if best.is_none() {
-        warnings.push(format!("rung 3 was refused ({refused}): every triangle becomes three quads"));
+        warnings.push(format!("rung 3 was refused: {refused}"));
     }
     Ok(best)
 }

@@ -33,8 +33,7 @@ const SAMPLES: usize = 5_000;
 
 /// All but the distance.
 pub fn measure(work: &Work, source: &Source) -> QuadQuality {
-    let corner = |f: &[u32]| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
-    let jacobians: Vec<f64> = work.faces.iter().map(|f| scaled_jacobian(corner(f))).collect();
+    let jacobians: Vec<f64> = jacobians(work).collect();
     QuadQuality {
         irregular: irregular(work),
         scaled_jacobian_min: jacobians.iter().copied().fold(f64::INFINITY, f64::min),
@@ -43,6 +42,16 @@ pub fn measure(work: &Work, source: &Source) -> QuadQuality {
         feature_recall: recall(work, source).0,
         distance_max: None,
     }
+}
+
+/// The scaled Jacobian of every quad.
+fn jacobians(work: &Work) -> impl Iterator<Item = f64> + '_ {
+    work.faces.iter().map(|f| scaled_jacobian([0, 1, 2, 3].map(|k| work.points[f[k] as usize])))
+}
+
+/// The least of them.
+pub fn least_jacobian(work: &Work) -> f64 {
+    jacobians(work).fold(f64::INFINITY, f64::min)
 }
 
 /// A bound of the distance from the source, both ways.

@@ -10,7 +10,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Numbers of quads stay between these shares of what their length asks for; the next where that does not do.
-const LIMITS: [[f64; 2]; 3] = [[0.75, 1.4], [0.5, 2.0], [0.2, 8.0]];
+const LIMITS: [[f64; 2]; 2] = [[0.75, 1.4], [0.5, 2.0]];
+/// The last ones, where there is no grid on the way that tapers more than this: opposite sides of the same number would make
+/// the quads at one of them wide or narrow by that much.
+const LOOSE: [f64; 2] = [0.2, 8.0];
+const TAPER: f64 = 2.5;
 
 /// Quads across a grid that a pattern fits into without being squeezed.
 const ROOM: i64 = 3;
@@ -202,7 +206,14 @@ impl Layout {
                 while conditions.list[start].demand == demand && !conditions.list[start].is_met() {
                     let mut chain =
                         |limits: &[f64; 2]| self.chain(start as u32, &conditions, length, limits, &mut search);
-                    let Some(chain) = LIMITS.iter().find_map(&mut chain) else {
+                    let mut found = LIMITS.iter().find_map(&mut chain);
+                    if found.is_none() {
+                        if let Some(patch) = self.steepest(&conditions, &search) {
+                            return Err(patch);
+                        }
+                        found = self.chain(start as u32, &conditions, length, &LOOSE, &mut search);
+                    }
+                    let Some(chain) = found else {
                         let patch = conditions.list[start].patch;
                         return Err(self.roomiest(&conditions, &search).unwrap_or(patch));
                     };
@@ -220,10 +231,27 @@ impl Layout {
         Ok(())
     }
 
-    /// The grid with most room among those that a search has reached: where a pattern costs least, and chains may turn round.
+    /// The grids that a search has reached.
+    fn reached<'a>(&'a self, conditions: &'a Conditions, search: &'a Search) -> impl Iterator<Item = usize> + 'a {
+        let patches = search.reached.iter().map(|state| conditions.list[state / 2].patch);
+        patches.filter(|&p| self.patches[p].kind == Kind::Grid)
+    }
+
+    /// The one of them that tapers most, if any tapers too much.
+    fn steepest(&self, conditions: &Conditions, search: &Search) -> Option<usize> {
+        let taper = |p: usize| {
+            let length =
+                |k: usize| self.patches[p].sides[k].iter().map(|s| self.arcs[s.arc as usize].length).sum::<f64>();
+            (0..2).map(|k| length(k) / length(k + 2)).map(|r| r.max(1.0 / r)).fold(1.0, f64::max)
+        };
+        let all = self.reached(conditions, search).map(|p| (taper(p), p));
+        let steepest = all.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+        (steepest.0 > TAPER).then_some(steepest.1)
+    }
+
+    /// The one of them with most room: where a pattern costs least, and chains may turn round.
     fn roomiest(&self, conditions: &Conditions, search: &Search) -> Option<usize> {
-        let reached = search.reached.iter().map(|state| conditions.list[state / 2].patch);
-        let grids = reached.filter(|&p| self.patches[p].kind == Kind::Grid);
+        let grids = self.reached(conditions, search);
         let room = |&p: &usize| self.patches[p].sides.iter().map(|side| self.sum(side)).min().unwrap_or(0);
         let best = grids.max_by_key(|p| (room(p), Reverse(*p)))?;
         (room(&best) >= ROOM).then_some(best)

@@ -2,6 +2,7 @@
 
 use super::bends::bends;
 use super::junction::meeting_borders;
+use super::tips::tips;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FeaturedSurface};
@@ -33,6 +34,8 @@ pub struct Source {
     curves: Vec<(Vec<u32>, TriangleTree)>,
     /// Where every curve bends inside.
     pub bends: FxHashMap<u32, Vec<DVec3>>,
+    /// Where regions come to a point.
+    pub tips: Vec<DVec3>,
     /// Curves with the same region on both sides.
     pub is_seam: Vec<bool>,
 }
@@ -78,6 +81,7 @@ impl Source {
         Ok(Source {
             diagonal: mesh.diagonal(),
             bends: bends(mesh.points(), &edges, &curve),
+            tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
             normals: face_normals(mesh),
             all_curves: line(every).1,

@@ -5,7 +5,8 @@ use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::Topology;
 use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, triangles};
 use crate::sample;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
 
 fn part(name: &str) -> SurfaceMesh {
     sample::make(name, None, &Context::new()).unwrap()
@@ -123,7 +124,7 @@ fn a_box_has_eight_irregular_vertices_and_grids() {
 fn prism(sides: u32) -> SurfaceMesh {
     let ring = |z: f64| {
         (0..sides).map(move |k| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+            let (sin, cos) = (TAU * f64::from(k) / f64::from(sides)).sin_cos();
             DVec3::new(cos, sin, z)
         })
     };
@@ -153,4 +154,38 @@ fn vertices_lie_where_coarse_rims_bend_and_the_number_is_met() {
     // The upright edges are no features: without the fit the mean is at 0.06 % of the diagonal.
     let found = compare(&mesh, &result.mesh, &DistanceOptions::default(), &Context::new()).unwrap();
     assert!(found.relative.mean < 1e-4, "{:?}", found.relative);
+}
+
+#[test]
+fn only_the_corners_at_an_acute_edge_are_acute() {
+    let angle: f64 = 14.0;
+    let mesh = sample::wedge(angle, 2.0, 3.0, 0.5, &Context::new()).unwrap().mesh;
+    let result = quads(&mesh, &QuadOptions { quads: 1500, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&mesh, &result);
+    let out = &result.mesh;
+    for face in out.faces().iter() {
+        let p = [0, 1, 2, 3].map(|k| out.points()[face[k] as usize]);
+        for k in 0..4 {
+            let sin = (p[(k + 1) % 4] - p[k]).angle_between(p[(k + 3) % 4] - p[k]).sin();
+            let is_at_edge = p[k].x.abs() + p[k].z.abs() < 1e-9;
+            assert!(sin > 0.4 || is_at_edge && sin > 0.99 * angle.to_radians().sin(), "{sin} at {}", p[k]);
+        }
+    }
+}
+
+#[test]
+fn the_tip_of_a_cone_is_a_vertex() {
+    let sides = 24;
+    let (base, tip) = (sides, sides + 1);
+    let ring = (0..sides).map(|k| DVec2::from_angle(TAU * f64::from(k) / f64::from(sides)).extend(0.0));
+    let points: Vec<DVec3> = ring.chain([DVec3::ZERO, DVec3::Z]).collect();
+    let sector = |k: u32| [[base, (k + 1) % sides, k], [tip, k, (k + 1) % sides]];
+    let mesh = triangles(&points, &(0..sides).flat_map(sector).collect::<Vec<_>>());
+    for quads_wanted in [600, 1000, 2000] {
+        let result =
+            quads(&mesh, &QuadOptions { quads: quads_wanted, ..QuadOptions::default() }, &Context::new()).unwrap();
+        check(&mesh, &result);
+        let nearest = result.mesh.points().iter().map(|p| p.distance(DVec3::Z)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-9, "{quads_wanted}: {nearest}");
+    }
 }

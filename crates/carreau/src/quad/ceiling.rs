@@ -1,0 +1,99 @@
+//! What the scaled Jacobian can be at the corners of quads: 1 but where features leave a narrow sector to them.
+//!
+//! ```text
+//!   ━━━━━━━ feature      In the sector of angle A between two features k quads have A / k each,
+//!   ╲ A╱                 and sin(A / k), below a right angle, is all that they can have there.
+//!    ╲╱
+//! ```
+
+use super::smooth::normal;
+use super::work::Work;
+use crate::geometry::normals::{angle_between, unit};
+use crate::mesh::{DisjointSets, HalfEdges};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+use std::f64::consts::FRAC_PI_2;
+
+/// No ceiling is lower.
+const LOWEST: f64 = 0.01;
+
+/// The ceiling of every corner.
+pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
+    let corners = work.faces.corners();
+    let next = |c: u32| c / 4 * 4 + (c + 1) % 4;
+    let mut sectors = DisjointSets::new(corners.len());
+    let mut is_on_feature = vec![false; work.points.len()];
+    let features: FxHashSet<[u32; 2]> = work.features.iter().map(|([a, b], _)| [*a.min(b), *a.max(b)]).collect();
+    features.iter().flatten().for_each(|&v| is_on_feature[v as usize] = true);
+    for edge in HalfEdges::new(&work.faces, work.points.len()).groups() {
+        let [a, b] = edge.ends;
+        if let (2, false) = (edge.len(), features.contains(&[a.min(b), a.max(b)])) {
+            let both: Vec<u32> = edge.corners().collect();
+            sectors.union(both[0], next(both[1]));
+            sectors.union(both[1], next(both[0]));
+        }
+    }
+    let (sector, count) = sectors.labels();
+    let (mut angle, mut quads) = (vec![0.0; count], vec![0u32; count]);
+    let at = |c: u32| work.points[corners[c as usize] as usize];
+    for (c, &s) in (0u32..).zip(&sector) {
+        let [ahead, back] = [next(c), next(next(next(c)))].map(|d| unit(at(d) - at(c)));
+        angle[s as usize] += angle_between(ahead, back);
+        quads[s as usize] += 1;
+    }
+    let share = |s: u32| angle[s as usize] / f64::from(quads[s as usize]);
+    let of = |c: usize| match is_on_feature[corners[c] as usize] {
+        true => share(sector[c]).min(FRAC_PI_2).sin().max(LOWEST),
+        false => 1.0,
+    };
+    (0..work.faces.len()).map(|q| [0, 1, 2, 3].map(|k| of(4 * q + k))).collect()
+}
+
+/// The scaled Jacobian at the corners of a quad, looked at from a direction, over what it can be there.
+pub fn shape(p: [DVec3; 4], up: DVec3, ceilings: &[f64; 4]) -> [f64; 4] {
+    let side = |k: usize, j: usize| (p[j % 4] - p[k]).normalize_or_zero();
+    [0, 1, 2, 3].map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up) / ceilings[k])
+}
+
+/// The worst shape there is.
+pub fn worst_shape(work: &Work) -> f64 {
+    let ceilings = ceilings(work);
+    let quads = work.faces.iter().map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]));
+    quads.zip(&ceilings).flat_map(|(p, c)| shape(p, normal(p), c)).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::quality::scaled_jacobian;
+    use crate::mesh::Polygons;
+
+    /// A kite of 60° at its first corner, with features along its two long sides, in one quad, or cut along its axis in two.
+    fn kite(is_cut: bool) -> Work {
+        let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let side = [0.5 * 3f64.sqrt(), 0.5];
+        let points = vec![at(0.0, 0.0), at(side[0], -side[1]), at(1.286, 0.0), at(side[0], side[1]), at(0.5, 0.0)];
+        let mut faces = Polygons::new();
+        match is_cut {
+            false => faces.push(&[0, 1, 2, 3]),
+            true => [[0, 1, 2, 4], [0, 4, 2, 3]].iter().for_each(|q| faces.push(q)),
+        }
+        let features = vec![([0, 1], 0), ([3, 0], 1)];
+        Work { points, faces, features, ..Work::default() }
+    }
+
+    #[test]
+    fn a_sector_between_features_is_shared_by_its_quads() {
+        let one = ceilings(&kite(false))[0];
+        assert!((one[0] - 60f64.to_radians().sin()).abs() < 1e-12 && one[2] == 1.0, "{one:?}");
+        let two = ceilings(&kite(true));
+        assert!(two.iter().all(|c| (c[0] - 0.5).abs() < 1e-12), "{two:?}");
+    }
+
+    #[test]
+    fn what_is_at_its_ceiling_is_as_good_as_it_can_be() {
+        let one = worst_shape(&kite(false));
+        assert!(one > 0.96, "{one}");
+        assert!(scaled_jacobian([0, 1, 2, 3].map(|k| kite(false).points[k])) < 0.9);
+    }
+}
