@@ -12,7 +12,7 @@
 //!
 //! The vertex nearest to a bend moves there and stays; those beside it share what is left of the curve.
 
-use super::smooth::{Around, worst};
+use super::around::{Around, worst};
 use super::source::Source;
 use super::work::{Place, Work};
 use glam::DVec3;

@@ -6,7 +6,7 @@
 //!    ╲╱
 //! ```
 
-use super::smooth::normal;
+use super::around::normal;
 use super::work::Work;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, HalfEdges};

@@ -11,7 +11,8 @@
 //!
 //! Along the planes it goes to the mean of its neighbours.
 
-use super::smooth::{Around, GOOD, Moves, SHARES, worst};
+use super::around::{Around, Moves, worst};
+use super::smooth::{GOOD, SHARES};
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;

@@ -22,9 +22,10 @@
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
 //! | the mesh at work, midpoint subdivision, smoothing, vertices where the surface bends | `work`, `halve`, `smooth`, `fit` |
-//! | what quads can be between features | `ceiling` |
+//! | how good quads are, and can be between features | `around`, `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
 
+mod around;
 mod bends;
 mod ceiling;
 mod chart;

@@ -8,7 +8,7 @@
 //!   ╱      ╲       ╱   v
 //! ```
 
-use super::smooth::Around;
+use super::around::Around;
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::geometry::normals::corner_angle;

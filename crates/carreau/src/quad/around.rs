@@ -1,0 +1,138 @@
+//! What is around every vertex, and how good it is.
+
+use super::ceiling::{ceilings, shape};
+use super::work::{Place, Work};
+use crate::geometry::quality::scaled_jacobian;
+use crate::mesh::HalfEdges;
+use glam::DVec3;
+
+/// Quads with a smaller scaled Jacobian have no normal of their own to go by.
+pub const BAD: f64 = 0.02;
+/// A quad may turn by less than this cosine in one move.
+const TURN: f64 = 0.5;
+/// How much more a worse shape counts.
+const STEEP: f64 = 10.0;
+
+/// The quads and neighbours of every vertex.
+pub struct Around {
+    pub quads: Vec<Vec<u32>>,
+    /// Along edges; for vertices on curves, along their curve.
+    pub neighbours: Vec<Vec<u32>>,
+    /// What the scaled Jacobian can be at the corners of every quad.
+    ceilings: Vec<[f64; 4]>,
+}
+
+impl Around {
+    pub fn new(work: &Work) -> Self {
+        let n = work.points.len();
+        let mut around =
+            Around { quads: vec![Vec::new(); n], neighbours: vec![Vec::new(); n], ceilings: ceilings(work) };
+        for (q, face) in (0u32..).zip(work.faces.iter()) {
+            face.iter().for_each(|&v| around.quads[v as usize].push(q));
+        }
+        for edge in HalfEdges::new(&work.faces, n).groups() {
+            let [a, b] = edge.ends;
+            let is_inner = |v: u32| matches!(work.place[v as usize], Place::Region(_));
+            for (v, w) in [(a, b), (b, a)] {
+                if is_inner(v) {
+                    around.neighbours[v as usize].push(w);
+                }
+            }
+        }
+        for ([a, b], _) in &work.features {
+            for (v, w) in [(*a, *b), (*b, *a)] {
+                around.neighbours[v as usize].push(w);
+            }
+        }
+        around
+    }
+
+    /// How near a vertex would be to its neighbours.
+    pub fn shortest_edge(&self, work: &Work, v: u32, at: DVec3) -> f64 {
+        let neighbours = self.neighbours[v as usize].iter();
+        neighbours.map(|&w| work.points[w as usize].distance(at)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Mean length of the edges at a vertex.
+    pub fn mean_edge(&self, work: &Work, v: u32) -> f64 {
+        let (from, neighbours) = (work.points[v as usize], &self.neighbours[v as usize]);
+        let sum: f64 = neighbours.iter().map(|&w| work.points[w as usize].distance(from)).sum();
+        sum / neighbours.len().max(1) as f64
+    }
+
+    /// Unit normal at a vertex; zero where its quads look everywhere.
+    pub fn up(&self, work: &Work, v: u32) -> DVec3 {
+        let of = |&q: &u32| normal(corners(work, q, v, work.points[v as usize]));
+        self.quads[v as usize].iter().map(of).sum::<DVec3>().normalize_or_zero()
+    }
+}
+
+/// The corners of a quad, with one vertex elsewhere.
+fn corners(work: &Work, q: u32, v: u32, at: DVec3) -> [DVec3; 4] {
+    let face = work.faces.face(q as usize);
+    [0, 1, 2, 3].map(|k| if face[k] == v { at } else { work.points[face[k] as usize] })
+}
+
+/// Unit normal of a quad, across its diagonals.
+pub fn normal(q: [DVec3; 4]) -> DVec3 {
+    (q[2] - q[0]).cross(q[3] - q[1]).normalize_or_zero()
+}
+
+/// The shape of the quads around a vertex that would be elsewhere: the scaled Jacobian at every corner over what it can be
+/// there; −1 where one turned over. One that is turned over already is measured against the quads around.
+fn shapes(work: &Work, around: &Around, v: u32, at: DVec3) -> impl Iterator<Item = [f64; 4]> {
+    around.quads[v as usize].iter().map(move |&q| {
+        let (before, after) = (corners(work, q, v, work.points[v as usize]), corners(work, q, v, at));
+        if scaled_jacobian(before) > BAD {
+            let up = normal(after);
+            return if up.dot(normal(before)) < TURN {
+                [-1.0; 4]
+            } else {
+                shape(after, up, &around.ceilings[q as usize])
+            };
+        }
+        let up: DVec3 = beside(work, around, q)
+            .map(|other| work.faces.face(other as usize))
+            .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
+            .filter(|&p| scaled_jacobian(p) > BAD)
+            .map(normal)
+            .sum();
+        shape(after, up.normalize_or(normal(before)), &around.ceilings[q as usize])
+    })
+}
+
+/// The worst of the shapes.
+pub fn worst(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
+    shapes(work, around, v, at).flatten().fold(f64::INFINITY, f64::min)
+}
+
+/// A sum that the worst of the shapes make most of: what cannot become better does not hide what can.
+pub fn distress(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
+    shapes(work, around, v, at).flatten().map(|shape| (-STEEP * shape).exp()).sum()
+}
+
+/// The quads that share a vertex with a quad, some of them more than once.
+pub fn beside<'a>(work: &'a Work, around: &'a Around, q: u32) -> impl Iterator<Item = u32> + 'a {
+    work.faces.face(q as usize).iter().flat_map(|&v| around.quads[v as usize].iter().copied())
+}
+
+/// When vertices last moved: what found no better place will find none as long as nothing around has moved.
+pub struct Moves(Vec<usize>);
+
+impl Moves {
+    pub fn new(work: &Work) -> Self {
+        Moves(vec![0; work.points.len()])
+    }
+
+    pub fn note(&mut self, round: usize, v: u32, has_moved: bool) {
+        if has_moved {
+            self.0[v as usize] = round + 1;
+        }
+    }
+
+    /// Whether any vertex of the quads around one has moved in so many rounds; all count as moved before the first.
+    pub fn any_since(&self, round: usize, rounds: usize, work: &Work, around: &Around, v: u32) -> bool {
+        let mut near = around.quads[v as usize].iter().flat_map(|&q| work.faces.face(q as usize));
+        round < rounds || near.any(|&w| self.0[w as usize] + rounds > round)
+    }
+}
