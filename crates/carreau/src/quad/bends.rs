@@ -92,7 +92,7 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
     held
 }
 
-/// Vertices held at bends and tips may move along their curves and regions again where no smoothing has made the quads around good. Returns whether
+/// Vertices held at bends may move along their curves again where no smoothing has made the quads around good. Returns whether
 /// there are any.
 pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
     let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v, work.points[v as usize]) < TIGHT;

@@ -10,7 +10,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Numbers of quads stay between these shares of what their length asks for; the next where that does not do.
-const LIMITS: [[f64; 2]; 2] = [[0.75, 1.4], [0.5, 2.0]];
+const LIMITS: [[f64; 2]; 3] = [[0.75, 1.4], [0.5, 2.0], [0.35, 3.0]];
 /// The last ones, where there is no grid on the way that tapers more than this: opposite sides of the same number would make
 /// the quads at one of them wide or narrow by that much.
 const LOOSE: [f64; 2] = [0.2, 8.0];

@@ -31,8 +31,8 @@ const PATIENCE: usize = 4;
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     let _stage = context.stage("smooth");
     let around = Around::new(work);
-    let mut held = bends::follow(work, &around, source);
-    held.extend(tips::follow(work, &around, source));
+    let held = bends::follow(work, &around, source);
+    tips::follow(work, &around, source);
     for _ in 0..SWEEPS {
         let mut moved = 0usize;
         for v in 0..work.points.len() as u32 {

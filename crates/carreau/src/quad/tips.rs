@@ -19,8 +19,10 @@ use std::f64::consts::TAU;
 
 /// The angles around a tip add up to less than a full turn by more than this, in degrees: a drill's tip has 50.
 const POINTED_DEG: f64 = 40.0;
-/// A vertex goes no farther than this share of the mean of its edges, about half the diagonal of a quad.
-const REACH: f64 = 0.75;
+/// They add up to more than this: quads would be too narrow at a sharper one.
+const SHARP_DEG: f64 = 120.0;
+/// A vertex goes no farther than this share of the mean of its edges: more than half the diagonal of a quad.
+const REACH: f64 = 1.0;
 
 /// The vertices where the surface comes to a point, off features.
 pub fn tips(mesh: &SurfaceMesh, features: &[[u32; 2]]) -> Vec<DVec3> {
@@ -29,12 +31,13 @@ pub fn tips(mesh: &SurfaceMesh, features: &[[u32; 2]]) -> Vec<DVec3> {
         angle[mesh.vertex(c).index()] += corner_angle(mesh, c);
     }
     features.iter().flatten().for_each(|&v| angle[v as usize] = TAU);
-    let is_tip = |&v: &usize| angle[v] > 0.0 && angle[v] < TAU - POINTED_DEG.to_radians();
+    let range = SHARP_DEG.to_radians()..TAU - POINTED_DEG.to_radians();
+    let is_tip = |v: &usize| range.contains(&angle[*v]);
     (0..angle.len()).filter(is_tip).map(|v| mesh.points()[v]).collect()
 }
 
-/// Moves the vertex nearest to each tip there. Returns those moved, and where they were free to move.
-pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Place)> {
+/// Moves the vertex nearest to each tip there, where it stays.
+pub fn follow(work: &mut Work, around: &Around, source: &Source) {
     let tips = &source.tips;
     let tree = TriangleTree::of_segments(tips, (0..tips.len() as u32).map(|t| [t, t]));
     let mut near = Vec::new();
@@ -48,13 +51,10 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
     }
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     let mut taken = vec![false; tips.len()];
-    let mut held = Vec::new();
     for (_, v, tip) in near {
         if !std::mem::replace(&mut taken[tip as usize], true) {
-            held.push((v, work.place[v as usize]));
             work.points[v as usize] = tips[tip as usize];
             work.place[v as usize] = Place::Fixed;
         }
     }
-    held
 }
