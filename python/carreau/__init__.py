@@ -7,9 +7,9 @@
 >>> quads.mesh.faces.shape[1]
 4
 
-Verbs are functions: `segment`, `enrich`, `simplify`, `patch`, `field`, `quad`, `skeleton`, `hex`, and `info`,
-`compare`, `repair`, `curvature`. Their keyword arguments are the options of the command line. They take a `Mesh`, a
-file or a pair of arrays, and return results that do not change. Many files at once: `carreau.batch`.
+Verbs are functions: `segment`, `enrich`, `simplify`, `patch`, `field`, `motorcycle`, `quad`, `skeleton`, `hex`, and
+`info`, `compare`, `repair`, `curvature`. Their keyword arguments are the options of the command line. They take a
+`Mesh`, a file or a pair of arrays, and return results that do not change. Many files at once: `carreau.batch`.
 """
 
 from . import _core
@@ -27,6 +27,7 @@ from ._verbs import (
     field,
     hex,
     info,
+    motorcycle,
     patch,
     quad,
     repair,
@@ -53,6 +54,7 @@ __all__ = [
     "from_trimesh",
     "hex",
     "info",
+    "motorcycle",
     "patch",
     "quad",
     "read",

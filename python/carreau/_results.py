@@ -20,6 +20,7 @@ __all__ = [
     "FieldResult",
     "HexResult",
     "InfoResult",
+    "MotorcycleResult",
     "Patch",
     "PatchResult",
     "QuadResult",
@@ -302,10 +303,56 @@ class FieldResult(_LayoutResult):
         return self._arrays["singular_vertices"], self._arrays["singular_quads"]
 
 
+class MotorcycleResult(_LayoutResult):
+    """A motorcycle graph; `mesh` holds the triangles that it is drawn into: tracks are paths of their edges."""
+
+    __slots__ = ("tracks",)
+
+    tracks: tuple[NDArray[np.uint32], ...]
+    """The vertices of every track, from node to node."""
+
+    def __init__(self, found: _core.Found, source: str, given: Mesh | None) -> None:
+        super().__init__(found, source, given)
+        arrays = self._arrays
+        ends = np.cumsum(arrays["track_sizes"])[:-1]
+        tracks = np.split(arrays["track_vertices"], ends) if len(arrays["track_sizes"]) else []
+        self._set(tracks=tuple(tracks))
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """Patch of every triangle."""
+        return self.mesh.face_attributes["patch"]
+
+    @property
+    def corners(self) -> NDArray[np.uint32]:
+        """Number of corners of every patch, (p,)."""
+        return self._arrays["corners"]
+
+    @property
+    def nodes(self) -> NDArray[np.uint32]:
+        """The vertices where tracks and features meet, (n,)."""
+        return self._arrays["nodes"]
+
+    @property
+    def ends(self) -> NDArray[np.uint32]:
+        """The two nodes, by their places in `nodes`, that every track runs between, (t, 2)."""
+        return self._arrays["track_nodes"]
+
+    @property
+    def singularities(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+        """Singular inner vertices, and the number of quads of each."""
+        return self._arrays["singular_vertices"], self._arrays["singular_quads"]
+
+
 class QuadResult(_MeshResult):
     """An all-quad mesh that keeps every feature."""
 
     __slots__ = ()
+
+    @property
+    def tracks(self) -> NDArray[np.uint32]:
+        """Edges along the motorcycle graph that the quads were made in, (k, 2)."""
+        return self._arrays["tracks"]
 
     @property
     def quads(self) -> NDArray[np.uint32]:

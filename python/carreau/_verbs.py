@@ -21,6 +21,7 @@ from ._results import (
     FieldResult,
     HexResult,
     InfoResult,
+    MotorcycleResult,
     PatchResult,
     QuadResult,
     RemeshResult,
@@ -37,6 +38,7 @@ __all__ = [
     "field",
     "hex",
     "info",
+    "motorcycle",
     "patch",
     "quad",
     "repair",
@@ -455,6 +457,54 @@ def field(
     """
     options = _options(locals(), "mesh")
     return run("field", FieldResult, (mesh,), options, _progress(options))
+
+
+def motorcycle(
+    mesh: Surface,
+    *,
+    layout: File | None = None,
+    quads: int | None = None,
+    edge_length: Length | None = None,
+    feature_angle: float | None = None,
+    features: ArrayLike | File | None = None,
+    ignore_tags: bool = False,
+    **common: Unpack[Common],
+) -> MotorcycleResult:
+    """Motorcycle graph of a frame field: tracks that divide a surface into patches for quads.
+
+    Parameters
+    ----------
+    mesh : Mesh, path or (points, faces)
+        The surface; polygons are cut into triangles.
+    layout : path, optional
+        A file for mesh, nodes, tracks, arcs and the sides of every patch (JSON); see also `MotorcycleResult.layout`.
+    quads : int, optional
+        Number of quads that the graph is for: tracks nearer than half of one are joined (3000).
+    edge_length : float or str, optional
+        Length of their edges instead.
+    feature_angle : float, optional
+        Edges with a larger angle between their faces are features, in degrees (35; 180: none is sharp).
+    features : array_like of int (k, 2) or path, optional
+        Further features: pairs of vertices, or a file.
+    ignore_tags : bool
+        Marked edges of the mesh are not special.
+    **common
+        Options that every verb has, see `Common`.
+
+    Returns
+    -------
+    MotorcycleResult
+        The triangles with the patch of each, tracks, nodes, corners of the patches.
+
+    Examples
+    --------
+    >>> import carreau as cr
+    >>> graph = cr.motorcycle(cr.sample("bracket", 30))
+    >>> len(graph.corners) == graph.record["patches"] == graph.labels.max() + 1
+    True
+    """
+    options = _options(locals(), "mesh")
+    return run("motorcycle", MotorcycleResult, (mesh,), options, _progress(options))
 
 
 def quad(

@@ -20,6 +20,7 @@ VERBS = [
     "simplify",
     "patch",
     "field",
+    "motorcycle",
     "quad",
     "skeleton",
     "hex",
@@ -220,8 +221,38 @@ def test_field(bracket):
     assert cr.field(bracket, pin="none", orthogonal=True, quiet=True).quality["lean_max_deg"] < 1e-6
 
 
+def test_motorcycle(bracket):
+    result = cr.motorcycle(bracket, quads=800, quiet=True)
+    layout, mesh = result.layout(), result.mesh
+    assert mesh.topology()["euler"] == bracket.topology()["euler"]
+    assert result.labels.tolist() == layout["patch"] and len(result.labels) == mesh.n_faces
+    assert result.corners.tolist() == [p["corners"] for p in layout["patches"]]
+    assert sum(p["area"] for p in layout["patches"]) == pytest.approx(bracket.topology()["area"], rel=0.01)
+    # Tracks are tagged edges, and all edges with their tags.
+    tagged = {frozenset(e) for e, tag in zip(mesh.edges.tolist(), mesh.edge_tags.tolist(), strict=True) if tag > 1}
+    along = [frozenset(e) for track in result.tracks for e in np.stack([track[:-1], track[1:]], 1).tolist()]
+    assert len(along) == len(tagged) and set(along) == tagged
+    for track, ends in zip(result.tracks, result.ends, strict=True):
+        assert result.nodes[ends].tolist() == track[[0, -1]].tolist() and not track.flags.writeable
+    vertices, quads = result.singularities
+    starts = [(s["vertex"], s["quads"]) for s in layout["starts"] if s["inner"]]
+    assert starts == [*zip(vertices.tolist(), quads.tolist(), strict=True)]
+    # Patches meet only along tracks and features.
+    marked = tagged | {frozenset(e) for e in layout["features"]}
+    owner: dict[frozenset[int], int] = {}
+    for face, patch in zip(mesh.faces.tolist(), result.labels.tolist(), strict=True):
+        for edge in map(frozenset, zip(face, face[1:] + face[:1], strict=True)):
+            assert edge in marked or owner.setdefault(edge, patch) == patch
+    assert result.picture() != cr.field(bracket, quiet=True).picture()
+    with pytest.raises(cr.OptionsError, match="quads"):
+        cr.motorcycle(bracket, quads=0)
+
+
 def test_quad(bracket):
     result = cr.quad(bracket, quads=800, quiet=True)
+    sides = {frozenset(e) for q in result.quads.tolist() for e in zip(q, q[1:] + q[:1], strict=True)}
+    assert {frozenset(e) for e in result.tracks.tolist()} <= sides
+    assert (len(result.tracks) > 0) == (result.record["rung"] < 3)
     assert result.quads.shape == (result.record["quads"], 4)
     assert result.mesh.topology()["euler"] == bracket.topology()["euler"]
     assert result.quality["feature_recall"] > 0.99 and sum(r["quads"] for r in result.rungs) == len(result.quads)
@@ -268,7 +299,7 @@ def test_warnings_of_a_run_are_warnings(bracket):
 
 
 def test_notebooks_see_a_page(bracket, tube):
-    results = [verb(bracket, quiet=True) for verb in (cr.segment, cr.field, cr.patch, cr.skeleton)]
+    results = [verb(bracket, quiet=True) for verb in (cr.segment, cr.field, cr.motorcycle, cr.patch, cr.skeleton)]
     for result in [*results, cr.hex(tube, quiet=True), cr.info(bracket)]:
         assert result.page().startswith("<!doctype html>") and result.record["verb"] in result.page()
         assert result._repr_html_().startswith("<iframe")

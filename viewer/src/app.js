@@ -15,7 +15,7 @@ import { State } from './state.js';
 import { themeOf } from './theme.js';
 
 /** Overlays that are drawn unless switched off. */
-const SHOWN = ['region', 'border', 'feature', 'field', 'marks'];
+const SHOWN = ['region', 'border', 'feature', 'track', 'field', 'marks'];
 /** Opacity of a surface around a skeleton. */
 const GLASS = 0.45;
 
@@ -187,8 +187,9 @@ export class App {
     skin.theme(theme);
     const { material } = skin;
     const strength = theme.name === 'dark' ? 0.62 : 0.5;
-    // Frames are hard to see among the sides of triangles.
-    const faint = overlays.kinds().includes('field') && this.overlayOn('field') ? 0.25 : 1;
+    // Frames and tracks are hard to see among the sides of triangles.
+    const isHidden = (kind) => overlays.kinds().includes(kind) && this.overlayOn(kind) && model.kindOf('face', 0) === 'triangle';
+    const faint = isHidden('field') || isHidden('track') ? 0.25 : 1;
     material.uniforms.lines.value = state.edges ? strength * faint : 0;
     material.uniforms.flatFaces.value = !state.smooth || model.isVolume;
     skin.opacity = this.opacityOf(model);

@@ -6,7 +6,7 @@ const KEYS = [
   ['arrows', 'turn'], ['f', 'show everything'], ['x y z', 'look along an axis; with Shift from the other side'],
   ['v', 'single, side by side, split'], ['c, Shift + c', 'next, previous colours'], ['1 … 9', 'colours by their place in the list'],
   ['e', 'sides of the elements'], ['s', 'sharp edges'], ['b', 'region borders'],
-  ['k', 'skeleton'], ['l', 'slice: off, x, y, z'], ['[ ]', 'move the slice'], [', .', 'smaller, larger cells'],
+  ['k', 'skeleton'], ['m', 'motorcycle graph'], ['l', 'slice: off, x, y, z'], ['[ ]', 'move the slice'], [', .', 'smaller, larger cells'],
   ['n, p', 'next, previous of the worst elements'], ['t', 'light, dark'], ['h', 'panel'], ['Esc', 'nothing picked, no help'], ['?', 'this help'],
 ];
 

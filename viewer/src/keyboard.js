@@ -32,7 +32,7 @@ export function listenToKeys(app) {
     f: () => app.goHome(), v: () => app.head.scenes.length > 1 && cycle('layout', ['single', 'side', 'split']),
     x: () => look('x'), X: () => look('x', true), y: () => look('y'), Y: () => look('y', true), z: () => look('z'), Z: () => look('z', true),
     c: () => colours(1), C: () => colours(-1),
-    e: () => state.set({ edges: !state.edges }), s: () => app.toggle('sharp'), b: () => app.toggle('region'), k: () => app.toggle('skeleton'),
+    e: () => state.set({ edges: !state.edges }), s: () => app.toggle('sharp'), b: () => app.toggle('region'), k: () => app.toggle('skeleton'), m: () => app.toggle('track'),
     l: () => cycle('axis', ['off', 'x', 'y', 'z']), '[': () => move(-0.02), ']': () => move(0.02),
     ',': () => size(-0.1), '.': () => size(0.1),
     n: () => app.quality.next(1), p: () => app.quality.next(-1),

@@ -12,6 +12,7 @@ export const KINDS = {
   sharp: { title: 'Sharp edges', width: 1.6 },
   border: { title: 'Open borders', width: 2.4 },
   feature: { title: 'Features', width: 2 },
+  track: { title: 'Motorcycle graph', width: 2 },
   field: { title: 'Frame field', width: 1 },
   vectors: { title: 'Directions', width: 1.2 },
   singular: { title: 'Irregular edges', width: 2.4 },
@@ -39,7 +40,7 @@ export class Overlays {
     const there = {
       region: isSurface && model.layers.some((l) => l.kind === 'label' && l.on === 'face'),
       sharp: isSurface, border: isSurface && this.segmentsOf('border').length > 0,
-      feature: has('feature'), field: has('field'), singular: has('singular'),
+      feature: has('feature'), track: has('track'), field: has('field'), singular: has('singular'),
       vectors: this.vectorLayers().length > 0, marks: model.markers.length > 0,
       skeleton: model.nets.length > 0, tube: model.nets.length > 0,
     };
@@ -55,13 +56,10 @@ export class Overlays {
 
   /** What the list of layers calls a kind, by the names of the parts. */
   title(kind) {
-    const names = {
-      feature: this.model.lines.filter((l) => l.style === 'feature'), field: this.model.lines.filter((l) => l.style === 'field'),
-      singular: this.model.lines.filter((l) => l.style === 'singular'), marks: this.model.markers,
-      vectors: this.vectorLayers(),
-    }[kind]?.map((part) => part.name);
+    const parts = { marks: this.model.markers, vectors: this.vectorLayers() };
+    const names = (parts[kind] ?? this.model.lines.filter((l) => l.style === kind)).map((part) => part.name);
     if (kind === 'vectors') return `Directions ${names.join(', ')}`;
-    return names?.length ? capital(names.join(', ')) : KINDS[kind].title;
+    return names.length ? capital(names.join(', ')) : KINDS[kind].title;
   }
 
   vectorLayers() {

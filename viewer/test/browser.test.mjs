@@ -62,7 +62,7 @@ describe('pages in a browser', { skip: browser === null }, () => {
     await changed('quality');
     await page.selectOption('#colour-right', 'plain');
     await changed('plain');
-    for (const key of ['sharp', 'feature', 'marks', 'edges', 'smooth']) {
+    for (const key of ['sharp', 'feature', 'track', 'marks', 'edges', 'smooth']) {
       await page.locator(`#panel-layers [data-key=${key}]`).click();
       await changed(key);
     }
@@ -75,6 +75,24 @@ describe('pages in a browser', { skip: browser === null }, () => {
     await changed('a slice');
     assert.deepEqual(page.troubles, []);
     await page.close();
+  });
+
+  test('the motorcycle graph is a layer of its own page and of its file', async () => {
+    bench.run('motorcycle', 'bracket.ply', '-o', 'graph.vtp', '--report', 'motorcycle.html');
+    bench.run('view', 'graph.vtp', '-o', 'graph.html');
+    for (const [file, pane] of [['motorcycle.html', 1], ['graph.html', 0]]) {
+      const page = await bench.page(file);
+      const layer = page.locator('#panel-layers label', { has: page.locator('[data-key=track]') });
+      assert.equal(await layer.innerText(), 'Motorcycle graph');
+      assert.ok(await page.evaluate((k) => window.carreau.stage.panes[k].overlays.segmentsOf('track').length > 0, pane));
+      const shown = await drawing(page);
+      await page.keyboard.press('m');
+      assert.notEqual((await drawing(page)).print, shown.print);
+      await page.keyboard.press('m');
+      assert.equal((await drawing(page)).print, shown.print);
+      assert.deepEqual(page.troubles, []);
+      await page.close();
+    }
   });
 
   test('a click shows the numbers of the mesh', async () => {

@@ -12,6 +12,7 @@ use carreau::field::Field;
 use carreau::hex::HexResult;
 use carreau::mesh::{CurveNet, RawMesh, VertexId};
 use carreau::patch::PatchResult;
+use carreau::quad::MotorcycleGraph;
 use carreau::skeleton::Skeleton;
 use carreau::{Error, Result};
 use clap::{ArgAction, CommandFactory, FromArgMatches};
@@ -41,6 +42,10 @@ pub enum Found {
     Patches(RawMesh, PatchResult),
     /// A frame field, and the mesh that carries it.
     Field(RawMesh, Field),
+    /// A motorcycle graph, and the mesh that it is drawn into.
+    Graph(RawMesh, MotorcycleGraph),
+    /// A mesh of quads, and its edges along the motorcycle graph.
+    Quads(RawMesh, Vec<[u32; 2]>),
     /// A skeleton.
     Skeleton(Skeleton),
     /// A mesh of hexahedra.

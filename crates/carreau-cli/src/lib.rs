@@ -25,9 +25,12 @@ mod session;
 mod timings;
 mod verb;
 
+use carreau::Error;
 use clap::{CommandFactory, FromArgMatches, Parser};
 use session::Failure;
 use std::ffi::OsString;
+use std::io::ErrorKind;
+use std::path::Path;
 
 /// The command line.
 #[derive(Parser)]
@@ -61,7 +64,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no failures; clap knows which stream each belongs to.
-            let _ = error.print();
+            if let Err(e) = error.print()
+                && e.kind() != ErrorKind::BrokenPipe
+                && !error.use_stderr()
+            {
+                return report(&Error::write(Path::new("stdout"), e).into());
+            }
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };

@@ -268,8 +268,18 @@ impl Session {
     /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has.
     pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
         self.keep(|| Found::Mesh(mesh.clone()));
+        self.deliver_as(mesh, file, |name| Scene::of_mesh(name, mesh))
+    }
+
+    /// The same, with a scene of the verb's own; what is kept for a host is up to the verb.
+    pub fn deliver_as(
+        &mut self,
+        mesh: &RawMesh,
+        file: Option<&Path>,
+        scene: impl FnOnce(String) -> Result<Scene, Error> + Send,
+    ) -> Result<(), Error> {
         self.draw(mesh)?;
-        self.show_result(file, |name, _| Scene::of_mesh(name, mesh))?;
+        self.show_result(file, |name, _| scene(name))?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = file {
             counts["file"] = json!(file.to_string_lossy());
@@ -366,13 +376,13 @@ impl Session {
             host.tell(&record, &self.summary);
         }
         match &self.json {
-            Some(to) if to.as_os_str() == "-" => print(&record),
+            Some(to) if to.as_os_str() == "-" => print(record.as_bytes()),
             other => {
                 if let Some(file) = other {
                     io::write_atomically(file, record.as_bytes())?;
                 }
                 let text: String = self.summary.iter().map(|line| format!("{line}\n")).collect();
-                if self.quiet || self.host.is_some() { Ok(()) } else { print(&text) }
+                if self.quiet || self.host.is_some() { Ok(()) } else { print(text.as_bytes()) }
             }
         }
     }
@@ -389,8 +399,10 @@ pub fn named(file: &Path, error: Error) -> Error {
 }
 
 /// Results go to stdout; a reader that has gone away is no failure.
-fn print(text: &str) -> Result<(), Error> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+pub fn print(text: &[u8]) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    // What is left in the buffer at the end of the process would be lost without a word.
+    match stdout.write_all(text).and_then(|()| stdout.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::write(Path::new("stdout"), e)),
         _ => Ok(()),
     }

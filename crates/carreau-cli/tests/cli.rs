@@ -41,6 +41,7 @@ fn help_names_every_verb_and_each_has_an_example() {
         "simplify",
         "patch",
         "field",
+        "motorcycle",
         "quad",
         "hex",
         "skeleton",
@@ -442,6 +443,54 @@ fn field_writes_frames_layout_picture_and_record() {
     for wrong in [["--pin", "30"], ["--propagation", "far"], ["--lean", "90"], ["--feature-angle", "181"]] {
         carreau().args(["field", text(&model)]).args(wrong).assert().code(2);
     }
+}
+
+#[test]
+fn motorcycle_writes_its_graph_in_every_form_and_replays() {
+    let (folder, model) = with_model("bracket", "m.ply");
+    let at = |name: &str| folder.path().join(name);
+    let run = |more: &[&str]| carreau().args(["motorcycle", text(&model)]).args(more).assert().success();
+    let (graph, file, png) = (at("g.json"), at("g.vtp"), at("g.png"));
+    run(&[
+        "--quads",
+        "900",
+        "--threads",
+        "1",
+        "--layout",
+        text(&graph),
+        "-o",
+        text(&file),
+        "--picture",
+        text(&png),
+        "--json",
+        text(&at("r.json")),
+    ]);
+    let (found, json) = (layout(&graph), layout(&at("r.json")));
+    let list = |name: &str| found[name].as_array().unwrap().clone();
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(json["patches"], list("patches").len());
+    assert_eq!((&json["nodes"], &json["arcs"]), (&list("nodes").len().into(), &list("arcs").len().into()));
+    let kind = |kind: &str| list("tracks").iter().filter(|t| t["kind"] == kind).count();
+    assert_eq!(json["tracks"]["motorcycle"], kind("motorcycle"));
+    assert!(kind("motorcycle") > 0 && json["regular"].as_u64() <= json["discs"].as_u64());
+    // The file has the triangles, and an edge for every piece of a track or a feature.
+    let info = record(&["info", text(&file)]);
+    assert_eq!(info["topology"]["faces"], list("triangles").len());
+    let pieces: usize = list("tracks").iter().map(|t| t["vertices"].as_array().unwrap().len() - 1).sum();
+    assert_eq!(info["input"]["edges"], pieces + list("features").len());
+    for track in list("tracks") {
+        let (nodes, vertices) = (track["nodes"].as_array().unwrap(), track["vertices"].as_array().unwrap());
+        for (node, vertex) in nodes.iter().zip([vertices.first(), vertices.last()]) {
+            assert_eq!(Some(&found["nodes"][node.as_u64().unwrap() as usize]["vertex"]), vertex);
+        }
+    }
+    run(&["--options", text(&at("r.json")), "--threads", "2", "--layout", text(&at("again.json"))]);
+    assert_eq!(fs::read(&graph).unwrap(), fs::read(at("again.json")).unwrap());
+    for wrong in [["--quads", "0"], ["--edge-length", "-1"], ["--feature-angle", "181"]] {
+        carreau().args(["motorcycle", text(&model)]).args(wrong).assert().code(2);
+    }
+    fs::write(at("empty.obj"), "v 0 0 0\n").unwrap();
+    carreau().args(["motorcycle", text(&at("empty.obj"))]).assert().code(3).stderr(contains("empty.obj"));
 }
 
 #[test]

@@ -72,8 +72,25 @@ fn every_verb_reports_its_input_its_result_and_its_run() {
     let field = report(&["field", &bracket]);
     let lines: Vec<&Value> = field["scenes"][1]["lines"].as_array().unwrap().iter().map(|l| &l["style"]).collect();
     assert_eq!(lines, ["field", "feature"]);
+    // The graph has a layer of lines: on its own page, where its file is viewed, and along the edges of quads.
+    let tracks = |head: &Value, scene: usize| {
+        let lines = head["scenes"][scene]["lines"].as_array().unwrap().clone();
+        let found: Vec<Value> = lines.into_iter().filter(|l| l["style"] == "track").collect();
+        assert!(
+            found.len() == 1 && found[0]["name"] == "motorcycle graph" && found[0]["edges"].is_object(),
+            "{found:?}"
+        );
+    };
+    let graph = report(&["motorcycle", &bracket, "--quads", "400", "-o", &path("g.vtp")]);
+    tracks(&graph, 1);
+    assert_eq!((scenes(&graph), &graph["scenes"][1]["show"]), (both("g.vtp"), &"patch".into()));
+    carreau().args(["view", &path("g.vtp"), "-o", text(&at("g.html"))]).assert().success();
+    tracks(&head(&at("g.html")), 0);
     let quads = report(&["quad", &bracket, "--quads", "400", "-o", &path("q.obj")]);
     assert_eq!((scenes(&quads), &quads["scenes"][1]["faces"]["size"]), (both("q.obj"), &4.into()));
+    let wedge = path("wedge.ply");
+    carreau().args(["sample", "wedge", "--resolution", "12", "-o", &wedge]).assert().success();
+    tracks(&report(&["quad", &wedge, "--quads", "300"]), 1);
 
     let skeleton = report(&["skeleton", &tree, "-o", &path("t.cgr")]);
     assert_eq!(skeleton["scenes"][1]["nets"].as_array().unwrap().len(), 1);

@@ -8,8 +8,9 @@ use carreau::field::Field;
 use carreau::hex::HexResult;
 use carreau::mesh::{RawMesh, VertexId};
 use carreau::patch::PatchResult;
+use carreau::quad::MotorcycleGraph;
 use carreau::report::page::{Page, Role, Scene};
-use carreau::report::{field_figure, figure, hex_figure, skeleton_figure};
+use carreau::report::{field_figure, figure, graph_figure, hex_figure, skeleton_figure};
 use carreau::skeleton::Skeleton;
 use carreau_cli::host::{self, Host, Input, Outcome, Value};
 use numpy::PyReadonlyArray2;
@@ -29,6 +30,9 @@ enum Kind {
     Mesh,
     Patches(PatchResult),
     Field(Box<Field>),
+    Graph(Box<MotorcycleGraph>),
+    /// Edges along the motorcycle graph.
+    Quads(Vec<[u32; 2]>),
     Skeleton(Box<Skeleton>),
     Hexes(Box<HexResult>),
 }
@@ -53,6 +57,8 @@ impl From<Outcome> for Found {
             Some(host::Found::Mesh(mesh)) => (Kind::Mesh, Some(mesh)),
             Some(host::Found::Patches(mesh, layout)) => (Kind::Patches(layout), Some(mesh)),
             Some(host::Found::Field(mesh, field)) => (Kind::Field(Box::new(field)), Some(mesh)),
+            Some(host::Found::Graph(mesh, graph)) => (Kind::Graph(Box::new(graph)), Some(mesh)),
+            Some(host::Found::Quads(mesh, tracks)) => (Kind::Quads(tracks), Some(mesh)),
             Some(host::Found::Skeleton(skeleton)) => (Kind::Skeleton(Box::new(skeleton)), None),
             Some(host::Found::Hexes(hexes)) => {
                 let mesh = RawMesh::from(hexes.mesh.clone());
@@ -115,6 +121,23 @@ impl Found {
             Kind::Skeleton(found) => {
                 all.set_item("preimage", views::list(this.as_any(), &found.preimage))?;
             }
+            Kind::Graph(found) => {
+                let sizes = found.tracks.iter().map(|t| t.vertices.len() as u32).collect();
+                let vertices = found.tracks.iter().flat_map(|t| t.vertices.iter().copied()).collect();
+                all.set_item("track_sizes", views::owned_list(py, sizes)?)?;
+                all.set_item("track_vertices", views::owned_list(py, vertices)?)?;
+                let ends = found.tracks.iter().flat_map(|t| t.nodes).collect();
+                all.set_item("track_nodes", views::owned_table(py, ends, 2)?)?;
+                all.set_item("nodes", views::owned_list(py, found.nodes.iter().map(|n| n.vertex).collect())?)?;
+                let corners = found.patches.iter().map(|p| p.corners as u32).collect();
+                all.set_item("corners", views::owned_list(py, corners)?)?;
+                let inner = || found.starts.iter().filter(|s| s.inner);
+                all.set_item("singular_vertices", views::owned_list(py, inner().map(|s| s.vertex).collect())?)?;
+                all.set_item("singular_quads", views::owned_list(py, inner().map(|s| s.quads).collect())?)?;
+            }
+            Kind::Quads(tracks) => {
+                all.set_item("tracks", views::table(this.as_any(), tracks.as_flattened(), 2)?)?;
+            }
             Kind::None | Kind::Mesh | Kind::Hexes(_) => {}
         }
         Ok(all)
@@ -129,6 +152,7 @@ impl Found {
                     Some(layout.to_string().into_bytes())
                 }
                 Kind::Field(found) => Some(found.layout()),
+                Kind::Graph(found) => Some(found.layout()),
                 _ => None,
             })
         })?;
@@ -155,6 +179,7 @@ impl Found {
         let png = run::beside(py, None, |_, _| {
             let image = match (&self.kind, &self.mesh) {
                 (Kind::Field(found), _) => field_figure(found),
+                (Kind::Graph(found), _) => graph_figure(found),
                 (Kind::Skeleton(found), _) => skeleton_figure(&found.closed.mesh, &found.net),
                 (Kind::Hexes(found), _) => hex_figure(&found.mesh),
                 (_, Some(mesh)) => figure(mesh),
@@ -171,6 +196,8 @@ impl Found {
     fn scene(&self) -> Result<Option<Scene>, Error> {
         Ok(Some(match (&self.kind, &self.mesh) {
             (Kind::Field(found), _) => Scene::of_field("field", found)?,
+            (Kind::Graph(found), _) => Scene::of_graph("graph", found)?,
+            (Kind::Quads(tracks), Some(mesh)) => Scene::of_mesh("result", mesh)?.tracks(tracks),
             (Kind::Skeleton(found), _) => {
                 Scene::of_surface("skeleton", &found.closed.mesh)?.net("skeleton", &found.net).show("plain")
             }

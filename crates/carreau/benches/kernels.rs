@@ -37,10 +37,11 @@ fn tree(levels: usize, steps: usize) -> CurveNet {
 
 fn base_mesh(c: &mut Criterion) {
     let mut group = c.benchmark_group("hex base mesh");
-    for (levels, steps) in [(10, 8), (13, 1)] {
+    for (levels, steps) in [(10, 8), (13, 8), (13, 1)] {
         let net = tree(levels, steps);
         group.throughput(Throughput::Elements(hex::base_mesh(&net).hexes.len() as u64));
-        group.bench_with_input(BenchmarkId::new("tree, segments a branch", steps), &net, |b, net| {
+        let name = format!("tree of {} segments, a branch", net.edges.len());
+        group.bench_with_input(BenchmarkId::new(name, steps), &net, |b, net| {
             b.iter(|| hex::base_mesh(black_box(net)));
         });
     }

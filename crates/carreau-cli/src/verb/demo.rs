@@ -14,10 +14,10 @@ use carreau::io::write_skeleton;
 use carreau::mesh::{Column, CurveNet, RawMesh, SurfaceMesh};
 use carreau::patch::cad::{BrepOptions, to_brep};
 use carreau::patch::{PatchOptions, decompose, quad_mesh};
-use carreau::quad::{self, QuadOptions};
+use carreau::quad::{self, GraphOptions, QuadOptions};
 use carreau::remesh::{RemeshOptions, simplify};
 use carreau::report::page::{Page, Role, Scene};
-use carreau::report::{field_figure, figure, hex_figure};
+use carreau::report::{field_figure, figure, graph_figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
 use carreau::{Error, sample};
 use clap::Args;
@@ -91,6 +91,12 @@ impl Demo {
                     (red) and more (blue) quads than usual.",
             figures: Vec::new(),
         };
+        let mut graphs = Section {
+            title: "Motorcycle graphs",
+            about: "Tracks along the frames, from every singular vertex and every corner with room for more than one quad: they divide \
+                    a part into the patches that quads are made in.",
+            figures: Vec::new(),
+        };
         let mut quads = Section {
             title: "All-quad meshes",
             about: "Quads alone; every sharp edge is a path of edges.",
@@ -108,6 +114,7 @@ impl Demo {
             add(&mut graded, self.remesh(session, name, &mesh, &input)?);
             add(&mut patches, self.patch(session, name, &mesh, &input)?);
             add(&mut fields, self.field(session, name, &mesh, &input)?);
+            add(&mut graphs, self.graph(session, name, &mesh, &input)?);
             add(&mut quads, self.quads(session, name, &mesh, &input)?);
             shown.push((name.to_string(), scenes));
         }
@@ -118,7 +125,7 @@ impl Demo {
             about: "Hexahedra along the branches of a skeleton, every one certified; right: a cut, by scaled Jacobian.",
             figures: vec![figure],
         };
-        Ok((vec![regions, graded, patches, fields, quads, hexes], shown))
+        Ok((vec![regions, graded, patches, fields, graphs, quads, hexes], shown))
     }
 
     /// Triangles to regions.
@@ -211,11 +218,29 @@ impl Demo {
         Ok((figure, Scene::of_field("field", &found)?))
     }
 
+    /// Triangles to patches for quads.
+    fn graph(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
+        let found = quad::motorcycle_graph(mesh, &GraphOptions::default(), &session.context)?;
+        let picture = format!("{name}-graph.png");
+        session.write_bytes(&self.output.join(&picture), &graph_figure(&found).to_png()?)?;
+        let file = self.write(session, name, "-graph", &RawMesh::from(found.mesh.clone()))?;
+        let regular = found.patches.iter().filter(|p| p.is_regular()).count();
+        let caption = format!(
+            "{} triangles → {} tracks, {} patches, {regular} of them with four sides",
+            mesh.face_count(),
+            found.tracks.len(),
+            found.patches.len()
+        );
+        let figure =
+            self.figure(session, name, "graph", caption, picture, &[("triangles", input), ("graph", &file)])?;
+        Ok((figure, Scene::of_graph("graph", &found)?))
+    }
+
     /// Triangles to quads alone.
     fn quads(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let result = quad::quads(mesh, &QuadOptions::default(), &session.context)?;
         let (q, count) = (result.quality, result.mesh.face_count());
-        let out = RawMesh::from(result.mesh);
+        let (out, tracks) = (RawMesh::from(result.mesh), result.tracks);
         let file = self.write(session, name, "-quads", &out)?;
         let picture = self.draw(session, name, "-quads", &out)?;
         let caption = format!(
@@ -227,7 +252,7 @@ impl Demo {
         );
         let figure =
             self.figure(session, name, "quads", caption, picture, &[("triangles", input), ("quads", &file)])?;
-        Ok((figure, Scene::of_mesh("quads", &out)?))
+        Ok((figure, Scene::of_mesh("quads", &out)?.tracks(&tracks)))
     }
 
     /// The skeleton of the sample tube-tree to hexes.

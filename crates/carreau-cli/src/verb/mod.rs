@@ -8,6 +8,7 @@ mod features;
 mod field;
 mod hex;
 mod info;
+mod motorcycle;
 mod patch;
 mod quad;
 mod repair;
@@ -37,6 +38,7 @@ pub enum Verb {
     Patch(patch::Patch),
     Segment(segment::Segment),
     Field(field::Field),
+    Motorcycle(motorcycle::Motorcycle),
     Quad(quad::Quad),
     Hex(hex::Hex),
     Skeleton(skeleton::Skeleton),
@@ -58,6 +60,7 @@ impl Verb {
             Verb::Patch(verb) => Some(&mut verb.common),
             Verb::Segment(verb) => Some(&mut verb.common),
             Verb::Field(verb) => Some(&mut verb.common),
+            Verb::Motorcycle(verb) => Some(&mut verb.common),
             Verb::Quad(verb) => Some(&mut verb.common),
             Verb::Hex(verb) => Some(&mut verb.common),
             Verb::Skeleton(verb) => Some(&mut verb.common),
@@ -85,6 +88,7 @@ impl Verb {
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
             Verb::Field(verb) => verb.run(),
+            Verb::Motorcycle(verb) => verb.run(),
             Verb::Quad(verb) => verb.run(),
             Verb::Hex(verb) => verb.run(),
             Verb::Skeleton(verb) => verb.run(),

@@ -2,10 +2,12 @@
 
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::mesh::RawMesh;
 use carreau::quad::{self, QuadOptions, Quads};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -88,7 +90,11 @@ impl Quad {
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&result.missing, session);
         describe(session, &result);
-        session.deliver(&RawMesh::from(result.mesh), self.output.as_deref())
+        let (mesh, tracks) = (RawMesh::from(result.mesh), result.tracks);
+        let scene = |name| Ok(Scene::of_mesh(name, &mesh)?.tracks(&tracks));
+        session.deliver_as(&mesh, self.output.as_deref(), scene)?;
+        session.keep(|| Found::Quads(mesh, tracks));
+        Ok(())
     }
 }
 

@@ -1,10 +1,9 @@
 //! Help for the shell: completions and the manual page.
 
-use crate::session::Failure;
+use crate::session::{Failure, print};
 use carreau::{Error, io};
 use clap::Args;
 use clap_complete::Shell;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes a completion script for a shell to stdout
@@ -20,7 +19,7 @@ impl Completions {
     pub fn run(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut crate::command(), "carreau", &mut script);
-        to_stdout(&script)
+        Ok(print(&script)?)
     }
 }
 
@@ -42,7 +41,7 @@ impl Man {
             rendered.map(|()| text).map_err(|e| Error::write(Path::new("manual page"), e))
         };
         let command = crate::command();
-        let Some(folder) = &self.output else { return to_stdout(&page(command)?) };
+        let Some(folder) = &self.output else { return Ok(print(&page(command)?)?) };
         std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         io::write_atomically(&folder.join("carreau.1"), &page(command.clone())?)?;
         for verb in command.get_subcommands().filter(|v| !v.is_hide_set()) {
@@ -51,12 +50,5 @@ impl Man {
             io::write_atomically(&folder.join(format!("{name}.1")), &text)?;
         }
         Ok(())
-    }
-}
-
-fn to_stdout(text: &[u8]) -> Result<(), Failure> {
-    match std::io::stdout().lock().write_all(text) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::write(Path::new("stdout"), e).into()),
-        _ => Ok(()),
     }
 }

@@ -30,7 +30,7 @@ mod tests;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FeaturedSurface};
-use crate::mesh::{CornerId, Side, SurfaceMesh, VertexId};
+use crate::mesh::{CornerId, Side, SurfaceMesh, UnitScale, VertexId};
 use condition::Conditioned;
 use dual::Dual;
 use glam::DVec3;
@@ -210,6 +210,11 @@ const ROUNDS: usize = 3;
 /// [`Error::Numeric`] where a system could not be solved, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> Result<Field> {
     options.check()?;
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let found = field(&mesh, options, context)?;
+        return Ok(Field { mesh: scale.back().moved(found.mesh, &[]), ..found });
+    }
     let FeaturedSurface { mesh, features, repaired, missing } = FeaturedSurface::new(mesh, &options.features, context)?;
     check_input(&mesh)?;
     let conditioned = {

@@ -13,7 +13,7 @@ use super::search_tree::{Closest, TriangleTree, closest_on_triangle};
 use super::summary::{Summary, sum};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{SurfaceMesh, safe_length, triangle_area_vector};
+use crate::mesh::{SurfaceMesh, UnitScale, safe_length, triangle_area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -70,6 +70,9 @@ pub struct Distance {
     pub mean: f64,
     /// Root mean square, over the area.
     pub rms: f64,
+    /// The same with two standard errors added: as many random samples would hardly give more. Where few places are far
+    /// away, that is some percent.
+    pub rms_upper: f64,
     /// The largest distance found; the true maximum (the Hausdorff distance) is not smaller.
     pub max: f64,
     /// The true maximum is not larger.
@@ -102,6 +105,10 @@ pub fn compare(a: &SurfaceMesh, b: &SurfaceMesh, options: &DistanceOptions, cont
             return Err(Error::input(format!("the {which} surface has no faces: there is no distance to it"), "", ""));
         }
     }
+    let scale = UnitScale::of_mesh(a).with(UnitScale::of_mesh(b));
+    if let (Some(a), Some(b)) = (scale.mesh(a, &[]), scale.mesh(b, &[])) {
+        return Ok(compare(&a, &b, options, context)?.in_scale(scale.back()));
+    }
     let _stage = context.stage("compare");
     context.install(|| {
         let (a, b) = (Target::new(a), Target::new(b));
@@ -119,12 +126,38 @@ pub fn compare(a: &SurfaceMesh, b: &SurfaceMesh, options: &DistanceOptions, cont
     })
 }
 
+impl Comparison {
+    /// The same for the meshes in another scale; shares stay.
+    fn in_scale(mut self, scale: UnitScale) -> Comparison {
+        self.diagonal = scale.length(self.diagonal);
+        self.distance = self.distance.map(|x| scale.length(x));
+        for side in [&mut self.a_to_b, &mut self.b_to_a] {
+            side.distance = side.distance.map(|x| scale.length(x));
+            side.max_at = side.max_at.map(|x| scale.length(x));
+        }
+        self
+    }
+}
+
 impl Distance {
+    /// Every figure, changed in the same way.
+    fn map(self, change: impl Fn(f64) -> f64) -> Distance {
+        Distance {
+            mean: change(self.mean),
+            rms: change(self.rms),
+            rms_upper: change(self.rms_upper),
+            max: change(self.max),
+            max_upper: change(self.max_upper),
+        }
+    }
+
     /// Two directions taken together.
     fn with(self, other: Distance) -> Distance {
+        let quadratic = |a: f64, b: f64| ((a * a + b * b) / 2.0).sqrt();
         Distance {
             mean: (self.mean + other.mean) / 2.0,
-            rms: ((self.rms * self.rms + other.rms * other.rms) / 2.0).sqrt(),
+            rms: quadratic(self.rms, other.rms),
+            rms_upper: quadratic(self.rms_upper, other.rms_upper),
             max: self.max.max(other.max),
             max_upper: self.max_upper.max(other.max_upper),
         }
@@ -132,13 +165,7 @@ impl Distance {
 
     /// As shares of a length; zero where the length is zero and the distance too.
     fn over(self, length: f64) -> Distance {
-        let share = |x: f64| if x == 0.0 { 0.0 } else { x / length };
-        Distance {
-            mean: share(self.mean),
-            rms: share(self.rms),
-            max: share(self.max),
-            max_upper: share(self.max_upper),
-        }
+        self.map(|x| if x == 0.0 { 0.0 } else { x / length })
     }
 }
 
@@ -230,11 +257,15 @@ fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Co
     let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
     let squares: Vec<f64> = distances.iter().map(|d| d * d).collect();
     let count = distances.len().max(1) as f64;
+    let square = sum(&squares) / count;
+    let deviations: Vec<f64> = squares.iter().map(|s| (s - square).powi(2)).collect();
+    let error = sum(&deviations).sqrt() / count;
     let angles: Vec<f64> = found.iter().filter_map(|f| f.1).map(f64::to_degrees).collect();
     let side = OneSided {
         distance: Distance {
             mean: sum(&distances) / count,
-            rms: (sum(&squares) / count).sqrt(),
+            rms: square.sqrt(),
+            rms_upper: (square + 2.0 * error).sqrt(),
             max: bracket.lower,
             max_upper: bracket.upper,
         },
@@ -490,6 +521,7 @@ mod tests {
         let (inner, outer) = (sphere(4), moved(&sphere(4), |p| 1.25 * p));
         let c = compared(&inner, &outer);
         assert!((c.distance.mean - 0.25).abs() < 0.002 && (c.distance.rms - 0.25).abs() < 0.002);
+        assert!((c.distance.rms..0.2525).contains(&c.distance.rms_upper), "{c:?}");
         assert!(c.distance.max <= 0.2501 && c.distance.max_upper - c.distance.max < 1e-4);
         assert!((c.relative.mean - c.distance.mean / c.diagonal).abs() < 1e-15);
         assert!(c.normal_deg.unwrap().p95 < 5.0);

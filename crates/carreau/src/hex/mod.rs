@@ -6,6 +6,7 @@
 //!
 //! | stage | file |
 //! |---|---|
+//! | nodes where a branch turns back within a ball go | `turns` |
 //! | narrow forks get a trunk | `zip` |
 //! | stubs go, branches get nodes in proportion to the radius | `resample` |
 //! | radii that leave no room are reduced | `limit` |
@@ -33,10 +34,13 @@ mod optimise;
 mod refine;
 mod resample;
 mod sew;
+#[cfg(test)]
+mod star_tests;
 mod surface;
 #[cfg(test)]
 mod tests;
 mod tips;
+mod turns;
 mod validate;
 mod zip;
 
@@ -47,7 +51,7 @@ pub use validate::Validity;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::uncertified;
-use crate::mesh::{CurveNet, HexMesh, RepairedNet, boundary_faces};
+use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
 use glam::DVec3;
 use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring};
 use refine::{CORE, TubeMesh};
@@ -142,6 +146,12 @@ impl HexOptions {
         Ok(())
     }
 
+    /// The options for a model in another scale.
+    fn in_scale(&self, scale: UnitScale) -> HexOptions {
+        let [edge_length, radius] = [self.edge_length, self.radius].map(|l| l.map(|l| scale.length(l)));
+        HexOptions { edge_length, radius, ..self.clone() }
+    }
+
     fn refine_across(&self) -> u32 {
         self.refine_across.unwrap_or(0)
     }
@@ -171,13 +181,36 @@ pub struct HexResult {
     pub warnings: Vec<String>,
 }
 
+impl HexResult {
+    /// The result in another scale.
+    fn in_scale(mut self, scale: UnitScale) -> HexResult {
+        self.mesh.points.iter_mut().for_each(|p| *p = scale.point(*p));
+        self.figures.quality.volume = scale.back().volume(self.figures.quality.volume);
+        HexResult { skeleton: scale.moved_net(self.skeleton), ..self }
+    }
+}
+
 /// Meshes a skeleton.
+///
+/// ```
+/// use carreau::mesh::CurveNet;
+/// use carreau::{Context, DVec3, hex};
+/// let fork = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.5, 1.0, 0.0], [3.5, -1.0, 0.0]].map(DVec3::from);
+/// let net = CurveNet::new(fork.to_vec(), vec![0.3, 0.3, 0.2, 0.2], vec![[0, 1], [1, 2], [1, 3]]);
+/// let filled = hex::from_net(&net, &hex::HexOptions::default(), &Context::new())?;
+/// assert!(filled.figures.quality.certified);
+/// # Ok::<(), carreau::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Input`] for a net without any segment of positive length, [`Error::Options`] for options that make no sense,
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.check()?;
+    let scale = UnitScale::of_net(net);
+    if let Some(net) = scale.net(net) {
+        return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
+    }
     let (given, net, mut warnings) = prepare(net, options, context)?;
     let mut best: Option<(usize, TubeMesh, BaseMesh)> = None;
     for nodes in [Nodes::Drawn, Nodes::Held] {
@@ -258,7 +291,13 @@ pub fn base_mesh(net: &CurveNet) -> HexMesh {
 /// Returns the repaired net, the one to be meshed, and what the user should know.
 fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(CurveNet, CurveNet, Vec<String>)> {
     let _stage = context.stage("skeleton");
-    let RepairedNet { net, mut warnings } = net.repaired(options.radius)?;
+    let RepairedNet { mut net, mut warnings } = net.repaired(options.radius)?;
+    if options.stage == Stage::Full {
+        let dropped = turns::drop_turns(&mut net);
+        if dropped > 0 {
+            warnings.push(format!("{dropped} nodes where a branch turns back within its radius were dropped"));
+        }
+    }
     let mut stay = FxHashSet::default();
     let mut best: Option<(usize, CurveNet, Vec<String>)> = None;
     for merge in [MERGE, MERGE, 0.0] {

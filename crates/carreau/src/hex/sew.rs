@@ -13,15 +13,15 @@
 //! Two hexes meet at every side of a connection surface because they use the same middle and corners: that is the whole
 //! sewing, local to the node.
 
-use super::connection::Connection;
-use super::frames::{Framed, Ring, frames, quad_of};
-use crate::mesh::{Branch, branches};
-use crate::mesh::{CurveNet, Incidence};
+use super::connection::Search;
+use super::frames::{Frames, Quad, frames};
+use crate::mesh::{Chains, CurveNet, Incidence, NONE};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Nodes whose vertices are placed by one task.
-const CHUNK: usize = 2048;
+/// Nodes whose vertices are placed by one task, and branchings whose surfaces are looked for by one.
+const NODES: usize = 1024;
+const BRANCHINGS: usize = 64;
 
 /// The coarsest mesh of a net.
 #[derive(Debug, Clone)]
@@ -38,96 +38,152 @@ pub struct BaseMesh {
     pub poor: Vec<u32>,
 }
 
-/// How the hexes of a segment stand on its nodes.
-#[derive(Debug, Clone, Copy, Default)]
-struct Seam {
-    near: u32,
-    far: u32,
-    turn: u32,
-}
-
 /// Builds the base mesh.
+///
+/// Everything is numbered beforehand and written to its place; what branchings, branches, nodes and segments need is found
+/// in parallel, each from what was found before.
 pub fn base_mesh(net: &CurveNet) -> BaseMesh {
     let around = net.incidence();
-    let all = branches(net, &around);
-    let (index, connections, poor) = connections(net, &around);
-    let of = |node: u32| connections.get(index[node as usize] as usize);
-    let slot = |node: u32, edge: u32| around.of(node).iter().position(|s| s[0] == edge).unwrap_or(0);
-    let framed = frames(net, &all, |node, edge| Some(quad_of(&of(node)?.surface, slot(node, edge))));
-    let (seams, rings) = lay_out(net, &all, &framed);
+    let all = Chains::new(net, &around);
     let first = offsets(net, &around);
-    let points = place(net, &of, &rings);
-    let hexes = (0..net.edges.len())
-        .into_par_iter()
-        .map(|e| {
-            let Seam { near, far, turn } = seams[e];
-            let side = |node: u32, forward: bool, k: u32| -> [u32; 2] {
-                let (base, k) = (first[node as usize] + 1, k % 4);
-                match of(node) {
-                    Some(c) => {
-                        let s = slot(node, e as u32);
-                        let n = c.surface.quads.len() as u32;
-                        [base + c.surface.quads[s][k as usize], base + n + 2 + c.surface.sides[s][k as usize]]
-                    }
-                    // Seen against the branch the ring runs backwards.
-                    None if forward => [base + k, base + 4 + k],
-                    None => [base + (4 - k) % 4, base + 4 + (3 - k)],
-                }
-            };
-            std::array::from_fn(|k| {
-                let k = k as u32;
-                let ([v, m], [w, _]) = (side(near, true, k), side(near, true, k + 1));
-                let (opposite, after) = (turn + 4 - k, turn + 3 - k);
-                let ([v1, _], [w1, m1]) = (side(far, false, opposite), side(far, false, after));
-                [first[near as usize], v, m, w, first[far as usize], v1, m1, w1]
+    // Touched for the first time by several threads: the system's work of handing out memory is shared too.
+    let mut points: Vec<DVec3> = (0..first[net.points.len()]).into_par_iter().map(|_| DVec3::ZERO).collect();
+    let surfaces = Surfaces::new(net, &around, &first, &mut points);
+    let quad = |node: u32, edge: u32| -> Option<Quad> {
+        let corners = surfaces.side(&around, node, edge)?;
+        let centre = net.points[node as usize];
+        Some(std::array::from_fn(|k| points[corners[k] as usize] - centre))
+    };
+    let frames = frames(net, &all, quad);
+    let places = Places::new(net, &all);
+    place_rings(net, &first, &frames, &places, &mut points);
+    let seam = |e: usize| {
+        let at = places.of_edge[e] as usize;
+        [all.nodes[at], all.nodes[at + 1]]
+    };
+    let hexes = (0..net.edges.len()).into_par_iter().map(|e| {
+        let [near, far] = seam(e);
+        let at = places.of_edge[e] as usize;
+        let turn = usize::from(frames.turns[at]);
+        let side = |node: u32, forward: bool| -> [u32; 8] {
+            surfaces.side(&around, node, e as u32).unwrap_or_else(|| {
+                let base = first[node as usize] + 1;
+                // Seen against the branch the ring runs backwards.
+                let order = if forward { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 3, 2, 1, 7, 6, 5, 4] };
+                order.map(|k| base + k)
             })
+        };
+        let (a, b) = (side(near, true), side(far, false));
+        std::array::from_fn(|k| {
+            // Corner k meets corner turn − k of the quad seen from the other side.
+            let (after, opposite) = ((turn + 3 - k) % 4, (turn + 4 - k) % 4);
+            let [c0, c1] = [near, far].map(|node| first[node as usize]);
+            [c0, a[k], a[4 + k], a[(k + 1) % 4], c1, b[opposite], b[4 + after], b[after]]
         })
-        .collect::<Vec<[[u32; 8]; 4]>>()
-        .into_flattened();
-    BaseMesh { points, hexes, first, segments: seams.iter().map(|s| [s.near, s.far]).collect(), poor }
+    });
+    let hexes = hexes.collect::<Vec<[[u32; 8]; 4]>>().into_flattened();
+    let segments = (0..net.edges.len()).into_par_iter().map(seam).collect();
+    BaseMesh { points, hexes, first, segments, poor: surfaces.poor }
 }
 
-/// A connection surface with the middles of its sides.
-struct Placed {
-    surface: Connection,
-    middles: Vec<DVec3>,
+/// The connection surfaces of all branchings.
+struct Surfaces {
+    /// First of the sides of every branching.
+    first: Vec<u32>,
+    /// Towards every segment of every branching: the vertices of its quad, corners first, then the middles of its sides.
+    sides: Vec<[u32; 8]>,
+    /// The branchings whose surface leaves a direction out.
+    poor: Vec<u32>,
 }
 
-/// The connection surfaces of all branchings, the place of every node in their list, and the branchings whose surface
-/// leaves a direction out.
-fn connections(net: &CurveNet, around: &Incidence) -> (Vec<u32>, Vec<Placed>, Vec<u32>) {
-    let branchings: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2).collect();
-    let mut index = vec![u32::MAX; net.points.len()];
-    branchings.iter().zip(0..).for_each(|(&v, k)| index[v as usize] = k);
-    let placed: Vec<(Placed, bool)> = branchings
-        .par_iter()
-        .map(|&v| {
-            let p = net.points[v as usize];
-            let directions: Vec<DVec3> =
-                around.of(v).iter().map(|s| (net.points[s[1] as usize] - p).normalize_or(DVec3::X)).collect();
-            let surface = Connection::new(&directions);
-            let good = surface.least_determinant(&directions) > 0.0;
-            (Placed { middles: surface.side_middles(&directions), surface }, good)
-        })
-        .collect();
-    let poor = branchings.iter().zip(&placed).filter(|p| !p.1.1).map(|p| *p.0).collect();
-    (index, placed.into_iter().map(|p| p.0).collect(), poor)
+/// What one task has of the vertices and sides.
+struct Share<'a> {
+    branchings: &'a [u32],
+    points: &'a mut [DVec3],
+    sides: &'a mut [[u32; 8]],
 }
 
-/// Near and far node and turn of every segment; the ring of every articulation and extremity.
-fn lay_out(net: &CurveNet, all: &[Branch], framed: &[Framed]) -> (Vec<Seam>, Vec<Ring>) {
-    let mut seams = vec![Seam::default(); net.edges.len()];
-    let mut rings = vec![Ring::default(); net.points.len()];
-    for (branch, f) in all.iter().zip(framed) {
-        for (k, &e) in branch.edges.iter().enumerate() {
-            let turn = if k + 1 == branch.edges.len() { f.turn } else { 0 };
-            seams[e as usize] = Seam { near: branch.nodes[k], far: branch.nodes[k + 1], turn };
+impl Surfaces {
+    /// Finds the surfaces, and puts their vertices on the spheres about the branchings.
+    fn new(net: &CurveNet, around: &Incidence, vertex: &[u32], points: &mut [DVec3]) -> Surfaces {
+        let branchings: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2).collect();
+        let mut first = vec![NONE; net.points.len()];
+        let mut count = 0;
+        for &v in &branchings {
+            first[v as usize] = count;
+            count += around.valence(v) as u32;
         }
-        // A ring ends where it starts: the frame there is that of the start.
-        let own = if branch.is_ring { branch.nodes.len() - 1 } else { branch.nodes.len() };
-        branch.nodes[..own].iter().zip(&f.rings).for_each(|(&v, ring)| rings[v as usize] = *ring);
+        let mut sides = vec![[0; 8]; count as usize];
+        let mut shares = Vec::with_capacity(branchings.len().div_ceil(BRANCHINGS));
+        let (mut points_left, mut sides_left) = (points, &mut sides[..]);
+        let mut done = 0;
+        for branchings in branchings.chunks(BRANCHINGS) {
+            let [from, to] = [branchings[0], branchings[branchings.len() - 1] + 1].map(|v| vertex[v as usize]);
+            let count = branchings.iter().map(|&v| around.valence(v)).sum();
+            let (points, sides);
+            (points, points_left) = points_left.split_at_mut((to - done) as usize);
+            (sides, sides_left) = sides_left.split_at_mut(count);
+            shares.push(Share { branchings, points: &mut points[(from - done) as usize..], sides });
+            done = to;
+        }
+        let fill = |share: Share| {
+            let (mut search, mut directions, mut poor) = (Search::default(), Vec::new(), Vec::new());
+            let start = vertex[share.branchings[0] as usize];
+            let mut sides = share.sides.iter_mut();
+            for &v in share.branchings {
+                let (centre, radius) = (net.points[v as usize], net.radii[v as usize]);
+                let direction = |s: &[u32; 2]| (net.points[s[1] as usize] - centre).normalize_or(DVec3::X);
+                directions.clear();
+                directions.extend(around.of(v).iter().map(direction));
+                let surface = search.partition(&directions);
+                if !(surface.least_determinant(&directions) > 0.0) {
+                    poor.push(v);
+                }
+                let [from, to] = [v, v + 1].map(|v| (vertex[v as usize] - start) as usize);
+                let own = &mut share.points[from..to];
+                let corners = surface.vertices.len();
+                own[0] = DVec3::ZERO;
+                own[1..=corners].copy_from_slice(&surface.vertices);
+                surface.side_middles(&directions, &mut own[corners + 1..]);
+                own.iter_mut().for_each(|p| *p = centre + radius * *p);
+                let base = vertex[v as usize] + 1;
+                for ((q, s), side) in surface.quads.iter().zip(&surface.sides).zip(sides.by_ref()) {
+                    *side = std::array::from_fn(|k| base + if k < 4 { q[k] } else { corners as u32 + s[k - 4] });
+                }
+            }
+            poor
+        };
+        let poor = shares.into_par_iter().map(fill).collect::<Vec<_>>().concat();
+        Surfaces { first, sides, poor }
     }
-    (seams, rings)
+
+    /// The vertices of the quad of a branching towards a segment; `None` for other nodes.
+    fn side(&self, around: &Incidence, node: u32, edge: u32) -> Option<[u32; 8]> {
+        let first = self.first[node as usize];
+        let slot = |slots: &[[u32; 2]]| slots.iter().position(|s| s[0] == edge).unwrap_or(0);
+        (first != NONE).then(|| self.sides[first as usize + slot(around.of(node))])
+    }
+}
+
+/// Where nodes and segments stand in the branches.
+struct Places {
+    /// Of articulations and extremities; branchings are in many.
+    of_node: Vec<u32>,
+    of_edge: Vec<u32>,
+}
+
+impl Places {
+    fn new(net: &CurveNet, all: &Chains) -> Places {
+        let (mut of_node, mut of_edge) = (vec![NONE; net.points.len()], vec![0; net.edges.len()]);
+        // A ring ends where it starts: its frame there is that of the start, which is seen last.
+        for (at, (&node, &edge)) in all.nodes.iter().zip(&all.edges).enumerate().rev() {
+            of_node[node as usize] = at as u32;
+            if edge != NONE {
+                of_edge[edge as usize] = at as u32;
+            }
+        }
+        Places { of_node, of_edge }
+    }
 }
 
 /// First vertex of every node.
@@ -143,24 +199,28 @@ fn offsets(net: &CurveNet, around: &Incidence) -> Vec<u32> {
     first
 }
 
-/// Positions of all vertices: rings of the radius on articulations and extremities, spheres at branchings.
-fn place<'a>(net: &CurveNet, of: &(impl Fn(u32) -> Option<&'a Placed> + Sync), rings: &[Ring]) -> Vec<DVec3> {
+/// The rings of articulations and extremities, of the radius of their nodes.
+fn place_rings(net: &CurveNet, first: &[u32], frames: &Frames, places: &Places, points: &mut [DVec3]) {
     let nodes = net.points.len();
-    let place_chunk = |c: usize| {
-        let mut points = Vec::with_capacity(9 * CHUNK);
-        for v in c * CHUNK..((c + 1) * CHUNK).min(nodes) {
+    let mut shares = Vec::with_capacity(nodes.div_ceil(NODES));
+    let mut left = points;
+    for from in (0..nodes).step_by(NODES) {
+        let to = (from + NODES).min(nodes);
+        let own;
+        (own, left) = left.split_at_mut((first[to] - first[from]) as usize);
+        shares.push((from..to, own));
+    }
+    shares.into_par_iter().for_each(|(nodes, own)| {
+        let start = first[nodes.start];
+        for v in nodes {
+            let own = &mut own[(first[v] - start) as usize..(first[v + 1] - start) as usize];
             let (p, r) = (net.points[v], net.radii[v]);
-            points.push(p);
-            match of(v as u32) {
-                Some(c) => points.extend(c.surface.vertices.iter().chain(&c.middles).map(|d| p + r * *d)),
-                None => {
-                    let ring = &rings[v];
-                    points.extend((0..4).map(|k| p + r * ring.at(ring.corners[k])));
-                    points.extend((0..4).map(|k| p + r * ring.at(ring.middle(k))));
-                }
+            // Branchings have more vertices, and have them already.
+            if own.len() == 9 {
+                own[0] = p;
+                let ring = frames.rings.get(places.of_node[v] as usize).copied().unwrap_or_default();
+                own[1..].iter_mut().zip(ring.directions()).for_each(|(q, d)| *q = p + r * d);
             }
         }
-        points
-    };
-    (0..nodes.div_ceil(CHUNK)).into_par_iter().map(place_chunk).collect::<Vec<_>>().concat()
+    });
 }

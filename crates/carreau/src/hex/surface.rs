@@ -8,7 +8,7 @@ use super::{HexOptions, HexResult, Nodes, Stage, deliver, limit, meet, padded, t
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::{CurveNet, SurfaceMesh, Topology, boundary_faces, split_quad};
+use crate::mesh::{CurveNet, SurfaceMesh, Topology, UnitScale, boundary_faces, split_quad};
 use crate::skeleton::{self, Closed, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -55,6 +55,12 @@ pub fn from_surface(
     context: &Context,
 ) -> Result<HexResult> {
     options.check()?;
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let skeleton = skeleton.map(|net| scale.moved_net(net.clone()));
+        let made = from_surface(&mesh, skeleton.as_ref(), &options.in_scale(scale), context)?;
+        return Ok(made.in_scale(scale.back()));
+    }
     let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
     let target = Target::new(&closed);
     let mut best: Option<Coarse> = None;

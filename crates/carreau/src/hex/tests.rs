@@ -7,7 +7,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-fn star_net(directions: &[DVec3], radius: f64) -> CurveNet {
+pub(super) fn star_net(directions: &[DVec3], radius: f64) -> CurveNet {
     let n = directions.len() as u32;
     let points = std::iter::once(DVec3::ZERO).chain(directions.iter().copied()).collect();
     CurveNet::new(points, vec![radius; n as usize + 1], (1..=n).map(|k| [0, k]).collect())
@@ -39,7 +39,7 @@ fn tree() -> CurveNet {
 
 /// Every face has one or two cells that see it from opposite sides; the boundary is a closed manifold whose genus is the
 /// number of cycles.
-fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) {
+pub(super) fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) {
     let mut faces: BTreeMap<[u32; 4], Vec<[u32; 4]>> = BTreeMap::new();
     for h in hexes {
         for f in crate::mesh::HEX_FACES {

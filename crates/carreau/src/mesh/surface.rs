@@ -287,6 +287,12 @@ impl SurfaceMesh {
         if scale > 0.0 { scale * (extent / scale).length() } else { 0.0 }
     }
 
+    /// The mesh with its points elsewhere; they must stay finite.
+    pub(super) fn with_points_mapped(mut self, to: impl Fn(DVec3) -> DVec3) -> Self {
+        self.points.iter_mut().for_each(|p| *p = to(*p));
+        self
+    }
+
     /// Points, faces, attributes and tagged edges, taken apart.
     pub fn into_parts(self) -> (Vec<DVec3>, Polygons, Attributes, Vec<TaggedEdge>) {
         (self.points, self.faces, self.attributes, self.tagged_edges)

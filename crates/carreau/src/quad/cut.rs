@@ -11,24 +11,30 @@ use std::collections::BinaryHeap;
 /// Cuts of one surface.
 const CUTS: usize = 500;
 
-/// Cuts patches until each has one loop, where there is a way from one to another.
-pub fn open_holes(sheet: &mut Sheet) {
-    let mut given_up = FxHashSet::default();
+/// Cuts patches until each has one loop, where there is a way from one to another. Returns the vertices of the cuts.
+pub fn open_holes(sheet: &mut Sheet) -> Vec<Vec<u32>> {
+    let (mut cuts, mut given_up) = (Vec::new(), FxHashSet::default());
     for _ in 0..CUTS {
         let (patch, count) = patch_of(sheet);
-        let Some(loops) = loops(sheet, &patch, count) else { return };
+        let Some(loops) = loops(sheet, &patch, count) else { break };
         let closed = |p: &usize| loops[*p].len() > 1 && !given_up.contains(&loops[*p][0][0].0);
-        let Some(p) = (0..count).find(closed) else { return };
+        let Some(p) = (0..count).find(closed) else { break };
         let around: Vec<Vec<u32>> =
             loops[p].iter().map(|list| list.iter().map(|&(h, _)| sheet.head(h)).collect()).collect();
         let triangles: Vec<u32> = (0..patch.len() as u32).filter(|&t| patch[t as usize] as usize == p).collect();
         match path(sheet, &triangles, &around) {
-            Some(path) => path.into_iter().for_each(|h| sheet.set_wall(h, Wall::Cut, 0)),
+            Some(path) => {
+                let vertices =
+                    path.first().map(|&h| sheet.head(h)).into_iter().chain(path.iter().map(|&h| sheet.tail(h)));
+                cuts.push(vertices.collect());
+                path.into_iter().for_each(|h| sheet.set_wall(h, Wall::Cut, 0));
+            }
             None => {
                 given_up.insert(loops[p][0][0].0);
             }
         }
     }
+    cuts
 }
 
 /// The shortest path of half-edges inside a patch from its first loop to another one.

@@ -30,6 +30,8 @@ pub struct Filled {
     pub patch: Vec<u32>,
     /// What every patch took.
     pub kind: Vec<Kind>,
+    /// The edges along arcs that are no features.
+    pub tracks: Vec<[u32; 2]>,
 }
 
 /// All quads of a layout, or a patch that takes none. `place` tells where the vertices of the sheet belong.
@@ -42,7 +44,7 @@ pub fn fill(
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
-    let mut along: Vec<Vec<u32>> = Vec::new();
+    let (mut along, mut tracks): (Vec<Vec<u32>>, Vec<[u32; 2]>) = Default::default();
     for arc in &layout.arcs {
         let inner = match arc.curve {
             Some(curve) => Place::Curve(curve),
@@ -64,8 +66,10 @@ pub fn fill(
             ids.push(add(point_on(sheet, arc, k as f64 / arc.count as f64), inner));
         }
         ids.push(node[arc.vertices[last] as usize]);
-        if let Some(curve) = arc.curve {
-            work.features.extend(ids.windows(2).map(|w| ([w[0], w[1]], curve)));
+        let edges = ids.windows(2).map(|w| [w[0], w[1]]);
+        match arc.curve {
+            Some(curve) => work.features.extend(edges.map(|ends| (ends, curve))),
+            None => tracks.extend(edges),
         }
         along.push(ids);
     }
@@ -77,7 +81,7 @@ pub fn fill(
         kinds.push(kind);
         patch_of_face.resize(work.faces.len(), p as u32);
     }
-    Ok(Ok(Filled { work, patch: patch_of_face, kind: kinds }))
+    Ok(Ok(Filled { work, patch: patch_of_face, kind: kinds, tracks }))
 }
 
 fn region_at(sheet: &Sheet, a: u32, b: u32) -> u32 {

@@ -69,6 +69,8 @@ pub struct Patch {
     /// The sides of a disc from corner to corner, counter-clockwise; one that closes where there is no corner.
     pub sides: Vec<Vec<Side>>,
     pub corners: usize,
+    /// Its Euler number, as if it were cut out.
+    pub euler: i64,
     pub area: f64,
 }
 
@@ -255,7 +257,7 @@ impl Layout {
                 around.push(all);
             }
             let area = triangles.iter().map(|&t| sheet.area(t)).sum();
-            layout.patches.push(Patch { kind, triangles, loops: around, sides, corners, area });
+            layout.patches.push(Patch { kind, triangles, loops: around, sides, corners, euler: characteristic, area });
         }
         Some(layout)
     }

@@ -11,8 +11,9 @@
 //!
 //! | stages of rung 1 | file |
 //! |---|---|
+//! | from the surface to its graph | `draw` |
 //! | triangles that tracks are drawn into | `sheet` |
-//! | the motorcycle graph | `trace` |
+//! | the motorcycle graph; as a result of its own | `trace`; [`graph`] |
 //! | patches, sides; numbers of quads | `layout`; `quantise` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
@@ -30,8 +31,10 @@ mod bends;
 mod ceiling;
 mod chart;
 mod cut;
+mod draw;
 mod fill;
 mod fit;
+pub mod graph;
 mod halve;
 mod junction;
 mod layout;
@@ -50,12 +53,13 @@ mod trace;
 mod validate;
 mod work;
 
+pub use graph::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 pub use quality::QuadQuality;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
-use crate::mesh::{Column, Polygons, SurfaceMesh, VertexId};
+use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
 use ceiling::worst_shape;
 use halve::{Middle, halve};
 use regular::{Made, Wish, regular};
@@ -105,6 +109,8 @@ pub struct Quads {
     pub quality: QuadQuality,
     /// How.
     pub rungs: Vec<RegionRung>,
+    /// Edges along the motorcycle graph that the quads were made in, by their ends: none on rungs 3 and 4.
+    pub tracks: Vec<[u32; 2]>,
     /// What was repaired before, and what could not be reached, one sentence each.
     pub warnings: Vec<String>,
     /// Tagged and listed edges that the mesh does not have.
@@ -160,6 +166,12 @@ const USUAL: usize = 2;
 /// [`Error::Deadline`].
 pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
     check(options)?;
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let edge_length = options.edge_length.map(|length| scale.length(length));
+        let made = quads(&mesh, &QuadOptions { edge_length, ..options.clone() }, context)?;
+        return Ok(Quads { mesh: scale.back().moved(made.mesh, &[]), ..made });
+    }
     let source = Source::new(mesh, &options.features, context)?;
     let mut warnings = source.surface.repaired.clone();
     let mut made = first(&source, options, &mut warnings, context)?;
@@ -172,11 +184,11 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
             warnings
                 .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
         }
-        made = Some(Made { work, rung: vec![3; source.regions] });
+        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new() });
     }
-    let Made { work, rung } = made.unwrap_or_else(|| {
+    let Made { work, rung, tracks } = made.unwrap_or_else(|| {
         warnings.push("every triangle becomes three quads".into());
-        Made { work: fourth(&source), rung: vec![4; source.regions] }
+        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new() }
     });
     let count = work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
@@ -185,18 +197,23 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     let mut quality = quality::measure(&work, &source);
     quality.distance_max = Some(quality::distance(&work, &source, context)?);
-    finish(&source, work, &rung, quality, warnings)
+    finish(&source, Made { work, rung, tracks }, quality, warnings)
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
-    if options.quads == 0 || options.quads > 100_000_000 {
-        return Err(Error::Options(format!("{} quads: a number from 1 to 100 million is expected", options.quads)));
-    }
-    if options.edge_length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
-        return Err(Error::Options("the edge length must be above 0".into()));
-    }
+    check_size(options.quads, options.edge_length)?;
     if !(1..=4).contains(&options.rung) {
         return Err(Error::Options(format!("there is no rung {}: 1 to 4", options.rung)));
+    }
+    Ok(())
+}
+
+fn check_size(quads: usize, edge_length: Option<f64>) -> Result<()> {
+    if quads == 0 || quads > 100_000_000 {
+        return Err(Error::Options(format!("{quads} quads: a number from 1 to 100 million is expected")));
+    }
+    if edge_length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
+        return Err(Error::Options("the edge length must be above 0".into()));
     }
     Ok(())
 }
@@ -364,8 +381,9 @@ fn fourth(source: &Source) -> Work {
     halve(&coarse, source, Middle::Straight)
 }
 
-fn finish(source: &Source, mut work: Work, rung: &[u32], quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
-    drop_unused(&mut work);
+fn finish(source: &Source, made: Made, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
+    let Made { mut work, rung, mut tracks } = made;
+    drop_unused(&mut work, &mut tracks);
     let mut mesh = work.to_mesh()?;
     let mut counts = vec![0; source.regions];
     work.region.iter().for_each(|&r| counts[r as usize] += 1);
@@ -377,11 +395,11 @@ fn finish(source: &Source, mut work: Work, rung: &[u32], quality: QuadQuality, w
         .collect();
     let labels = work.region.iter().map(|&r| r as i32).collect();
     mesh.attributes.face.insert("region".into(), Column::Label(labels));
-    Ok(Quads { mesh, quality, rungs, warnings, missing: source.surface.missing.clone() })
+    Ok(Quads { mesh, quality, rungs, tracks, warnings, missing: source.surface.missing.clone() })
 }
 
-/// Drops vertices without a face.
-fn drop_unused(work: &mut Work) {
+/// Drops vertices without a face; the edges in `tracks` are renumbered with the others.
+fn drop_unused(work: &mut Work, tracks: &mut [[u32; 2]]) {
     let mut number = vec![u32::MAX; work.points.len()];
     work.faces.corners().iter().for_each(|&v| number[v as usize] = 0);
     if !number.contains(&u32::MAX) {
@@ -396,5 +414,6 @@ fn drop_unused(work: &mut Work) {
     let mut faces = Polygons::new();
     work.faces.iter().for_each(|f| faces.push_iter(f.iter().map(|&v| number[v as usize])));
     work.faces = faces;
-    work.features.iter_mut().for_each(|(ends, _)| *ends = ends.map(|v| number[v as usize]));
+    let edges = work.features.iter_mut().map(|(ends, _)| ends).chain(tracks);
+    edges.for_each(|ends| *ends = ends.map(|v| number[v as usize]));
 }

@@ -5,24 +5,17 @@
 //! too, it is joined to its neighbours.
 
 use super::cut::open_holes;
+use super::draw::{Drawn, draw, place};
 use super::fill::{Filled, fill};
-use super::layout::{Fault, Kind, Layout, Patch, audit};
-use super::pair::{Coarse, coarse};
+use super::layout::{Kind, Layout, Patch};
 use super::sheet::Sheet;
 use super::smooth::smooth;
 use super::source::Source;
-use super::trace::{cut, trace};
 use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
-use crate::field::{Field, FieldOptions, field};
-use crate::geometry::features::FeatureOptions;
-use crate::mesh::VertexId;
-use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Cuts of patches that have holes.
-const CUTS: usize = 200;
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
 
@@ -54,6 +47,8 @@ const MOST: f64 = 2.5;
 pub struct Made {
     pub work: Work,
     pub rung: Vec<u32>,
+    /// Edges along the motorcycle graph.
+    pub tracks: Vec<[u32; 2]>,
 }
 
 /// What comes of it, or why nothing does.
@@ -73,20 +68,11 @@ pub struct Wish {
 
 /// Quads as wished.
 pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context) -> Result<Outcome> {
-    let Some(coarse) = coarse(source, wish.finer * wish.length, 1.0, feature_deg, context)? else {
-        return Ok(Err("its features were not found again".into()));
-    };
-    let field = frames(&coarse, context)?;
-    let curve: FxHashMap<[u32; 2], u32> =
-        coarse.features.iter().map(|([a, b], c)| ([*a.min(b), *a.max(b)], *c)).collect();
-    let sheet = match field.repaired.is_empty() {
-        true => Sheet::new(&field, &curve, |t| coarse.region[t as usize], wish.length),
-        false => None,
-    };
-    let Some(mut sheet) = sheet else { return Ok(Err("its features and its field do not match".into())) };
-    let singular = field.corners.iter().filter(|c| c.is_singular()).map(|c| (c.vertex, c.quads)).collect::<Vec<_>>();
-    let dropped = trace(&mut sheet, &singular, source.diagonal, context)?;
-    mend(&mut sheet, source.diagonal, context)?;
+    let Drawn { coarse, mut sheet, traced, .. } =
+        match draw(source, wish.length, wish.finer * wish.length, feature_deg, context)? {
+            Ok(drawn) => drawn,
+            Err(why) => return Ok(Err(why)),
+        };
     let mut state = vec![State::Fresh; sheet.triangles.len()];
     // Where features lost their shape, round by round.
     let mut lost_places = Vec::new();
@@ -113,7 +99,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         quantise(&mut layout, wish, aim);
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
-        tracing::debug!(target: "carreau::quad", round, dropped, grids, patterns, others);
+        tracing::debug!(target: "carreau::quad", round, dropped = traced.dropped, grids, patterns, others);
         let count = layout.quads();
         if wish.quads.is_some_and(|n| count > MOST * n as f64) {
             why = format!("its features would need {count:.0} quads");
@@ -122,7 +108,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         let (mut bad, mut kinds) = (Vec::new(), Vec::new());
         match fill(&sheet, &layout, place, context)? {
             Err(patch) => bad.push(patch),
-            Ok(Filled { work, patch, kind }) => {
+            Ok(Filled { work, patch, kind, tracks }) => {
                 let mut work = settled(work, source);
                 smooth(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
@@ -152,7 +138,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     if nearest.as_ref().is_some_and(|n| off >= n.0) {
                         break;
                     }
-                    nearest = Some((off, Made { work, rung }));
+                    nearest = Some((off, Made { work, rung, tracks }));
                     if off < WITHIN {
                         break;
                     }
@@ -218,42 +204,6 @@ fn settled(mut work: Work, source: &Source) -> Work {
         work.points[v as usize] = work.put_back(source, v, work.points[v as usize]);
     }
     work
-}
-
-fn frames(coarse: &Coarse, context: &Context) -> Result<Field> {
-    let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
-    let features = FeatureOptions { angle_deg: None, borders: true, tags: false, edges };
-    field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
-}
-
-/// Cuts patches that are no discs.
-fn mend(sheet: &mut Sheet, diagonal: f64, context: &Context) -> Result<()> {
-    let mut tried = FxHashSet::default();
-    for _ in 0..CUTS {
-        let faults = audit(sheet).into_iter();
-        let starts = faults.filter_map(|f| match f {
-            Fault::NeedsCut(starts) => Some(starts),
-            Fault::Irregular => None,
-        });
-        // From the middle of what there is; not twice from the same vertex.
-        let fresh =
-            starts.map(|starts| starts.into_iter().filter(|&h| !tried.contains(&sheet.tail(h))).collect::<Vec<_>>());
-        let Some(start) = fresh.into_iter().find_map(|starts| starts.get(starts.len() / 2).copied()) else { break };
-        tried.insert(sheet.tail(start));
-        cut(sheet, start, diagonal, context)?;
-    }
-    open_holes(sheet);
-    Ok(())
-}
-
-/// Where a vertex of the sheet belongs, if it is on a feature.
-fn place(sheet: &Sheet, coarse: &Coarse, v: u32) -> Option<Place> {
-    if let Some(Place::Fixed) = coarse.place.get(v as usize) {
-        return Some(Place::Fixed);
-    }
-    let mut curves = sheet.around(v).into_iter().flat_map(|h| [h, Sheet::previous(h)]).filter_map(|h| sheet.curve(h));
-    let first = curves.next()?;
-    Some(if curves.all(|c| c == first) { Place::Curve(first) } else { Place::Fixed })
 }
 
 /// Chooses numbers of quads until their sum is the one aimed at. On rung 2, and where a patch would stay odd, all are even.

@@ -42,6 +42,25 @@ pub struct Sector {
     pub angle: f64,
 }
 
+/// Where tracks start.
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
+    pub vertex: u32,
+    /// Quads that the frames give the vertex, or its sector.
+    pub quads: i32,
+    /// On features: the first vertex along the one before the sector, clockwise.
+    pub after: Option<u32>,
+}
+
+/// What was drawn.
+pub struct Traced {
+    pub starts: Vec<Start>,
+    /// Vertices of the tracks that were not taken back, before edges between them were divided; see [`Sheet::walls_along`].
+    pub tracks: Vec<Vec<u32>>,
+    /// How many were taken back.
+    pub dropped: usize,
+}
+
 /// A track on its way.
 #[derive(Debug, Clone)]
 struct Track {
@@ -174,6 +193,37 @@ impl Sheet {
         }
     }
 
+    /// The vertices after the first from one to another, along an edge that may have been divided since.
+    fn parts(&self, a: u32, b: u32, into: &mut Vec<u32>) {
+        if self.between(a, b).is_some() {
+            into.push(b);
+        } else if let Some(&m) = self.divided.get(&[a.min(b), a.max(b)]) {
+            self.parts(a, m, into);
+            self.parts(m, b, into);
+        }
+    }
+
+    /// The vertices along a track as it is now: where its edges were divided, and without what was taken back at its ends.
+    pub fn walls_along(&self, track: &[u32]) -> Vec<u32> {
+        let mut all = track.get(..1).unwrap_or_default().to_vec();
+        track.windows(2).for_each(|w| self.parts(w[0], w[1], &mut all));
+        let is_wall = |w: &[u32]| self.between(w[0], w[1]).is_some_and(|h| self.is_wall(h));
+        let Some(first) = all.windows(2).position(is_wall) else { return Vec::new() };
+        let count = all[first..].windows(2).take_while(|w| is_wall(w)).count();
+        all[first..=first + count].to_vec()
+    }
+
+    /// The tracks that leave a start, or have come to it.
+    pub fn tracks_at(&self, start: &Start) -> usize {
+        let around = self.around(start.vertex);
+        let is_track = |h: &u32| self.is_wall(*h) && !self.is_feature(*h);
+        let Some(after) = start.after else { return around.into_iter().filter(is_track).count() };
+        let first = self.first_part(start.vertex, after);
+        let Some(k) = around.iter().position(|&h| Some(self.head(h)) == first) else { return 0 };
+        let sector = around[k + 1..].iter().chain(&around[..k]).copied().take_while(|&h| !self.is_feature(h));
+        sector.filter(is_track).count()
+    }
+
     /// Clears the walls from one vertex to another, in as many parts as they have been divided into; lists their vertices.
     fn clear_path(&mut self, a: u32, b: u32, cleared: &mut Vec<u32>) {
         if let Some(h) = self.between(a, b) {
@@ -186,26 +236,31 @@ impl Sheet {
     }
 }
 
-/// Draws the motorcycle graph; `quads`: of the inner vertices that do not have four. Returns how many tracks were taken back.
-pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &Context) -> Result<usize> {
+/// Draws the motorcycle graph; `quads`: of the inner vertices that do not have four.
+pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &Context) -> Result<Traced> {
     let _stage = context.stage("motorcycle graph");
     let mut race = Race::new(sheet, diagonal);
-    race.start_at_features();
-    quads.iter().for_each(|&(v, k)| race.start_at_singularity(v, k));
+    let mut starts = race.start_at_features();
+    for &(vertex, quads) in quads {
+        starts.push(Start { vertex, quads, after: None });
+        race.start_at_singularity(vertex, quads);
+    }
     race.run(context)?;
     let dropped = race.dropped;
+    let tracks = race.arrived();
     sheet.prune();
-    Ok(dropped)
+    Ok(Traced { starts, tracks, dropped })
 }
 
-/// Cuts from a wall into a patch, a quarter turn from the half-edge that leaves a vertex; returns whether it arrived.
-pub fn cut(sheet: &mut Sheet, start: u32, diagonal: f64, context: &Context) -> Result<bool> {
+/// Cuts from a wall into a patch, a quarter turn from the half-edge that leaves a vertex; the vertices of the track, if it
+/// arrived.
+pub fn cut(sheet: &mut Sheet, start: u32, diagonal: f64, context: &Context) -> Result<Option<Vec<u32>>> {
     let mut race = Race::new(sheet, diagonal);
     let branch = race.sheet.branch[start as usize];
     let port = race.sheet.port(start, branch, 1);
     race.start(start, port);
     race.run(context)?;
-    Ok(race.dropped == 0)
+    Ok(race.arrived().pop())
 }
 
 struct Race<'a> {
@@ -224,13 +279,21 @@ impl<'a> Race<'a> {
         Race { sheet, tracks, queue, longest: LONGEST * diagonal, dropped: 0, starts }
     }
 
-    fn start_at_features(&mut self) {
+    /// The vertices of the tracks that were not taken back.
+    fn arrived(self) -> Vec<Vec<u32>> {
+        self.tracks.into_iter().map(|t| t.vertices).filter(|v| !v.is_empty()).collect()
+    }
+
+    fn start_at_features(&mut self) -> Vec<Start> {
+        let mut all = Vec::new();
         for v in 0..self.sheet.out.len() as u32 {
             let features =
                 |sheet: &Sheet| -> Vec<u32> { sheet.around(v).into_iter().filter(|&h| sheet.is_feature(h)).collect() };
             let starts = features(self.sheet);
             let counts: Vec<i32> = starts.iter().map(|&h| self.sheet.sector(h).map_or(0, |s| s.quads)).collect();
+            let after: Vec<u32> = starts.iter().map(|&h| self.sheet.head(h)).collect();
             for (j, k) in counts.into_iter().enumerate().filter(|&(_, k)| k >= 3) {
+                all.push(Start { vertex: v, quads: k, after: Some(after[j]) });
                 for m in 1..k {
                     let Some(&h) = features(self.sheet).get(j) else { continue };
                     let port = self.sheet.port(h, self.sheet.branch[h as usize], m);
@@ -238,6 +301,7 @@ impl<'a> Race<'a> {
                 }
             }
         }
+        all
     }
 
     fn start_at_singularity(&mut self, v: u32, k: i32) {

@@ -18,6 +18,8 @@ const SMOOTHINGS: usize = 2;
 /// models, whose ridges want more of them.
 const ROUNDS: [usize; 2] = [3, 8];
 const RESHAPINGS: [usize; 2] = [1, 4];
+/// The same behind everything that changes edges, on clean models.
+const LAST_RESHAPINGS: usize = 3;
 
 impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow; with a wanted number of triangles the sizes are
@@ -66,6 +68,13 @@ impl Work<'_> {
         self.polish(context)?;
         if let Some(wanted) = wanted {
             self.trim(wanted, target::WITHIN, context)?;
+        }
+        if self.limits.clean && self.stretch.is_empty() {
+            // What polishing and trimming have left stands alone: its neighbours settle around it.
+            for _ in 0..LAST_RESHAPINGS {
+                self.reshape(context)?;
+                self.swap(2, context)?;
+            }
         }
         if !self.curved {
             let _stage = context.stage("fit");

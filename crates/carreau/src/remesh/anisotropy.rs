@@ -10,8 +10,8 @@
 //! that contradict each other cancel.
 
 use super::curves::Rank;
+use super::rings::Rings;
 use super::support::{Support, rounds};
-use crate::mesh::EditMesh;
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ pub fn stretches(support: &Support, bend: &[DVec3], rank: &[Rank], beta: Option<
     };
     let mut stretch: Vec<DVec3> = (0..mesh.vertex_slots()).into_par_iter().map(stretch).collect();
     if let Some(beta) = beta {
-        grade(mesh, &support.size, &mut stretch, beta.ln());
+        grade(&support.rings, &support.size, &mut stretch, beta.ln());
     }
     stretch
 }
@@ -45,7 +45,7 @@ pub fn stretches(support: &Support, bend: &[DVec3], rank: &[Rank], beta: Option<
 /// Means of w wᵀ over neighbours, in as many rounds as the size at a vertex asks for.
 fn averaged(support: &Support, bend: &[DVec3], rank: &[Rank]) -> Vec<DMat3> {
     let mesh = &support.mesh;
-    let wanted = rounds(mesh, &support.size, SHARE, ROUNDS);
+    let wanted = rounds(&support.rings, &support.size, SHARE, ROUNDS);
     let mut tensor: Vec<DMat3> = bend.iter().map(|&w| outer(w)).collect();
     for round in 0..wanted.iter().copied().max().unwrap_or(0) {
         let mean = |v: u32| {
@@ -53,12 +53,10 @@ fn averaged(support: &Support, bend: &[DVec3], rank: &[Rank]) -> Vec<DMat3> {
                 return tensor[v as usize];
             }
             let (mut sum, mut count) = (tensor[v as usize], 1.0);
-            mesh.for_neighbours(v, |u| {
-                if rank[u as usize] == Rank::Free {
-                    sum += tensor[u as usize];
-                    count += 1.0;
-                }
-            });
+            for &u in support.rings.of(v).iter().filter(|&&u| rank[u as usize] == Rank::Free) {
+                sum += tensor[u as usize];
+                count += 1.0;
+            }
             sum * (1.0 / count)
         };
         tensor = (0..mesh.vertex_slots()).into_par_iter().with_min_len(256).map(mean).collect();
@@ -81,7 +79,7 @@ fn dominant(tensor: DMat3, normal: DVec3) -> DVec3 {
 
 /// Shortens stretches until the size along each grows by no more than the slope towards any neighbour's in that direction.
 /// All vertices at once, so that their order does not matter.
-fn grade(mesh: &EditMesh, size: &[f64], stretch: &mut Vec<DVec3>, slope: f64) {
+fn grade(rings: &Rings, size: &[f64], stretch: &mut Vec<DVec3>, slope: f64) {
     for _ in 0..SWEEPS {
         let shorter = |v: u32| {
             let w = stretch[v as usize];
@@ -92,15 +90,14 @@ fn grade(mesh: &EditMesh, size: &[f64], stretch: &mut Vec<DVec3>, slope: f64) {
             let (h, t) = (size[v as usize], w / squared.sqrt());
             let own = h / (1.0 - squared).sqrt();
             let mut allowed = own;
-            mesh.for_neighbours(v, |u| {
+            for (u, way) in rings.edges(v) {
                 let across = stretch[u as usize].dot(t);
                 let there = size[u as usize] / (1.0 - across * across).sqrt();
-                let way = mesh.points[v as usize].distance(mesh.points[u as usize]);
                 allowed = allowed.min(there + slope * way);
-            });
+            }
             if allowed >= own { w } else { t * (1.0 - (h / allowed.max(h)).powi(2)).max(0.0).sqrt() }
         };
-        let graded: Vec<DVec3> = (0..mesh.vertex_slots()).into_par_iter().with_min_len(256).map(shorter).collect();
+        let graded: Vec<DVec3> = (0..rings.len()).into_par_iter().with_min_len(256).map(shorter).collect();
         if graded == *stretch {
             break;
         }

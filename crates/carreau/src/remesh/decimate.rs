@@ -18,9 +18,11 @@ use crate::mesh::{Keep, NONE, next, previous};
 
 /// Shapes may fall by this factor: six equilateral triangles can just be retriangulated from their rim.
 const SHAPE_LOSS: f32 = 0.6 - 1e-6;
-/// Buckets per octave of length, and octaves.
-const PER_OCTAVE: usize = 8;
-const OCTAVES: usize = 16;
+/// Buckets per octave of length, as a power of two, and octaves.
+const BUCKET_BITS: u32 = 3;
+const OCTAVES: u16 = 16;
+/// Rounds over all edges.
+const ROUNDS: usize = 2;
 
 /// What a collapse must respect besides constraint (1).
 #[derive(Debug, Clone, Copy)]
@@ -39,32 +41,56 @@ pub struct Demand {
 impl Work<'_> {
     /// Collapses edges shorter than `limit`, shortest first, while there are more than `most` triangles. Returns how many.
     pub fn decimate(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
-        let mut queue = Buckets::new(limit, PER_OCTAVE, OCTAVES);
-        for h in self.mesh.edges() {
-            queue.push(h, self.edge_length(h));
-        }
+        let mut queue = Buckets::new(self.mesh.half_edge_slots(), limit, BUCKET_BITS, OCTAVES);
         let mut done = 0;
+        // What was refused is asked again only where it is next to a collapse; one more round asks the others.
+        for _ in 0..ROUNDS {
+            for h in self.mesh.edges() {
+                queue.push(h, self.edge_length(h));
+            }
+            let before = done;
+            self.collapse_queued(&mut queue, demand, most, &mut done, context)?;
+            if done == before {
+                break;
+            }
+        }
+        Ok(done)
+    }
+
+    /// Collapses what a queue of edges holds, and adds what changes on the way.
+    fn collapse_queued(
+        &mut self,
+        queue: &mut Buckets,
+        demand: &Demand,
+        most: usize,
+        done: &mut usize,
+        context: &Context,
+    ) -> Result<()> {
         let mut step = 0;
         while self.mesh.triangle_count() > most
-            && let Some((h, bucket)) = queue.pop()
+            && let Some(h) = queue.pop()
         {
             step += 1;
             context.check_every(step)?;
-            if !self.mesh.is_half_edge(h) || queue.bucket(self.edge_length(h)) != Some(bucket) {
+            if !self.mesh.is_edge(h) {
                 continue;
             }
             let Some(keep) = self.best_collapse(h, demand) else { continue };
             let kept = self.collapse(h, keep);
-            done += 1;
+            *done += 1;
             let mesh = &self.mesh;
+            let mut push = |h: u32| queue.push(h.min(mesh.opposite(h)), self.edge_length(h));
             for h in mesh.around(kept) {
-                queue.push(h, self.edge_length(h));
+                push(h);
                 // The sides opposite to the vertex have lost a neighbour: what was refused there may be allowed now.
-                let side = next(h);
-                queue.push(side, self.edge_length(side));
+                push(next(h));
+                // On a border the last edge is that of another half-edge.
+                if mesh.opposite(previous(h)) == NONE {
+                    push(previous(h));
+                }
             }
         }
-        Ok(done)
+        Ok(())
     }
 
     /// The better of the two allowed ways to collapse an edge.
@@ -105,6 +131,12 @@ impl Work<'_> {
         let right = if right_triangle == NONE { None } else { wedge_in(right_triangle) };
         let (left, right) = (left.or(right)?, right.or(left)?);
         let apexes = [mesh.apex(h), if o == NONE { NONE } else { mesh.apex(o) }];
+        // Lengths come first: they are what forbids most collapses, and the soonest known.
+        let stays = |w: u32| w == kept || apexes.contains(&w);
+        let holds = |w: u32| stays(w) || self.edge_becomes_better(gone, kept, w, demand);
+        if !mesh.around(gone).all(|g| holds(mesh.head(g))) {
+            return None;
+        }
 
         let mut before = Face { shape: f32::INFINITY, cosine: f32::INFINITY };
         let mut after = before;
@@ -136,15 +168,10 @@ impl Work<'_> {
                 if new.shape < SHAPE_LOSS * before.shape && new.shape < demand.least_shape && new.shape < 0.3 {
                     return None;
                 }
-                if !apexes.contains(&vb) && !self.edge_becomes_better(gone, kept, vb, demand) {
-                    return None;
-                }
             }
             let turned = mesh.opposite(c_before(at));
             if turned == NONE {
-                let last = mesh.vertex(c_before(at));
-                let is_end = last != kept && !apexes.contains(&last);
-                if is_end && !self.edge_becomes_better(gone, kept, last, demand) {
+                if !holds(mesh.vertex(c_before(at))) {
                     return None;
                 }
                 break;

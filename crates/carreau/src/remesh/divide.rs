@@ -2,11 +2,11 @@
 
 use super::curves::{Kind, Rank};
 use super::size::Metric;
-use super::work::Work;
+use super::work::{Face, Work};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::unit;
-use crate::mesh::{NONE, next, previous};
+use crate::mesh::{NONE, next, previous, triangle_area_vector};
 use glam::DVec3;
 
 /// Splits make no shapes below this, unless the triangle was as bad before.
@@ -69,7 +69,11 @@ impl Work<'_> {
                 let [m, n] = [h, next(h)].map(|c| self.normal[self.mesh.wedge(c) as usize]);
                 (spot.point, spot.normal) = (p, unit(m + n));
                 if !self.split_holds(h, spot.point, [spot.normal; 2]) {
-                    return None;
+                    // Beyond the cap: with the normal of the two faces, which stay as they are, nothing gets worse.
+                    spot.normal = self.normal_across(h)?;
+                    if !self.flat_split_holds(h, p, spot.normal) {
+                        return None;
+                    }
                 }
             }
         }
@@ -78,6 +82,37 @@ impl Work<'_> {
         self.add_vertex(Rank::Free, spot.metric, 0.0);
         self.refresh_around(m);
         Some(m)
+    }
+
+    /// Whether a vertex on an edge itself, with this normal, leaves the worst angles and no needles.
+    fn flat_split_holds(&self, h: u32, p: DVec3, n: DVec3) -> bool {
+        [h, self.mesh.opposite(h)].into_iter().filter(|&side| side != NONE).all(|side| {
+            let before = self.face[side as usize / 3];
+            let halves = self.halves(side, p, n);
+            halves.iter().all(|new| {
+                new.shape >= (0.2 * before.shape).max(before.shape.min(NEEDLE)) && new.cosine >= before.cosine - 1e-6
+            })
+        })
+    }
+
+    /// The two triangles that a split leaves on one side of an edge.
+    fn halves(&self, side: u32, p: DVec3, n: DVec3) -> [Face; 2] {
+        let mesh = &self.mesh;
+        let corners = [side, next(side), previous(side)];
+        let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
+        let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
+        let [wa, wb, wc] = self.stretches(corners.map(|x| mesh.vertex(x)));
+        [self.judge([a, p, c], [na, n, nc], [wa, wa, wc]), self.judge([p, b, c], [n, nb, nc], [wb, wb, wc])]
+    }
+
+    /// The mean of the normals of the two faces of an edge.
+    fn normal_across(&self, h: u32) -> Option<DVec3> {
+        let normal = |t: u32| {
+            let [a, b, c] = self.mesh.triangle(t).map(|v| self.point(v));
+            unit(triangle_area_vector(a, b, c))
+        };
+        let o = self.mesh.opposite(h);
+        (o != NONE).then(|| unit(normal(h / 3) + normal(o / 3)))
     }
 
     fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
@@ -114,13 +149,7 @@ impl Work<'_> {
                 continue;
             }
             let before = self.face[side as usize / 3];
-            let corners = [side, next(side), previous(side)];
-            let [a, b, c] = corners.map(|x| self.point(mesh.vertex(x)));
-            let [na, nb, nc] = corners.map(|x| self.normal[mesh.wedge(x) as usize]);
-            let [wa, wb, wc] = self.stretches(corners.map(|x| mesh.vertex(x)));
-            for new in
-                [self.judge([a, p, c], [na, n, nc], [wa, wa, wc]), self.judge([p, b, c], [n, nb, nc], [wb, wb, wc])]
-            {
+            for new in self.halves(side, p, n) {
                 if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
                     || !self.allows_cosine(new.cosine, before.cosine)
                 {

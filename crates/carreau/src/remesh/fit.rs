@@ -34,6 +34,8 @@ const FARTHEST: f64 = 0.15;
 /// Shapes may fall to this share of what they were, or to this shape.
 const SHAPE_KEPT: f32 = 0.99;
 const GOOD_SHAPE: f32 = 0.75;
+/// Edges may grow to this length.
+const LONGEST: f64 = 1.6;
 
 /// A number no larger than a limit, either way; zero where the limit is no number, as on meshes too small for their squares.
 fn within(x: f64, limit: f64) -> f64 {
@@ -180,6 +182,11 @@ impl Work<'_> {
             after.shape >= (SHAPE_KEPT * before.shape).min(GOOD_SHAPE)
                 && self.allows_cosine(after.cosine, before.cosine)
         });
-        faces_hold && self.strain_allows(v, to, NONE)
+        let lengths_hold = mesh.around(v).all(|h| {
+            let q = self.point(mesh.head(h));
+            let longer = q.distance(to) / q.distance(self.point(v));
+            longer <= 1.0 || longer * self.edge_length(h) <= LONGEST
+        });
+        faces_hold && lengths_hold && self.strain_allows(v, to, NONE)
     }
 }

@@ -9,7 +9,7 @@
 //! | polygons that are not plane | `warped` | – |
 //! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | the surface: normals, radii, walking | `support` | Part I |
-//! | size map, gradation, lengths | `source`, `size` | §3, remark; H-shock |
+//! | size map, gradation, lengths | `source`, `size`, `rings` | §3, remark; H-shock |
 //! | edges longer where the surface bends less | `anisotropy` | announced |
 //! | the mesh at work | `work` | – |
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
@@ -44,6 +44,7 @@ mod output;
 mod polish;
 mod quality;
 mod relocate;
+mod rings;
 mod search;
 mod size;
 mod source;
@@ -58,7 +59,7 @@ mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{RepairOptions, SurfaceMesh, is_flawed, repair};
+use crate::mesh::{RepairOptions, SurfaceMesh, UnitScale, is_flawed, repair};
 use serde::{Deserialize, Serialize};
 use source::Source;
 
@@ -168,6 +169,9 @@ pub struct Remeshed {
 /// distance cannot be reached, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.check()?;
+    if let Some(found) = in_unit_scale(mesh, options, |mesh, options| simplify(mesh, options, context)) {
+        return found;
+    }
     let (cleaned, mut repaired) = clean(mesh, context)?;
     let enriched = match options.enrich {
         Some(deviation) => {
@@ -201,10 +205,28 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
 /// As [`simplify`].
 pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.check()?;
+    if let Some(found) = in_unit_scale(mesh, options, |mesh, options| enrich(mesh, options, context)) {
+        return found;
+    }
     let (mesh, repaired) = clean(mesh, context)?;
     let out = enriched(&mesh, options, context)?;
     let quality = quality::measure(&out)?;
     Ok(Remeshed { mesh: out, quality, repaired })
+}
+
+/// The same on a mesh of a usual size, where the given one is far from it.
+fn in_unit_scale(
+    mesh: &SurfaceMesh,
+    options: &RemeshOptions,
+    run: impl FnOnce(&SurfaceMesh, &RemeshOptions) -> Result<Remeshed>,
+) -> Option<Result<Remeshed>> {
+    let scale = UnitScale::of_mesh(mesh);
+    let sizes = options.sizes.as_deref().filter(|name| *name != "size");
+    let given: Vec<&str> = options.sizes.as_deref().into_iter().collect();
+    let made: Vec<&str> = sizes.into_iter().chain(["size"]).collect();
+    let mesh = scale.mesh(mesh, &given)?;
+    let options = RemeshOptions { distance: options.distance.map(|d| scale.length(d)), ..options.clone() };
+    Some(run(&mesh, &options).map(|found| Remeshed { mesh: scale.back().moved(found.mesh, &made), ..found }))
 }
 
 /// A clean mesh, refined.

@@ -39,7 +39,8 @@ pub struct RemeshQuality {
     pub deviation_max_deg: f64,
     /// Largest distance from the source that was found, both directions, as a share of its diagonal.
     pub distance_max: Option<f64>,
-    /// Root mean square of the distance, both directions, as a share of the diagonal.
+    /// Root mean square of the distance, both directions, as a share of the diagonal, with two standard errors of the
+    /// samples added.
     pub distance_rms: Option<f64>,
 }
 
@@ -101,7 +102,7 @@ impl RemeshQuality {
         let options = DistanceOptions { samples: 40_000, refinements, normals: false };
         let found = compare(source, result, &options, context)?;
         self.distance_max = Some(found.relative.max);
-        self.distance_rms = Some(found.relative.rms);
+        self.distance_rms = Some(found.relative.rms_upper);
         Ok(self)
     }
 }

@@ -12,15 +12,15 @@
 //! depend on the order of anything.
 
 use super::buckets::Buckets;
+use super::rings::Rings;
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::EditMesh;
 use glam::DVec3;
 
-/// Buckets per octave of size: fewer go back to a vertex more often.
-const PER_OCTAVE: usize = 32;
+/// Buckets per octave of size, as a power of two: fewer go back to a vertex more often.
+const BUCKET_BITS: u32 = 5;
 /// Sizes lie within so many octaves of the largest.
-const OCTAVES: usize = 24;
+const OCTAVES: u16 = 24;
 
 /// Length of an edge of Euclidean length `d` between two sizes.
 #[inline]
@@ -70,36 +70,29 @@ pub fn length_quality(l: f64) -> f64 {
 }
 
 /// Lowers sizes until no edge of the mesh has a shock above `beta`.
-pub fn grade(mesh: &EditMesh, size: &mut [f64], beta: f64, context: &Context) -> Result<()> {
+pub fn grade(rings: &Rings, size: &mut [f64], beta: f64, context: &Context) -> Result<()> {
     let slope = beta.ln();
-    let live = |v: &u32| mesh.is_vertex(*v);
-    let largest = (0..mesh.vertex_slots()).filter(live).map(|v| size[v as usize]).fold(0.0, f64::max);
-    let mut queue = Buckets::new(2.0 * largest, PER_OCTAVE, OCTAVES);
+    let largest = size.iter().copied().fold(0.0, f64::max);
+    let mut queue = Buckets::new(rings.len(), 2.0 * largest, BUCKET_BITS, OCTAVES);
     // Only where a cone cuts into a neighbour there is something to do.
-    for v in (0..mesh.vertex_slots()).filter(live) {
-        let (p, h) = (mesh.points[v as usize], size[v as usize]);
-        let mut cuts = false;
-        mesh.for_neighbours(v, |w| cuts |= size[w as usize] > h + slope * p.distance(mesh.points[w as usize]));
-        if cuts {
+    for v in 0..rings.len() {
+        let h = size[v as usize];
+        if rings.edges(v).any(|(w, d)| size[w as usize] > h + slope * d) {
             queue.push(v, h);
         }
     }
     let mut step = 0;
-    while let Some((v, bucket)) = queue.pop() {
+    while let Some(v) = queue.pop() {
         step += 1;
         context.check_every(step)?;
-        let (p, h) = (mesh.points[v as usize], size[v as usize]);
-        // Lowered since, and in the queue once more.
-        if queue.bucket(h) != Some(bucket) {
-            continue;
-        }
-        mesh.for_neighbours(v, |w| {
-            let bound = h + slope * p.distance(mesh.points[w as usize]);
+        let h = size[v as usize];
+        for (w, d) in rings.edges(v) {
+            let bound = h + slope * d;
             if bound < size[w as usize] {
                 size[w as usize] = bound;
                 queue.push(w, bound);
             }
-        });
+        }
     }
     Ok(())
 }

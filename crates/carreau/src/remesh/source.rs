@@ -99,7 +99,7 @@ impl Source {
         }
         self.support.size = radius.iter().enumerate().map(|(v, &r)| size(v, r)).collect();
         if let Some(beta) = options.gradation {
-            size::grade(&self.support.mesh, &mut self.support.size, beta, context)?;
+            size::grade(&self.support.rings, &mut self.support.size, beta, context)?;
         }
         // A search for a scale does with those of its first step.
         if options.anisotropic && self.support.stretch.is_empty() {

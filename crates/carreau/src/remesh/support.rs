@@ -3,6 +3,7 @@
 //! Everything is one-sided: a vertex on a curve has one normal per wedge, and no step of a walk crosses a curve.
 
 use super::curves::Rank;
+use super::rings::Rings;
 use super::size::Metric;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{EditMesh, NONE, next, previous, triangle_area_vector};
@@ -25,6 +26,7 @@ const STEADY_QUANTILE: f64 = 0.68;
 pub struct Support {
     /// The source, with curves and wedges.
     pub mesh: EditMesh,
+    pub rings: Rings,
     /// Unit normal of every wedge.
     pub normal: Vec<DVec3>,
     /// The same before they are fitted to sizes.
@@ -103,6 +105,7 @@ impl Support {
             size: Vec::new(),
             stretch: Vec::new(),
             fitted: mesh.points.clone(),
+            rings: Rings::new(&mesh),
             mesh,
         };
         out.normal = out.fan_normals(wedges as usize);
@@ -132,7 +135,7 @@ impl Support {
     pub fn fit_normals(&mut self, share: f64, most: usize) {
         let mesh = &self.mesh;
         self.normal.clone_from(&self.raw_normal);
-        let at_vertex = rounds(mesh, &self.size, share, most);
+        let at_vertex = rounds(&self.rings, &self.size, share, most);
         let mut rounds = vec![0u8; self.normal.len()];
         for h in 0..mesh.half_edge_slots() {
             rounds[mesh.wedge(h) as usize] = at_vertex[mesh.vertex(h) as usize];
@@ -168,7 +171,7 @@ impl Support {
     /// which keep the shape (Taubin 1995). No vertex moves farther than `most` sizes.
     pub fn fit_points(&mut self, rank: &[Rank], share: f64, most: f64) {
         let mesh = &self.mesh;
-        let rounds = rounds(mesh, &self.size, share, 4);
+        let rounds = rounds(&self.rings, &self.size, share, 4);
         let longest = rounds.iter().copied().max().unwrap_or(0);
         let mut points = mesh.points.clone();
         for round in 0..longest {
@@ -178,12 +181,9 @@ impl Support {
                     if rounds[v as usize] <= round || rank[v as usize] != Rank::Free || !mesh.is_vertex(v) {
                         return p;
                     }
-                    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-                    mesh.for_neighbours(v, |w| {
-                        sum += points[w as usize] - p;
-                        count += 1.0;
-                    });
-                    p + sum * (factor / count)
+                    let ring = self.rings.of(v);
+                    let sum: DVec3 = ring.iter().map(|&w| points[w as usize] - p).sum();
+                    p + sum * (factor / ring.len() as f64)
                 };
                 points = (0..mesh.vertex_slots()).into_par_iter().map(moved).collect();
             }
@@ -231,9 +231,8 @@ impl Support {
     /// Radii without those that are small at single vertices, where sizes are many edges long: there they are noise, and
     /// gradation would spread them. The curvature of a vertex comes down to an upper quantile of those around it.
     pub fn steady_radii(&self, radius: Vec<f64>, rank: &[Rank], alpha: f64) -> Vec<f64> {
-        let mesh = &self.mesh;
         let size: Vec<f64> = radius.iter().map(|r| (alpha * r).min(f64::MAX)).collect();
-        let coarse = rounds(mesh, &size, STEADY_SHARE, 1);
+        let coarse = rounds(&self.rings, &size, STEADY_SHARE, 1);
         let of = |ring: &mut Vec<f64>, v: u32| {
             let own = radius[v as usize];
             if coarse[v as usize] == 0 || rank[v as usize] != Rank::Free {
@@ -241,15 +240,12 @@ impl Support {
             }
             ring.clear();
             ring.push(own.recip());
-            mesh.for_neighbours(v, |w| {
-                if rank[w as usize] == Rank::Free {
-                    ring.push(radius[w as usize].recip());
-                }
-            });
+            let free = self.rings.of(v).iter().filter(|&&w| rank[w as usize] == Rank::Free);
+            ring.extend(free.map(|&w| radius[w as usize].recip()));
             ring.sort_unstable_by(f64::total_cmp);
             quantile(ring, STEADY_QUANTILE).recip().max(own)
         };
-        (0..mesh.vertex_slots()).into_par_iter().with_min_len(256).map_init(Vec::new, of).collect()
+        (0..self.rings.len()).into_par_iter().with_min_len(256).map_init(Vec::new, of).collect()
     }
 
     /// Vertices of the two rings around one wedge.
@@ -267,7 +263,7 @@ impl Support {
         }
         for k in 0..out.len() {
             if rank[out[k] as usize] == Rank::Free {
-                mesh.for_neighbours(out[k], |w| add(out, w));
+                self.rings.of(out[k]).iter().for_each(|&w| add(out, w));
             }
         }
     }
@@ -457,21 +453,16 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 /// Rounds of averaging over neighbours that make a kernel of about `share` sizes at every vertex, at most so many.
-pub fn rounds(mesh: &EditMesh, size: &[f64], share: f64, most: usize) -> Vec<u8> {
+pub fn rounds(rings: &Rings, size: &[f64], share: f64, most: usize) -> Vec<u8> {
     let at = |v: u32| {
-        let (mut sum, mut count) = (0.0, 0.0);
-        if mesh.is_vertex(v) {
-            mesh.for_neighbours(v, |w| {
-                sum += mesh.points[v as usize].distance_squared(mesh.points[w as usize]);
-                count += 1.0;
-            });
-        }
+        let lengths = rings.lengths(v);
+        let (sum, count) = (lengths.iter().map(|l| l * l).sum::<f64>(), lengths.len() as f64);
         // One round has a variance of about half the squared edge length.
         let scale = share * size[v as usize];
         let wanted = scale * scale * count / (0.5 * sum).max(f64::MIN_POSITIVE);
         wanted.round().min(most as f64) as u8
     };
-    (0..mesh.vertex_slots()).into_par_iter().map(at).collect()
+    (0..rings.len()).into_par_iter().map(at).collect()
 }
 
 /// Gaussian elimination with pivoting of three equations; `None` where a pivot is below `least`.

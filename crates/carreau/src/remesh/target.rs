@@ -83,11 +83,13 @@ impl Work<'_> {
     pub fn trim(&mut self, wanted: usize, within: f64, context: &Context) -> Result<()> {
         let most = ((1.0 + within) * wanted as f64).floor() as usize;
         let least = ((1.0 - within) * wanted as f64).ceil() as usize;
-        for limit in [0.8, 0.9, 1.0, 1.2, 1.5] {
+        let fair = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55, ears: false };
+        let poor = Demand { good_length: 0.5, longest: 1.75, least_shape: 0.35, ears: false };
+        let tries = [0.8, 0.9, 1.0, 1.2, 1.5].map(|limit| (limit, fair)).into_iter();
+        for (limit, demand) in tries.chain([1.0, 1.5, 1.5].map(|limit| (limit, poor))) {
             if self.mesh.triangle_count() <= most {
                 break;
             }
-            let demand = Demand { good_length: 0.62, longest: 1.6, least_shape: 0.55, ears: false };
             self.decimate(limit, &demand, most, context)?;
             self.swap(2, context)?;
             self.relocate(Accept::Better, context)?;

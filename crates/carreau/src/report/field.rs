@@ -15,8 +15,8 @@ const ARM: f64 = 0.62;
 const STEPS: usize = 400;
 const ARMS: Rgb = [38, 92, 150];
 /// Fewer quads than usual, and more.
-const FEWER: Rgb = [200, 40, 40];
-const MORE: Rgb = [30, 120, 220];
+pub(super) const FEWER: Rgb = [200, 40, 40];
+pub(super) const MORE: Rgb = [30, 120, 220];
 
 /// Draws a frame field.
 pub fn field_figure(field: &Field) -> Image {

@@ -22,7 +22,7 @@ mod cube_cylinders;
 mod cylinder;
 mod extrude;
 mod limits;
-mod random;
+pub(crate) mod random;
 mod rounded_box;
 mod saddle;
 mod shape;

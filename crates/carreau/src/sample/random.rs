@@ -1,10 +1,10 @@
 //! Pseudo-random numbers for noise: SplitMix64 (Steele, Lea, Flood 2014).
 
 /// A generator that gives the same numbers for the same seed on every machine.
-pub(super) struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Random(seed)
     }
 
@@ -17,7 +17,7 @@ impl Random {
     }
 
     /// Uniform in [−1, 1).
-    pub(super) fn symmetric(&mut self) -> f64 {
+    pub(crate) fn symmetric(&mut self) -> f64 {
         // The upper 53 bits as a multiple of 2⁻⁵², shifted.
         (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }

@@ -64,7 +64,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
 use crate::geometry::primitive::{Fit, Kind};
-use crate::mesh::{SurfaceMesh, Triangles};
+use crate::mesh::{SurfaceMesh, Triangles, UnitScale};
 use canonical::Canonical;
 use paper::{CurvatureRegions, Demand, curvature_regions};
 use price::Prices;
@@ -254,6 +254,26 @@ pub struct Segmentation {
     pub chosen: Chosen,
 }
 
+impl Segmentation {
+    /// The same for the mesh in another scale.
+    fn in_scale(mut self, scale: UnitScale) -> Segmentation {
+        for region in &mut self.regions {
+            region.area = scale.back().area(region.area);
+            [region.kmin, region.kmax] = [region.kmin, region.kmax].map(|k| scale.back().curvature(k));
+            [region.rms, region.max] = [region.rms, region.max].map(|d| scale.length(d));
+            region.primitive =
+                region.primitive.map(|p| p.moved(|point| scale.point(point), |length| scale.length(length)));
+        }
+        for junction in &mut self.junctions {
+            junction.position = scale.point(junction.position);
+            junction.distance = scale.length(junction.distance);
+        }
+        let Chosen { scale: size, tolerance, noise, .. } = &mut self.chosen;
+        [size, tolerance, noise].into_iter().for_each(|length| *length = scale.length(*length));
+        self
+    }
+}
+
 /// Share of the area that must lie on recognised surfaces for the mesh to be a part.
 const PART: f64 = 0.02;
 /// Where less of it does, the vertices may have noise.
@@ -291,6 +311,12 @@ pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) 
         return Err(Error::input("the mesh has no faces", "", "segmentation needs triangles"));
     }
     options.check(triangles.len())?;
+    let scale = UnitScale::of(triangles);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let [radius, tolerance] = [options.radius, options.tolerance].map(|l| l.map(|l| scale.length(l)));
+        let found = segment(&mesh, &SegmentOptions { radius, tolerance, ..options.clone() }, context)?;
+        return Ok(found.in_scale(scale.back()));
+    }
     let canonical = Canonical::new(triangles)?;
     let found = in_order_of_place(&canonical.mesh, &canonical.options(options), context)?;
     Ok(canonical.restore(found))

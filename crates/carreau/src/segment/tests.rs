@@ -85,11 +85,12 @@ fn check(mesh: &SurfaceMesh, result: &Segmentation) {
     }
 
     // Every vertex of a region is as near to its surface as the region says.
+    let rounding = 1e-12 * mesh.diagonal();
     for (f, &l) in result.labels.iter().enumerate() {
         if let Some(p) = result.regions[l as usize].primitive {
             let max = result.regions[l as usize].max * (1.0 + 1e-9);
             for &v in mesh.face(FaceId::new(f)) {
-                assert!(p.distance(mesh.points()[v as usize]).abs() <= max + 1e-12 * mesh.diagonal());
+                assert!(p.distance(mesh.points()[v as usize]).abs() <= max + rounding);
             }
         }
     }

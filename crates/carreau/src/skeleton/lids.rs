@@ -1,7 +1,7 @@
 //! Lids on open ends: a fan of triangles about the middle of every border loop.
 
 use crate::error::Result;
-use crate::mesh::{CornerId, SurfaceMesh, triangle_area_vector};
+use crate::mesh::{CornerId, SurfaceMesh, UnitScale, triangle_area_vector};
 use glam::DVec3;
 
 /// A border is far from a plane when it leaves its plane by more than this share of its radius.
@@ -31,6 +31,16 @@ pub struct Lid {
     pub flatness: f64,
     /// Its triangles.
     pub triangles: std::ops::Range<u32>,
+}
+
+impl Closed {
+    /// The same in another scale.
+    pub(super) fn moved(mut self, scale: UnitScale) -> Closed {
+        for lid in &mut self.lids {
+            (lid.centre, lid.radius) = (scale.point(lid.centre), scale.length(lid.radius));
+        }
+        Closed { mesh: scale.moved(self.mesh, &[]), ..self }
+    }
 }
 
 /// Closes every border loop of a manifold surface of triangles.

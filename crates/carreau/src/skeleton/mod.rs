@@ -34,7 +34,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, repair};
+use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
 use serde::{Deserialize, Serialize};
 
 /// Options of [`extract`]; the defaults are the paper's.
@@ -123,11 +123,27 @@ const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// The curve skeleton of a surface.
 ///
+/// ```
+/// use carreau::{Context, sample, skeleton};
+/// let context = Context::new();
+/// let mesh = sample::make("tube-tree", Some(46), &context)?;
+/// let thin = skeleton::extract(&mesh, &skeleton::SkeletonOptions::default(), &context)?;
+/// assert_eq!((thin.figures.cycles, thin.figures.components), (0, 1));
+/// assert!(thin.net.radii.iter().all(|&r| r > 0.0));
+/// # Ok::<(), carreau::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Input`] for a surface that is not triangular, not manifold or not consistently oriented, [`Error::Numeric`]
 /// where the cycles do not come out as many as the handles; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context) -> Result<Skeleton> {
     options.check()?;
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let found = extract(&mesh, options, context)?;
+        let closed = found.closed.moved(scale.back());
+        return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
+    }
     context.install(|| {
         let (closed, genus, components, mut warnings) = prepare(mesh, context)?;
         let surface = &closed.mesh;

@@ -3,6 +3,7 @@
 use crate::random::Random;
 use carreau::mesh::{Cells, Column, CurveNet, Polygons, RawMesh, SurfaceMesh};
 use carreau::{Context, DVec3, sample};
+use std::f64::consts::TAU;
 
 /// Small meshes with all that files can hold.
 pub fn files() -> Vec<RawMesh> {
@@ -50,17 +51,18 @@ impl Models {
 
     /// A surface that nobody would make.
     pub fn surface(&self, rng: &mut Random) -> SurfaceMesh {
-        let (points, triangles) = match rng.below(6) {
+        let (points, triangles) = match rng.below(8) {
             0 => soup(rng),
             1 => strip(rng),
+            2 | 3 => rings(rng),
             _ => {
                 let model = rng.pick(&self.0).clone().triangulated().unwrap();
                 let (points, faces, ..) = model.into_parts();
                 let mut triangles = faces.fan().0;
-                if triangles.len() > 300 && !rng.one_in(4) {
-                    // A piece of it.
-                    let start = rng.below(triangles.len() - 100);
-                    triangles = triangles[start..start + 40 + rng.below(60)].to_vec();
+                if triangles.len() > 100 && !rng.one_in(16) {
+                    // A piece of it: what goes wrong shows in few triangles, and a hundred thousand of these are soon tried.
+                    let start = rng.below(triangles.len() - 80);
+                    triangles = triangles[start..start + 12 + rng.below(60)].to_vec();
                 }
                 (points, triangles)
             }
@@ -78,7 +80,7 @@ impl Models {
 
     /// A skeleton that nobody would draw.
     pub fn net(&self, rng: &mut Random) -> CurveNet {
-        let n = 2 + rng.below(9);
+        let n = 2 + rng.below(6);
         let grid = rng.one_in(3);
         let coordinate = |rng: &mut Random| if grid { rng.below(3) as f64 } else { 4.0 * rng.signed() };
         let mut points: Vec<DVec3> =
@@ -116,6 +118,38 @@ fn strip(rng: &mut Random) -> Soup {
     let at = |k: usize| DVec3::new((k / 2) as f64 * thin, (k % 2) as f64, (k as f64 * bend).sin() * rise);
     let points = (0..n).map(at).collect();
     let triangles = (2..n as u32).map(|k| if k % 2 == 0 { [k - 2, k - 1, k] } else { [k - 1, k - 2, k] }).collect();
+    (points, triangles)
+}
+
+/// Tubes of a few rings, closed, open or bent around to a ring.
+fn rings(rng: &mut Random) -> Soup {
+    let (n, m) = (3 + rng.below(5), 2 + rng.below(5));
+    let around = m > 2 && rng.one_in(3);
+    let mut points = Vec::new();
+    for j in 0..m {
+        let (radius, turn) = (0.2 + 0.6 * rng.share(), TAU * j as f64 / m as f64);
+        let (out, up) = if around { ((turn.cos(), turn.sin()), DVec3::Z) } else { ((1.0, 0.0), DVec3::Y) };
+        let out = DVec3::new(out.0, out.1, 0.0);
+        let middle = if around { 2.0 * out } else { j as f64 * DVec3::Z };
+        points.extend((0..n).map(|i| {
+            let (sin, cos) = (TAU * i as f64 / n as f64).sin_cos();
+            middle + radius * (cos * out + sin * up)
+        }));
+    }
+    let at = |j: usize, i: usize| (j % m * n + i % n) as u32;
+    let mut triangles = Vec::new();
+    for j in 0..if around { m } else { m - 1 } {
+        for i in 0..n {
+            triangles.push([at(j, i), at(j, i + 1), at(j + 1, i + 1)]);
+            triangles.push([at(j, i), at(j + 1, i + 1), at(j + 1, i)]);
+        }
+    }
+    for end in [0, m - 1] {
+        if !around && !rng.one_in(3) {
+            let fan = (1..n - 1).map(|i| [at(end, 0), at(end, i), at(end, i + 1)]);
+            triangles.extend(fan.map(|[a, b, c]| if end == 0 { [a, c, b] } else { [a, b, c] }));
+        }
+    }
     (points, triangles)
 }
 

@@ -3,9 +3,12 @@
 use crate::models::Models;
 use crate::random::Random;
 use carreau::geometry::curvature::{CurvatureOptions, curvature};
+use carreau::geometry::distance::{DistanceOptions, compare};
 use carreau::io::{self, WriteOptions};
 use carreau::mesh::{RepairOptions, SurfaceMesh, Triangles, repair};
 use carreau::{Context, DVec3, Error, field, hex, patch, quad, remesh, segment, skeleton};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -17,13 +20,14 @@ type Try = fn(&Rooms, &SurfaceMesh, &mut Random, &Context) -> carreau::Result<He
 
 /// Every room, the quick ones more often.
 const ROOMS: &[(&str, usize, Try)] = &[
-    ("repair", 4, |_, mesh, _, context| repaired(mesh, context)),
-    ("curvature", 3, |_, mesh, _, context| curvatures(mesh, context)),
-    ("segment", 4, |_, mesh, _, context| segmented(mesh, context)),
-    ("patch", 4, |_, mesh, rng, context| patched(mesh, rng, context)),
-    ("simplify", 3, |_, mesh, rng, context| remeshed(mesh, rng, context)),
-    ("enrich", 2, |_, mesh, _, context| enriched(mesh, context)),
-    ("field", 3, |_, mesh, _, context| framed(mesh, context)),
+    ("repair", 24, |_, mesh, _, context| repaired(mesh, context)),
+    ("curvature", 20, |_, mesh, _, context| curvatures(mesh, context)),
+    ("compare", 8, |_, mesh, _, context| compared(mesh, context)),
+    ("segment", 20, |_, mesh, _, context| segmented(mesh, context)),
+    ("patch", 24, |_, mesh, rng, context| patched(mesh, rng, context)),
+    ("simplify", 6, |_, mesh, rng, context| remeshed(mesh, rng, context)),
+    ("enrich", 3, |_, mesh, _, context| enriched(mesh, context)),
+    ("field", 16, |_, mesh, _, context| framed(mesh, context)),
     ("quad", 1, |_, mesh, _, context| quadded(mesh, context)),
     ("skeleton", 1, |_, mesh, _, context| thinned(mesh, context)),
     ("hex of a surface", 1, |_, mesh, _, context| hexed(mesh, context)),
@@ -35,6 +39,8 @@ const OPEN: &[&str] = &["quad", "hex of a surface"];
 
 pub struct Rooms {
     models: Models,
+    /// Inputs of each room so far.
+    tried: RefCell<BTreeMap<&'static str, u64>>,
     /// Rooms that are tried, and how often.
     weights: Vec<usize>,
     one: Context,
@@ -46,7 +52,7 @@ impl Rooms {
         let threads = |n| Context::new().with_threads(n).unwrap();
         let asked = std::env::var_os("CARREAU_FUZZ_ROOMS").is_some() || std::env::var_os("CARREAU_FUZZ_ONLY").is_some();
         let weights = ROOMS.iter().map(|r| if asked || !OPEN.contains(&r.0) { r.1 } else { 0 }).collect();
-        Rooms { models: Models::new(), weights, one: threads(1), three: threads(3) }
+        Rooms { models: Models::new(), tried: RefCell::default(), weights, one: threads(1), three: threads(3) }
     }
 
     /// One spoiled mesh through one room.
@@ -59,6 +65,7 @@ impl Rooms {
             here
         });
         let (name, _, room) = ROOMS[chosen.unwrap()];
+        *self.tried.borrow_mut().entry(name).or_default() += 1;
         let context = if rng.one_in(8) { &self.three } else { &self.one };
         let context = context.clone().with_deadline(Instant::now() + DEADLINE);
         let file = keep.map(|folder| folder.join(format!("{k}-{}.ply", name.replace(' ', "-"))));
@@ -75,6 +82,12 @@ impl Rooms {
             std::fs::remove_file(file).unwrap();
         }
         held.map_err(|what| format!("{name} ({} triangles): {what}", mesh.face_count()))
+    }
+}
+
+impl Drop for Rooms {
+    fn drop(&mut self) {
+        eprintln!("rooms, and their inputs: {:?}", self.tried.borrow());
     }
 }
 
@@ -101,6 +114,16 @@ fn curvatures(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
     let numbers = k.kmin.iter().chain(&k.kmax).all(|x| x.is_finite()) && finite(&k.dmin) && finite(&k.dmax);
     let ordered = k.kmin.iter().zip(&k.kmax).all(|(a, b)| a <= b);
     Ok(holds(k.kmin.len() == mesh.vertex_count() && numbers && ordered, "curvatures are not finite or not in order"))
+}
+
+/// A surface has no distance from itself.
+fn compared(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
+    let options = DistanceOptions { samples: 200, refinements: 100, normals: true };
+    let found = compare(mesh, mesh, &options, context)?;
+    let size = mesh.points().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let numbers = [found.distance.mean, found.distance.rms, found.distance.max, found.diagonal];
+    Ok(holds(numbers.iter().all(|x| x.is_finite()), "a distance is not finite")
+        .and_then(|()| holds(found.distance.max <= 1e-9 * size, "a surface is away from itself")))
 }
 
 fn segmented(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
@@ -155,7 +178,11 @@ fn framed(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
 }
 
 fn quadded(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
-    let result = quad::quads(mesh, &quad::QuadOptions { quads: 200, ..Default::default() }, context)?;
+    let result = quad::quads(
+        mesh,
+        &quad::QuadOptions { quads: 20 + mesh.face_count().min(180), ..Default::default() },
+        context,
+    )?;
     let all = result.mesh.faces().iter().all(|f| f.len() == 4);
     Ok(sound(&result.mesh).and_then(|()| holds(all && result.quality.inverted == 0, "a face is no quad, or inverted")))
 }

@@ -8,7 +8,6 @@
 //! |---|---|
 //! | `sectors` | the surface cut along its features; normals |
 //! | `tensor` | tensors, tangent planes, eigenvectors |
-//! | `scale` | models of any size |
 //! | `corrected` | interpolated corrected curvature measures over the faces around a vertex |
 //! | `normal_cycle` | normal cycles on the faces around a vertex, with and without MEPP's bias |
 //! | `ball`, `clip` | normal cycles in a ball |
@@ -17,7 +16,6 @@ mod ball;
 mod clip;
 mod corrected;
 mod normal_cycle;
-mod scale;
 mod sectors;
 mod tensor;
 #[cfg(test)]
@@ -27,13 +25,12 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::normals::unit;
 use crate::geometry::summary::sum;
-use crate::mesh::{NONE, Triangles};
+use crate::mesh::{NONE, Triangles, UnitScale};
 use ball::{Ball, Visits};
 use corrected::Corrected;
 use glam::DVec3;
 use normal_cycle::{MEPP_SHARE, Ring, turn, turns};
 use rayon::prelude::*;
-use scale::Scale;
 use sectors::Sectors;
 use serde::{Deserialize, Serialize};
 use tensor::{Form, Frame};
@@ -109,7 +106,7 @@ pub fn curvature(
     if let Some(radius) = options.radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
         return Err(Error::Options(format!("the radius must be a positive number, not {radius}")));
     }
-    let scale = Scale::of(triangles);
+    let scale = UnitScale::of(triangles);
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
     let none = if options.estimator == Estimator::Mepp { vec![false; feature.len()] } else { Vec::new() };
@@ -141,7 +138,7 @@ pub fn full_magnitudes(triangles: Triangles<'_>, wanted: &[bool], context: &Cont
     if !wanted.is_empty() && !wanted.contains(&true) {
         return Ok(vec![[0.0; 2]; triangles.points().len()]);
     }
-    let scale = Scale::of(triangles);
+    let scale = UnitScale::of(triangles);
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));
     let none = vec![false; 3 * triangles.len()];
@@ -268,7 +265,7 @@ fn border_vertices(triangles: Triangles<'_>) -> Vec<bool> {
 }
 
 /// The result in the unit of the model.
-fn collect(found: Vec<Principal>, border: Vec<bool>, scale: Scale) -> Curvature {
+fn collect(found: Vec<Principal>, border: Vec<bool>, scale: UnitScale) -> Curvature {
     Curvature {
         kmin: found.iter().map(|p| scale.curvature(p.values[0])).collect(),
         kmax: found.iter().map(|p| scale.curvature(p.values[1])).collect(),

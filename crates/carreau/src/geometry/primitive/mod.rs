@@ -136,6 +136,24 @@ impl Primitive {
         }
     }
 
+    /// The surface where its points and lengths are mapped, by a similarity that turns nothing.
+    pub(crate) fn moved(self, point: impl Fn(DVec3) -> DVec3, length: impl Fn(f64) -> f64) -> Primitive {
+        match self {
+            Primitive::Plane { origin, normal } => Primitive::Plane { origin: point(origin), normal },
+            Primitive::Sphere { center, radius } => Primitive::Sphere { center: point(center), radius: length(radius) },
+            Primitive::Cylinder { origin, axis, radius } => {
+                Primitive::Cylinder { origin: point(origin), axis, radius: length(radius) }
+            }
+            Primitive::Cone { apex, axis, half_angle } => Primitive::Cone { apex: point(apex), axis, half_angle },
+            Primitive::Torus { center, axis, major_radius, minor_radius } => Primitive::Torus {
+                center: point(center),
+                axis,
+                major_radius: length(major_radius),
+                minor_radius: length(minor_radius),
+            },
+        }
+    }
+
     /// Signed distance of a point, in the unit of the points: positive on the side of [`Primitive::normal`], which is
     /// outside the ball, the cylinder, the solid cone and the tube.
     pub fn distance(&self, p: DVec3) -> f64 {

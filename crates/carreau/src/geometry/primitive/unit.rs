@@ -39,13 +39,13 @@ impl UnitBox {
 
     /// Out of the box; `None` where a number leaves the range of `f64`.
     pub fn leave(&self, surface: Primitive) -> Option<Primitive> {
-        let moved = self.map(surface, |p| p / self.scale + self.origin, self.scale.recip());
+        let moved = surface.moved(|p| p / self.scale + self.origin, |r| r * self.scale.recip());
         moved.is_sound().then_some(moved)
     }
 
     /// A surface into the box; `None` where it is not sound.
     pub fn enter_surface(&self, surface: Primitive) -> Option<Primitive> {
-        let moved = self.map(surface, |p| self.enter(p), self.scale);
+        let moved = surface.moved(|p| self.enter(p), |r| r * self.scale);
         moved.is_sound().then_some(moved)
     }
 
@@ -57,23 +57,6 @@ impl UnitBox {
     /// A length outside as a length in the box.
     pub fn length_inside(&self, x: f64) -> f64 {
         x * self.scale
-    }
-
-    fn map(&self, surface: Primitive, point: impl Fn(DVec3) -> DVec3, scale: f64) -> Primitive {
-        match surface {
-            Primitive::Plane { origin, normal } => Primitive::Plane { origin: point(origin), normal },
-            Primitive::Sphere { center, radius } => Primitive::Sphere { center: point(center), radius: radius * scale },
-            Primitive::Cylinder { origin, axis, radius } => {
-                Primitive::Cylinder { origin: point(origin), axis, radius: radius * scale }
-            }
-            Primitive::Cone { apex, axis, half_angle } => Primitive::Cone { apex: point(apex), axis, half_angle },
-            Primitive::Torus { center, axis, major_radius, minor_radius } => Primitive::Torus {
-                center: point(center),
-                axis,
-                major_radius: major_radius * scale,
-                minor_radius: minor_radius * scale,
-            },
-        }
     }
 }
 

@@ -235,7 +235,7 @@ impl Graph<'_> {
             // From the face before the next half-edge to the one behind it: the side crosses that half-edge.
             sides.push(std::array::from_fn(|k| number[list[(k + 1) % 4] as usize]));
         }
-        Some(Connection { vertices, quads, sides })
+        Some(Connection::new(vertices, quads, sides))
     }
 
     /// On the side of the sphere that the face's normal points to.

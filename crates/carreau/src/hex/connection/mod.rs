@@ -17,26 +17,20 @@ mod dual;
 mod hull;
 mod map;
 mod orange;
+mod search;
+
+pub use search::Search;
 
 use glam::DVec3;
 
-/// Axes that orange slices are tried on.
-const AXES: usize = 200;
-/// Azimuths closer than this, in radians, make no slice.
-const LEAST_GAP: f64 = 1e-6;
-/// Scores from which on no more candidates are looked for, at three directions and at more.
-const FAIR: f64 = 0.12;
-const GOOD: f64 = 0.3;
 /// The eight ways a vertex may go.
 const ROUND: [[f64; 2]; 8] = {
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
     [[1.0, 0.0], [D, D], [0.0, 1.0], [-D, D], [-1.0, 0.0], [-D, -D], [0.0, -1.0], [D, -D]]
 };
-/// Candidates whose vertices are moved.
-const FINALISTS: usize = 4;
 
 /// A partition of the unit sphere into quads, one per direction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Connection {
     /// Vertices on the unit sphere, n + 2 of them.
     pub vertices: Vec<DVec3>,
@@ -44,104 +38,57 @@ pub struct Connection {
     pub quads: Vec<[u32; 4]>,
     /// Sides of every quad, in 0..2n: side k runs from corner k to corner k + 1; each belongs to two quads.
     pub sides: Vec<[u32; 4]>,
+    /// Number of quads at every vertex.
+    valences: Vec<u32>,
+}
+
+/// The quads at every vertex.
+#[derive(Debug, Default)]
+struct Around {
+    starts: Vec<u32>,
+    quads: Vec<u32>,
 }
 
 impl Connection {
-    /// The best partition found for at least three unit directions, no two of them equal.
-    pub fn new(directions: &[DVec3]) -> Connection {
-        let mut candidates: Vec<(f64, Connection)> = Vec::new();
-        let mut consider = |c: Connection| candidates.push((c.score(directions), c));
-        if directions.len() > 3
-            && let Some(dual) = dual::partition(directions)
-        {
-            consider(dual);
-        }
-        // Most branchings are flat, or the heuristic does well: then no more is tried.
-        let normal = orange::normal(directions);
-        normal.and_then(|a| orange::slices(directions, a, LEAST_GAP)).into_iter().for_each(&mut consider);
-        let enough = if directions.len() == 3 { FAIR } else { GOOD };
-        if let Some((score, best)) = candidates.iter().max_by(|a, b| a.0.total_cmp(&b.0))
-            && *score >= enough
-        {
-            let mut best = best.clone();
-            if directions.len() > 3 {
-                best.relax(directions);
-            }
-            return best;
-        }
-        let mut consider = |c: Connection| candidates.push((c.score(directions), c));
-        orange::axes(AXES).filter_map(|a| orange::slices(directions, a, LEAST_GAP)).for_each(&mut consider);
-        if candidates.is_empty() {
-            // Two directions are equal: no partition tells them apart, but the cells are joined all the same.
-            candidates.extend(orange::axes(1).filter_map(|a| orange::slices(directions, a, 0.0)).map(|c| (0.0, c)));
-        }
-        // A stable sort: of equal candidates the first wins. The paper's heuristic is the first.
-        let dual = candidates.first().cloned().filter(|_| directions.len() > 3);
-        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        candidates.truncate(FINALISTS);
-        candidates.extend(dual);
-        let finals = candidates.into_iter().map(|(_, mut c)| {
-            c.relax(directions);
-            (c.score(directions), c)
-        });
-        let best = finals.fold(None::<(f64, Connection)>, |best, c| match best {
-            Some(b) if b.0 + 1e-9 >= c.0 => Some(b),
-            _ => Some(c),
-        });
-        best.map_or_else(|| Connection { vertices: Vec::new(), quads: Vec::new(), sides: Vec::new() }, |b| b.1)
+    fn new(vertices: Vec<DVec3>, quads: Vec<[u32; 4]>, sides: Vec<[u32; 4]>) -> Connection {
+        let mut valences = vec![0; vertices.len()];
+        quads.as_flattened().iter().for_each(|&v| valences[v as usize] += 1);
+        Connection { vertices, quads, sides, valences }
     }
 
     /// The least determinant of inclusion and convexity, less a little for every vertex of high valence. What is not
     /// valid comes after all that is.
-    pub fn score(&self, directions: &[DVec3]) -> f64 {
-        let highest = self.valences().into_iter().max().unwrap_or(0);
-        valid_first(self.least_determinant(directions), -0.01 * highest as f64)
+    fn score(&self, directions: &[DVec3]) -> f64 {
+        let highest = self.valences.iter().copied().max().unwrap_or(0);
+        valid_first(self.least_determinant(directions), -0.01 * f64::from(highest))
     }
 
-    /// Number of quads at every vertex.
-    fn valences(&self) -> Vec<usize> {
-        let mut valence = vec![0; self.vertices.len()];
-        self.quads.as_flattened().iter().for_each(|&v| valence[v as usize] += 1);
-        valence
+    /// The determinant of a quad: see [`quad_determinant`].
+    fn determinant(&self, quad: usize, direction: DVec3) -> f64 {
+        let q = self.quads[quad];
+        quad_determinant(q.map(|v| self.vertices[v as usize]), q.map(|v| self.valences[v as usize] > 2), direction)
     }
 
     /// The least determinant of inclusion and convexity: positive for a valid partition.
     pub fn least_determinant(&self, directions: &[DVec3]) -> f64 {
-        let valence = self.valences();
-        let of_quad = |(q, d): (&[u32; 4], &DVec3)| {
-            quad_determinant(q.map(|v| self.vertices[v as usize]), q.map(|v| valence[v as usize] > 2), *d)
-        };
-        self.quads.iter().zip(directions).map(of_quad).fold(f64::INFINITY, f64::min)
+        directions.iter().enumerate().map(|(q, &d)| self.determinant(q, d)).fold(f64::INFINITY, f64::min)
     }
 
     /// Moves vertices about the sphere to enlarge the least determinant of the quads at each: a pattern search with
-    /// shrinking steps.
-    fn relax(&mut self, directions: &[DVec3]) {
-        let mut at: Vec<Vec<u32>> = vec![Vec::new(); self.vertices.len()];
-        for (q, quad) in self.quads.iter().zip(0..).flat_map(|(quad, q)| quad.iter().map(move |&v| (q, v))) {
-            at[quad as usize].push(q);
-        }
-        let turns: Vec<bool> = self.valences().into_iter().map(|n| n > 2).collect();
+    /// shrinking steps. `around` is working memory.
+    fn relax(&mut self, directions: &[DVec3], around: &mut Around) {
+        around.fill(self);
         let mut step = 0.25;
         for _ in 0..24 {
             let mut moved = false;
             for v in 0..self.vertices.len() {
-                let least = |c: &Connection| {
-                    let of_quad = |&q: &u32| {
-                        let quad = c.quads[q as usize];
-                        let (corners, turn) = (quad.map(|v| c.vertices[v as usize]), quad.map(|v| turns[v as usize]));
-                        quad_determinant(corners, turn, directions[q as usize])
-                    };
-                    let values = at[v].iter().map(of_quad);
-                    // The sum breaks ties.
-                    valid_first(values.clone().fold(f64::INFINITY, f64::min), 1e-3 * values.sum::<f64>())
-                };
+                let quads = around.of(v);
                 let here = self.vertices[v];
                 let (across, up) = here.any_orthonormal_pair();
-                let mut best = (least(self), here);
+                let mut best = (self.value_about(quads, directions, f64::NEG_INFINITY), here);
                 for [cos, sin] in ROUND {
                     self.vertices[v] = (here + (across * cos + up * sin) * step).normalize();
-                    let value = least(self);
+                    let value = self.value_about(quads, directions, best.0);
                     if value > best.0 + 1e-9 {
                         best = (value, self.vertices[v]);
                     }
@@ -155,9 +102,25 @@ impl Connection {
         }
     }
 
-    /// The middle of every side on the unit sphere.
-    pub fn side_middles(&self, directions: &[DVec3]) -> Vec<DVec3> {
-        let mut middles = vec![DVec3::ZERO; 2 * self.quads.len()];
+    /// The least determinant of some quads, with a little of their sum to break ties; anything lower where it is clear that
+    /// `known` is not exceeded.
+    fn value_about(&self, quads: &[u32], directions: &[DVec3], known: f64) -> f64 {
+        const SHARE: f64 = 1e-3;
+        let (mut least, mut sum) = (f64::INFINITY, 0.0);
+        for &q in quads {
+            let d = self.determinant(q as usize, directions[q as usize]);
+            least = least.min(d);
+            sum += d;
+            // No determinant of unit vectors is above one.
+            if valid_first(least, SHARE * quads.len() as f64) <= known {
+                return f64::NEG_INFINITY;
+            }
+        }
+        valid_first(least, SHARE * sum)
+    }
+
+    /// The middle of every side on the unit sphere, all zero before.
+    pub fn side_middles(&self, directions: &[DVec3], middles: &mut [DVec3]) {
         for ((quad, sides), &d) in self.quads.iter().zip(&self.sides).zip(directions) {
             for k in 0..4 {
                 let [a, b] = [quad[k], quad[(k + 1) % 4]].map(|v| self.vertices[v as usize]);
@@ -166,7 +129,30 @@ impl Connection {
                 middles[sides[k] as usize] += 0.5 * (a + b) + 0.02 * d;
             }
         }
-        middles.iter().map(|m| m.normalize_or(DVec3::X)).collect()
+        middles.iter_mut().for_each(|m| *m = m.normalize_or(DVec3::X));
+    }
+}
+
+impl Around {
+    fn fill(&mut self, c: &Connection) {
+        self.starts.clear();
+        self.starts.push(0);
+        let mut sum = 0;
+        // Each start is moved on while its list is filled, and is then where the next list starts.
+        self.starts.extend(c.valences.iter().map(|n| {
+            sum += n;
+            sum - n
+        }));
+        self.quads.resize(sum as usize, 0);
+        for (&v, k) in c.quads.as_flattened().iter().zip(0u32..) {
+            let next = &mut self.starts[v as usize + 1];
+            self.quads[*next as usize] = k / 4;
+            *next += 1;
+        }
+    }
+
+    fn of(&self, v: usize) -> &[u32] {
+        &self.quads[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
 }
 
@@ -229,7 +215,7 @@ pub(super) mod tests {
         #[test]
         fn every_star_is_included(n in 3usize..13, numbers in prop::collection::vec(-1.0f64..1.0, 600)) {
             if let Some(directions) = star(&numbers, n, 15.0) {
-                let c = Connection::new(&directions);
+                let c = Search::default().partition(&directions).clone();
                 assert_partition(&c, n);
                 prop_assert!(c.least_determinant(&directions) > 0.0, "{}", c.least_determinant(&directions));
             }
@@ -254,7 +240,7 @@ pub(super) mod tests {
             [-0.5093096254395499, -0.7720546701966934, -0.38017797366772865],
         ];
         let directions = directions.map(DVec3::from_array);
-        let c = Connection::new(&directions);
+        let c = Search::default().partition(&directions).clone();
         assert_partition(&c, 12);
         assert!(c.least_determinant(&directions) > 0.0);
     }
@@ -262,7 +248,7 @@ pub(super) mod tests {
     #[test]
     fn six_axes_are_a_cube() {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
-        let c = Connection::new(&axes);
+        let c = Search::default().partition(&axes).clone();
         assert_partition(&c, 6);
         let mut valence = [0; 8];
         c.quads.as_flattened().iter().for_each(|&v| valence[v as usize] += 1);
@@ -275,7 +261,7 @@ pub(super) mod tests {
             (0..5).map(|k| DVec3::from((glam::DVec2::from_angle(1.2 * f64::from(k)), 0.0))).collect();
         let tilted: Vec<DVec3> = flat.iter().map(|d| (*d + DVec3::Z).normalize()).collect();
         for directions in [flat, tilted] {
-            let c = Connection::new(&directions);
+            let c = Search::default().partition(&directions).clone();
             assert_partition(&c, 5);
             assert!(c.least_determinant(&directions) > 0.0);
         }

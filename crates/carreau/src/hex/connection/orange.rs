@@ -30,38 +30,49 @@ pub fn normal(directions: &[DVec3]) -> Option<DVec3> {
     flattest(directions, covariance)
 }
 
-/// The direction of least covariance: inverse iteration with a small shift.
+/// The direction of least covariance: the inverse, with a small shift, to the power of 64 has it in all columns.
 fn flattest(directions: &[DVec3], covariance: glam::DMat3) -> Option<DVec3> {
     let shifted = covariance + glam::DMat3::IDENTITY * (1e-9 * directions.len() as f64);
-    let inverse = shifted.inverse();
-    let mut axis = DVec3::new(0.48, 0.6, 0.64);
-    for _ in 0..40 {
-        axis = (inverse * axis).try_normalize()?;
+    let mut power = shifted.inverse();
+    let trace = |m: &glam::DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+    for _ in 0..6 {
+        power *= 1.0 / trace(&power);
+        power = power * power;
     }
-    Some(axis)
+    let columns = [power.x_axis, power.y_axis, power.z_axis];
+    columns.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?.try_normalize()
 }
 
-/// Slices about an axis; `None` where the azimuths of two directions differ by less than `least_gap`.
-pub fn slices(directions: &[DVec3], axis: DVec3, least_gap: f64) -> Option<Connection> {
-    let (u, v) = axis.any_orthonormal_pair();
-    // Right-handed: u × v = axis.
-    let v = if u.cross(v).dot(axis) < 0.0 { -v } else { v };
-    let azimuth = |d: &DVec3| d.dot(v).atan2(d.dot(u));
-    let mut order: Vec<(f64, usize)> = directions.iter().enumerate().map(|(k, d)| (azimuth(d), k)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let n = order.len();
-    let mut vertices = vec![axis, -axis];
-    let (mut quads, mut sides) = (vec![[0; 4]; n], vec![[0; 4]; n]);
-    for (k, &(from, direction)) in order.iter().enumerate() {
-        let to = if k + 1 < n { order[k + 1].0 } else { order[0].0 + TAU };
-        if to - from < least_gap {
-            return None;
+impl Connection {
+    /// Becomes the slices about an axis; false where the azimuths of two directions differ by less than `least_gap`.
+    /// `order` is working memory.
+    pub fn slice(&mut self, directions: &[DVec3], axis: DVec3, least_gap: f64, order: &mut Vec<(f64, usize)>) -> bool {
+        let (u, v) = axis.any_orthonormal_pair();
+        // Right-handed: u × v = axis.
+        let v = if u.cross(v).dot(axis) < 0.0 { -v } else { v };
+        order.clear();
+        order.extend(directions.iter().enumerate().map(|(k, d)| (d.dot(v).atan2(d.dot(u)), k)));
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let n = order.len();
+        self.vertices.clear();
+        self.vertices.extend([axis, -axis]);
+        self.valences.clear();
+        self.valences.extend([n as u32; 2]);
+        self.quads.resize(n, [0; 4]);
+        self.sides.resize(n, [0; 4]);
+        for k in 0..n {
+            let (from, direction) = order[k];
+            let to = if k + 1 < n { order[k + 1].0 } else { order[0].0 + TAU };
+            if to - from < least_gap {
+                return false;
+            }
+            let (sin, cos) = (0.5 * (from + to)).sin_cos();
+            self.vertices.push(u * cos + v * sin);
+            self.valences.push(2);
+            let (before, here) = (((k + n - 1) % n) as u32, k as u32);
+            self.quads[direction] = [0, 2 + before, 1, 2 + here];
+            self.sides[direction] = [2 * before, 2 * before + 1, 2 * here + 1, 2 * here];
         }
-        let (sin, cos) = (0.5 * (from + to)).sin_cos();
-        vertices.push(u * cos + v * sin);
-        let (before, here) = (((k + n - 1) % n) as u32, k as u32);
-        quads[direction] = [0, 2 + before, 1, 2 + here];
-        sides[direction] = [2 * before, 2 * before + 1, 2 * here + 1, 2 * here];
+        true
     }
-    Some(Connection { vertices, quads, sides })
 }

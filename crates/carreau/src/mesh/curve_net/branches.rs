@@ -1,6 +1,8 @@
 //! Branches of a net: chains of segments between nodes that are no articulations, and closed chains.
 
+use super::super::triangles::NONE;
 use super::{CurveNet, Incidence};
+use std::ops::Range;
 
 /// A chain of segments.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,37 +23,84 @@ impl Branch {
     }
 }
 
-/// All branches: from branchings first, then between extremities, then rings. Each segment is in one.
-pub fn branches(net: &CurveNet, around: &Incidence) -> Vec<Branch> {
-    let mut seen = vec![false; net.edges.len()];
-    let mut all = Vec::new();
-    let kind = |v: u32| around.valence(v).min(3);
-    for wanted in [3, 1, 2] {
-        for v in (0..net.points.len() as u32).filter(|&v| kind(v) == wanted) {
-            for &[edge, _] in around.of(v) {
-                if !seen[edge as usize] {
-                    all.push(follow(around, v, edge, wanted == 2, &mut seen));
+/// All branches in flat arrays: from branchings first, then between extremities, then rings. Each segment is in one.
+#[derive(Debug, Clone, Default)]
+pub struct Chains {
+    /// The nodes of all branches, one branch behind the other.
+    pub nodes: Vec<u32>,
+    /// The segment from each of those nodes to the next; [`NONE`] at the last node of a branch.
+    pub edges: Vec<u32>,
+    /// Where every branch starts, and the number of nodes.
+    pub starts: Vec<u32>,
+    /// Branches from here on are rings.
+    pub first_ring: usize,
+}
+
+impl Chains {
+    /// Follows the segments of a net.
+    pub fn new(net: &CurveNet, around: &Incidence) -> Chains {
+        let mut all = Chains::default();
+        // A branch has a node more than segments; few nets have more branches than half their segments.
+        all.nodes.reserve(net.edges.len() + net.edges.len() / 2);
+        all.edges.reserve(net.edges.len() + net.edges.len() / 2);
+        let mut seen = vec![false; net.edges.len()];
+        let kind = |v: u32| around.valence(v).min(3);
+        for wanted in [3, 1, 2] {
+            if wanted == 2 {
+                all.first_ring = all.starts.len();
+            }
+            for v in (0..net.points.len() as u32).filter(|&v| kind(v) == wanted) {
+                for &[edge, next] in around.of(v) {
+                    if !seen[edge as usize] {
+                        all.starts.push(all.nodes.len() as u32);
+                        all.follow(around, v, [edge, next], &mut seen);
+                    }
                 }
             }
         }
+        all.starts.push(all.nodes.len() as u32);
+        all
     }
-    all
+
+    fn follow(&mut self, around: &Incidence, start: u32, first: [u32; 2], seen: &mut [bool]) {
+        let (mut from, [mut edge, mut node]) = (start, first);
+        loop {
+            seen[edge as usize] = true;
+            self.nodes.push(from);
+            self.edges.push(edge);
+            from = node;
+            match *around.of(node) {
+                [a, b] => [edge, node] = if a[0] == edge { b } else { a },
+                _ => break,
+            }
+            if seen[edge as usize] {
+                break;
+            }
+        }
+        self.nodes.push(from);
+        self.edges.push(NONE);
+    }
+
+    /// Number of branches.
+    pub fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Where a branch stands in the lists of nodes and segments.
+    pub fn span(&self, branch: usize) -> Range<usize> {
+        self.starts[branch] as usize..self.starts[branch + 1] as usize
+    }
 }
 
-fn follow(around: &Incidence, start: u32, first: u32, is_ring: bool, seen: &mut [bool]) -> Branch {
-    let mut branch = Branch { nodes: vec![start], edges: Vec::new(), is_ring };
-    let (mut node, mut edge) = (start, first);
-    loop {
-        seen[edge as usize] = true;
-        branch.edges.push(edge);
-        node = around.of(node).iter().find(|s| s[0] == edge).map_or(node, |s| s[1]);
-        branch.nodes.push(node);
-        let next = around.of(node).iter().find(|s| s[0] != edge);
-        match next {
-            Some(&[e, _]) if around.valence(node) == 2 && !seen[e as usize] => edge = e,
-            _ => return branch,
-        }
-    }
+/// All branches, one by one.
+pub fn branches(net: &CurveNet, around: &Incidence) -> Vec<Branch> {
+    let all = Chains::new(net, around);
+    let one = |b: usize| {
+        let span = all.span(b);
+        let edges = all.edges[span.start..span.end - 1].to_vec();
+        Branch { nodes: all.nodes[span].to_vec(), edges, is_ring: b >= all.first_ring }
+    };
+    (0..all.count()).map(one).collect()
 }
 
 #[cfg(test)]

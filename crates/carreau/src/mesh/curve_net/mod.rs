@@ -10,7 +10,7 @@ mod branches;
 mod builder;
 mod repair;
 
-pub use branches::{Branch, branches};
+pub use branches::{Branch, Chains, branches};
 pub use builder::NetBuilder;
 pub use repair::RepairedNet;
 

@@ -61,6 +61,8 @@ pub enum Style {
     Feature,
     /// Directions of a field.
     Field,
+    /// Tracks of a motorcycle graph.
+    Track,
     /// Edges of hexahedral meshes with an unusual number of cells.
     Singular,
 }

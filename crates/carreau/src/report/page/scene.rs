@@ -10,6 +10,8 @@ use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::hexes;
 use crate::geometry::quality::{mean_ratio, scaled_jacobian};
 use crate::mesh::{Cells, Column, Columns, CurveNet, HexMesh, Polygons, RawMesh, SurfaceMesh, Triangles};
+use crate::quad::MotorcycleGraph;
+use crate::quad::graph::{CUT, TRACK};
 use crate::report::field::{arms, usual};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,6 +32,8 @@ pub enum Role {
 
 /// Columns of signed numbers, also where all have one sign.
 const SIGNED: &[&str] = &["kmin", "kmax"];
+/// The lines of motorcycle graphs.
+const GRAPH: &str = "motorcycle graph";
 /// Crosses of a field along the diagonal.
 const CROSSES: f64 = 48.0;
 /// Edges sharper than this are features where curvature is measured, in degrees.
@@ -99,9 +103,17 @@ impl Scene {
         }
         scene.add_quality(&mesh.cells.hexes, mesh.cells.tets.len());
         scene.add_irregular(&mesh.cells.hexes);
-        if !mesh.edges.is_empty() {
-            let name = if mesh.faces.is_empty() && mesh.cells.is_empty() { "lines" } else { "tagged edges" };
-            scene = scene.lines(name, Style::Feature, Path::Edges(mesh.edges.clone()));
+        if mesh.faces.is_empty() && mesh.cells.is_empty() && !mesh.edges.is_empty() {
+            return Ok(scene.lines("lines", Style::Feature, Path::Edges(mesh.edges.clone())));
+        }
+        let tags = mesh.edge_tags.iter().chain(std::iter::repeat(&0));
+        let is_graph = mesh.attributes.face.contains_key("patch");
+        let (tracks, others): (Vec<_>, Vec<_>) =
+            mesh.edges.iter().zip(tags).partition(|(_, tag)| is_graph && matches!(**tag, TRACK | CUT));
+        for (name, style, edges) in [("tagged edges", Style::Feature, others), (GRAPH, Style::Track, tracks)] {
+            if !edges.is_empty() {
+                scene = scene.lines(name, style, Path::Edges(edges.into_iter().map(|(e, _)| *e).collect()));
+            }
         }
         Ok(scene)
     }
@@ -154,6 +166,28 @@ impl Scene {
             .show("plain"))
     }
 
+    /// A motorcycle graph on its mesh: patches, features, tracks, marks where these start off the features.
+    ///
+    /// # Errors
+    /// As [`Scene::of_mesh`].
+    pub fn of_graph(name: impl Into<String>, graph: &MotorcycleGraph) -> Result<Self> {
+        let mut scene = Self::of_surface(name, &graph.mesh)?;
+        for lines in scene.lines.iter_mut().filter(|l| l.style == Style::Feature) {
+            lines.name = "features".into();
+        }
+        scene.layers.retain(|l| l.name != "singularity");
+        let inner: Vec<_> = graph.starts.iter().filter(|s| s.inner).collect();
+        if !inner.is_empty() {
+            scene.markers = vec![Markers {
+                name: "singularities".into(),
+                vertices: inner.iter().map(|s| s.vertex).collect(),
+                values: inner.iter().map(|s| s.quads as i32).collect(),
+                usual: vec![4; inner.len()],
+            }];
+        }
+        Ok(scene.show("patch"))
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -189,6 +223,11 @@ impl Scene {
         }
         self.lines.push(Lines { name: name.into(), style, path });
         self
+    }
+
+    /// Adds the edges of a mesh of quads that run along the motorcycle graph they were made in.
+    pub fn tracks(self, edges: &[[u32; 2]]) -> Self {
+        if edges.is_empty() { self } else { self.lines(GRAPH, Style::Track, Path::Edges(edges.to_vec())) }
     }
 
     /// Adds a skeleton.

@@ -5,7 +5,9 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)] // a test fails by panicking
 
+#[path = "../common/mod.rs"]
 mod common;
+mod folders;
 
 use common::{carreau, text};
 use std::collections::BTreeSet;

@@ -1,0 +1,143 @@
+//! `motorcycle`: the motorcycle graph of a frame field, which divides a part into patches for quads.
+
+use super::features::{FeatureFlags, FeatureValues, warn_missing};
+use crate::common::{Common, CommonValues};
+use crate::host::Found;
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::io::WriteOptions;
+use carreau::mesh::RawMesh;
+use carreau::quad::graph::{Track, TrackKind};
+use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
+use carreau::report::graph_figure;
+use carreau::report::page::Scene;
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Motorcycle graph of a frame field: tracks that divide a part into patches for quads
+///
+/// Tracks leave the singular vertices of the field and the corners of the features, all at the same speed, and stop at
+/// features and at tracks across their way. Writes triangles with the face properties patch and region in which tracks are
+/// paths of edges; tagged edges (1 features, 2 tracks, 3 cuts across patches that would have holes) where the format has
+/// them, else lines. `quad` starts from this graph.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau motorcycle part.stl -o graph.vtp --picture graph.png\n  \
+    carreau motorcycle part.obj --layout graph.json --json - | jq .patches\n  \
+    carreau motorcycle scan.ply -o graph.obj --quads 500 --feature-angle 180")]
+pub struct Motorcycle {
+    /// The surface; polygons are divided
+    input: PathBuf,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Writes mesh, nodes, tracks, arcs and the sides of every patch (JSON)
+    #[arg(long, value_name = "FILE.json")]
+    layout: Option<PathBuf>,
+    /// Number of quads that the graph is for: tracks nearer than half of one are joined [default: 3000]
+    #[arg(long, value_name = "N", conflicts_with = "edge_length")]
+    quads: Option<usize>,
+    /// Length of their edges instead
+    #[arg(long, value_name = "LENGTH")]
+    edge_length: Option<Length>,
+    #[command(flatten)]
+    features: FeatureFlags,
+    #[command(flatten)]
+    pub(super) common: Common,
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    graph: GraphOptions,
+    edge_length: Option<Length>,
+    #[serde(flatten)]
+    features: FeatureValues,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Motorcycle {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("motorcycle", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.graph(session, &options)
+        })
+    }
+
+    /// Defaults, then options file, then flags.
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = Options::default();
+        if let Some(file) = &self.common.options {
+            all = options_from(file, "motorcycle", &all)?;
+        }
+        all.graph.quads = self.quads.unwrap_or(all.graph.quads);
+        all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
+        all.features = self.features.over(all.features);
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn graph(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read(&self.input)?.into_surface()?;
+        let context = session.context.clone();
+        let mut wanted = options.graph.clone();
+        wanted.features = options.features.load(session)?;
+        wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
+        let found = context.install(|| motorcycle_graph(&mesh, &wanted, &context))?;
+        found.warnings.iter().for_each(|what| session.warn(what.clone()));
+        warn_missing(&found.missing, session);
+        describe(session, &found);
+        self.write(session, found)
+    }
+
+    fn write(&self, session: &mut Session, found: MotorcycleGraph) -> Result<(), Error> {
+        session.draw_as(|| graph_figure(&found))?;
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_graph(name, &found))?;
+        if let Some(file) = &self.layout {
+            session.write_bytes(file, &found.layout())?;
+        }
+        let mesh = RawMesh::from(found.mesh.clone());
+        let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
+        if let Some(file) = &self.output {
+            counts["file"] = json!(file.to_string_lossy());
+            session.write_mesh(file, &mesh, &WriteOptions::default())?;
+        }
+        session.record.set("output", counts);
+        session.keep(|| Found::Graph(mesh, found));
+        Ok(())
+    }
+}
+
+/// The record's figures and the summary.
+fn describe(session: &mut Session, found: &MotorcycleGraph) {
+    let tracks = |kind: TrackKind| found.tracks.iter().filter(move |t: &&Track| t.kind == kind).count();
+    let [motorcycles, cuts, shortcuts] = [TrackKind::Motorcycle, TrackKind::Cut, TrackKind::Shortcut].map(tracks);
+    let discs = found.patches.iter().filter(|p| p.is_disc()).count();
+    let regular = found.patches.iter().filter(|p| p.is_regular()).count();
+    let mut corners: BTreeMap<usize, usize> = BTreeMap::new();
+    found.patches.iter().filter(|p| p.is_disc()).for_each(|p| *corners.entry(p.corners).or_default() += 1);
+    let inner = found.starts.iter().filter(|s| s.inner).count();
+    let (sectors, taken_back) = (found.starts.len() - inner, found.taken_back());
+    session.say(format!("{} patches: {regular} for a grid of quads, {discs} discs", found.patches.len()));
+    session.say(format!(
+        "{motorcycles} tracks from {inner} singular vertices and {sectors} corners, {taken_back} taken back; {} cuts",
+        cuts + shortcuts
+    ));
+    session.record.set("patches", found.patches.len());
+    session.record.set("regular", regular);
+    session.record.set("discs", discs);
+    session.record.set("corners", corners);
+    session.record.set("nodes", found.nodes.len());
+    session.record.set("arcs", found.arcs.len());
+    session.record.set("tracks", json!({ "motorcycle": motorcycles, "cut": cuts, "shortcut": shortcuts }));
+    session.record.set("starts", json!({ "inner": inner, "sectors": sectors, "taken_back": taken_back }));
+}
