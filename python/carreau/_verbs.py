@@ -500,7 +500,7 @@ def motorcycle(
     --------
     >>> import carreau as cr
     >>> graph = cr.motorcycle(cr.sample("bracket", 30))
-    >>> len(graph.corners) == graph.record["patches"] == graph.labels.max() + 1
+    >>> len(graph.corners) == len(set(graph.labels.tolist()))
     True
     """
     options = _options(locals(), "mesh")
