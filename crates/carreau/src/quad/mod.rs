@@ -22,7 +22,8 @@
 //! | shared | file |
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
-//! | the mesh at work, midpoint subdivision, smoothing, vertices where the surface bends | `work`, `halve`, `smooth`, `fit` |
+//! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
+//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `lift` |
 //! | how good quads are, and can be between features | `around`, `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
 
@@ -38,6 +39,7 @@ pub mod graph;
 mod halve;
 mod junction;
 mod layout;
+mod lift;
 mod pair;
 mod pattern;
 mod quality;
@@ -141,12 +143,15 @@ const LOST: f64 = 1.0;
 /// Quads of a worse shape make way for another attempt's, too, by grades of this size; as many cost a number that is missed.
 const POOR: f64 = 0.5;
 const GRADE: f64 = 0.1;
+/// So does a distance from the surface above this share of the diagonal, by grades of the other.
+const FAR: f64 = 0.002;
+const FARTHER: f64 = 0.001;
 /// Where rungs 1 and 2 leave a quad of a worse shape, rung 3 may do better: its scaled Jacobians are above the other.
 const USELESS: f64 = 0.02;
 const USEFUL: f64 = 0.05;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
-/// without triangles, those after the first two where nothing came of these.
-const FINER: [f64; 4] = [1.0, 0.6, 0.8, 0.45];
+/// without triangles, those after the first two where what came of these is poor.
+const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
 const USUAL: usize = 2;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
@@ -184,11 +189,11 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
             warnings
                 .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
         }
-        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new() });
+        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new(), gap: 0.0 });
     }
-    let Made { work, rung, tracks } = made.unwrap_or_else(|| {
+    let Made { work, rung, tracks, .. } = made.unwrap_or_else(|| {
         warnings.push("every triangle becomes three quads".into());
-        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new() }
+        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new(), gap: 0.0 }
     });
     let count = work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
@@ -197,7 +202,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     let mut quality = quality::measure(&work, &source);
     quality.distance_max = Some(quality::distance(&work, &source, context)?);
-    finish(&source, Made { work, rung, tracks }, quality, warnings)
+    finish(&source, Made { work, rung, tracks, gap: 0.0 }, quality, warnings)
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
@@ -241,7 +246,7 @@ fn first(
     let mut best: Option<((bool, u32, usize), Made)> = None;
     let mut refused = String::new();
     for (k, finer) in FINER.into_iter().enumerate() {
-        if k >= USUAL && best.is_some() {
+        if k >= USUAL && best.as_ref().is_some_and(|(cost, _)| *cost < (false, 1, 0)) {
             break;
         }
         let wish = Wish { length, quads, finer, first: options.rung == 1 };
@@ -267,13 +272,16 @@ fn first(
                 let strays = straying > STRAYS;
                 let grade = |beyond: f64| (beyond / GRADE).ceil().max(0.0) as u32;
                 let misses = quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN));
-                let poor = grade(POOR - worst_shape(&made.work));
-                let cost = (strays, poor + misses, quality::irregular(&made.work));
+                let shape = worst_shape(&made.work);
+                let poor = grade(POOR - shape);
+                let far = ((made.gap / source.diagonal - FAR) / FARTHER).ceil().max(0.0) as u32;
+                let cost = (strays || shape < USELESS, poor + misses + far, quality::irregular(&made.work));
+                tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
                 let is_whole = made.rung.iter().all(|&r| r == 1);
                 if best.as_ref().is_none_or(|b| cost < b.0) {
                     best = Some((cost, made));
                 }
-                if is_whole && !strays && poor == 0 {
+                if is_whole && !strays && poor + far == 0 {
                     break;
                 }
             }
@@ -382,7 +390,7 @@ fn fourth(source: &Source) -> Work {
 }
 
 fn finish(source: &Source, made: Made, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
-    let Made { mut work, rung, mut tracks } = made;
+    let Made { mut work, rung, mut tracks, .. } = made;
     drop_unused(&mut work, &mut tracks);
     let mut mesh = work.to_mesh()?;
     let mut counts = vec![0; source.regions];

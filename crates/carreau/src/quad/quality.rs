@@ -5,7 +5,7 @@ use super::validate::recall;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::distance::{DistanceOptions, compare};
+use crate::geometry::distance::{Comparison, DistanceOptions, compare};
 use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::{HalfEdges, SurfaceMesh};
 use serde::Serialize;
@@ -57,18 +57,18 @@ pub fn least_jacobian(work: &Work) -> f64 {
 /// A bound of the distance from the source, both ways.
 pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> {
     let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
-    Ok(compare(&source.surface.mesh, &halves(work)?, &options, context)?.relative.max_upper)
+    Ok(compared(work, source, &options, context)?.relative.max_upper)
 }
 
 /// How far the quads leave the source, or leave part of it out: the largest distance of some samples, over the length of edges.
 pub fn straying(work: &Work, source: &Source, context: &Context) -> Result<f64> {
     let options = DistanceOptions { samples: SAMPLES, refinements: 0, normals: false };
     let edge = (source.area / work.faces.len() as f64).sqrt();
-    Ok(compare(&source.surface.mesh, &halves(work)?, &options, context)?.distance.max / edge)
+    Ok(compared(work, source, &options, context)?.distance.max / edge)
 }
 
 /// Two triangles for each quad, along its shorter diagonal.
-fn halves(work: &Work) -> Result<SurfaceMesh> {
+pub fn halves(work: &Work) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * work.faces.len());
     for f in work.faces.iter() {
         let p = [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
@@ -76,7 +76,13 @@ fn halves(work: &Work) -> Result<SurfaceMesh> {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| f[(k + shift) % 4]);
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    SurfaceMesh::from_triangles(work.points.clone(), &triangles)
+    triangles
+}
+
+/// How the quads are compared with the source.
+fn compared(work: &Work, source: &Source, options: &DistanceOptions, context: &Context) -> Result<Comparison> {
+    let mesh = SurfaceMesh::from_triangles(work.points.clone(), &halves(work))?;
+    compare(&source.surface.mesh, &mesh, options, context)
 }
 
 /// Inner vertices without four quads, and border vertices whose quads do not fit their angle.

@@ -19,8 +19,10 @@ use crate::error::Result;
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
 
-/// Edges stay within this share of the distance at which a feature counts as kept.
+/// Edges stay within this share of the distance at which a feature counts as kept; after this round it is enough that it
+/// counts.
 const SAG: f64 = 0.8;
+const TIGHT: usize = 2;
 
 /// Rounds in which patches with bad quads get triangles, and then lose their tracks.
 const ROUNDS: usize = 7;
@@ -49,6 +51,8 @@ pub struct Made {
     pub rung: Vec<u32>,
     /// Edges along the motorcycle graph.
     pub tracks: Vec<[u32; 2]>,
+    /// How far from the surface the quads are.
+    pub gap: f64,
 }
 
 /// What comes of it, or why nothing does.
@@ -110,12 +114,12 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
             Err(patch) => bad.push(patch),
             Ok(Filled { work, patch, kind, tracks }) => {
                 let mut work = settled(work, source);
-                smooth(&mut work, source, context)?;
+                let gap = smooth(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
                     why = format!("quad {q} {what}");
                     bad.push(patch[q] as usize);
                 }
-                let lost = lost_features(&work, source);
+                let lost = lost_features(&work, source, if round < TIGHT { SAG * NEAR } else { NEAR });
                 let is_lost = !lost.is_empty() && round + 1 < ROUNDS;
                 if !lost.is_empty() && !is_lost && nearest.is_some() {
                     break;
@@ -138,7 +142,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     if nearest.as_ref().is_some_and(|n| off >= n.0) {
                         break;
                     }
-                    nearest = Some((off, Made { work, rung, tracks }));
+                    nearest = Some((off, Made { work, rung, tracks, gap }));
                     if off < WITHIN {
                         break;
                     }

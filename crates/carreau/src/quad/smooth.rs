@@ -4,6 +4,7 @@
 use super::around::{Around, BAD, Moves, beside, distress, worst};
 use super::bends;
 use super::fit::fit;
+use super::lift::lift;
 use super::source::Source;
 use super::tips;
 use super::work::{Place, Work};
@@ -27,8 +28,8 @@ const LEAST: f64 = 0.05;
 const TANGLED: usize = 24;
 const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
 const PATIENCE: usize = 4;
-/// Puts vertices on features to where these bend, and smooths what may move.
-pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+/// Puts vertices on features to where these bend, and smooths what may move. Returns how far from the surface quads are then.
+pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
     let _stage = context.stage("smooth");
     let around = Around::new(work);
     let held = bends::follow(work, &around, source);
@@ -51,7 +52,7 @@ pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()>
     if bends::let_go(work, &around, &held) {
         look_after(work, &around, source, context)?;
     }
-    Ok(())
+    lift(work, &around, source, context)
 }
 
 /// Looks for better places for all that have a poor quad.

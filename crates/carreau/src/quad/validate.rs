@@ -94,7 +94,7 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
 /// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
 pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
     let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
-    for_features(work, source, |_, p, length, is_kept| {
+    for_features(work, source, NEAR, |_, p, length, is_kept| {
         total += length;
         match is_kept {
             true => kept += length,
@@ -104,10 +104,11 @@ pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
     (if total > 0.0 { kept / total } else { 1.0 }, lost)
 }
 
-/// Where features are lost, and of which curve; nowhere, where all but rounding is kept.
-pub fn lost_features(work: &Work, source: &Source) -> Vec<(u32, DVec3)> {
+/// Where features are lost, and of which curve; nowhere, where all but rounding is kept. Edges are as near as `near`, a share
+/// of the diagonal.
+pub fn lost_features(work: &Work, source: &Source, near: f64) -> Vec<(u32, DVec3)> {
     let (mut total, mut missing, mut places) = (0.0, 0.0, Vec::new());
-    for_features(work, source, |edge, p, length, is_kept| {
+    for_features(work, source, near, |edge, p, length, is_kept| {
         total += length;
         if !is_kept {
             missing += length;
@@ -118,9 +119,9 @@ pub fn lost_features(work: &Work, source: &Source) -> Vec<(u32, DVec3)> {
 }
 
 /// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.
-fn for_features(work: &Work, source: &Source, mut visit: impl FnMut(usize, DVec3, f64, bool)) {
+fn for_features(work: &Work, source: &Source, near: f64, mut visit: impl FnMut(usize, DVec3, f64, bool)) {
     let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
-    let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
+    let (near, cos) = (near * source.diagonal, ALONG_DEG.to_radians().cos());
     for (edge, ends) in source.edges.iter().enumerate() {
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());

@@ -1,0 +1,235 @@
+//! Quads whose vertices are on a surface that bends lie on one side of it. Where they would be too far off, their vertices
+//! leave it to the other side, by as little as brings both within what is allowed:
+//!
+//! ```text
+//!      ╭──╮  surface        v────v
+//!    ╭╯    ╰╮       →      ╱╭╯  ╰╮╲
+//!   v────────v           v╯      ╰v
+//! ```
+
+use super::around::{Around, worst};
+use super::quality::halves;
+use super::smooth::{GOOD, SHARES};
+use super::source::Source;
+use super::work::{Place, Work};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::search_tree::TriangleTree;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How far quads may be from the surface, as a share of the diagonal.
+const FAR: f64 = 0.0017;
+/// A vertex moves by no more than so many times what its quad is off by, where others of the quad cannot move.
+const MOST: f64 = 2.0;
+/// Rounds at most; one that leaves more than this share of what was too much is the last.
+const ROUNDS: usize = 8;
+const PROGRESS: f64 = 0.97;
+/// Places along an edge of half a quad that are looked at, and as many rows of them.
+const FINE: usize = 5;
+/// Places of the source that are looked at are as far from each other as this share of the edges of quads; the most in a row.
+const APART: f64 = 0.3;
+const FINEST: f64 = 100.0;
+
+/// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
+pub fn lift(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<f64> {
+    let far = FAR * source.diagonal;
+    let apart = APART * (source.area / work.faces.len().max(1) as f64).sqrt();
+    let gaps = Gaps { source, places: places(source, apart) };
+    let beyond = |gaps: &[DVec3]| gaps.iter().map(|gap| (gap.length() - far).max(0.0)).sum::<f64>();
+    let mut below = vec![DVec3::ZERO; work.faces.len()];
+    let mut has_moved = vec![true; work.points.len()];
+    let mut now = gaps.of(work, &has_moved, &mut below);
+    for _ in 0..ROUNDS {
+        let before = beyond(&now);
+        if before == 0.0 {
+            break;
+        }
+        context.check()?;
+        let points = work.points.clone();
+        for (v, place) in work.place.clone().into_iter().enumerate() {
+            has_moved[v] = false;
+            if let Place::Region(region) = place
+                && let Some(step) = step(work, around, &now, v, far)
+            {
+                let from = work.points[v];
+                let least = worst(work, around, v as u32, from).min(GOOD);
+                let may_be = |&to: &DVec3| {
+                    source.on_region(region, to).is_some_and(|found| found.0.distance(to) <= far)
+                        && worst(work, around, v as u32, to) >= least
+                };
+                if let Some(to) = SHARES.map(|share| from + share * step).into_iter().find(may_be) {
+                    work.points[v] = to;
+                    has_moved[v] = true;
+                }
+            }
+        }
+        let moved = gaps.of(work, &has_moved, &mut below);
+        let after = beyond(&moved);
+        if after >= before {
+            work.points = points;
+            break;
+        }
+        now = moved;
+        if after > PROGRESS * before {
+            break;
+        }
+    }
+    Ok(now.iter().map(|gap| gap.length()).fold(0.0, f64::max))
+}
+
+/// What a vertex has to move by: the most that one of its quads asks for.
+fn step(work: &Work, around: &Around, gaps: &[DVec3], v: usize, far: f64) -> Option<DVec3> {
+    let gap = around.quads[v]
+        .iter()
+        .map(|&q| (gaps[q as usize], q))
+        .reduce(|a, b| if b.0.length_squared() > a.0.length_squared() { b } else { a });
+    let (gap, q) = gap.filter(|gap| gap.0.length() > far)?;
+    let is_free = |v: &&u32| matches!(work.place[**v as usize], Place::Region(_));
+    let free = work.faces.face(q as usize).iter().filter(is_free).count();
+    Some(gap * (1.0 - far / gap.length()) * (4.0 / free as f64).min(MOST))
+}
+
+/// Between quads and the surface.
+struct Gaps<'a> {
+    source: &'a Source,
+    /// Of the source.
+    places: Vec<DVec3>,
+}
+
+impl Gaps<'_> {
+    /// From each quad to the surface where they are farthest from each other. `below` is what quads found themselves; those
+    /// with a vertex that has moved look again.
+    fn of(&self, work: &Work, has_moved: &[bool], below: &mut [DVec3]) -> Vec<DVec3> {
+        let triangles = halves(work);
+        below
+            .par_iter_mut()
+            .enumerate()
+            .filter(|(q, _)| work.faces.face(*q).iter().any(|&v| has_moved[v as usize]))
+            .for_each(|(q, gap)| {
+                *gap = DVec3::ZERO;
+                for t in &triangles[2 * q..2 * q + 2] {
+                    let [a, b, c] = t.map(|v| work.points[v as usize]);
+                    for (i, j) in (0..=FINE).flat_map(|i| (0..=FINE - i).map(move |j| (i, j))) {
+                        let p = a + (b - a) * (i as f64 / FINE as f64) + (c - a) * (j as f64 / FINE as f64);
+                        if let Some((on, _)) = self.source.on_region(work.region[q], p) {
+                            *gap = longer(*gap, on - p);
+                        }
+                    }
+                }
+            });
+        let tree = TriangleTree::new(&work.points, &triangles);
+        let near: Vec<_> =
+            self.places.par_iter().map(|&p| tree.closest(p).map(|f| (f.triangle / 2, p - f.point))).collect();
+        let mut gaps = below.to_vec();
+        for (q, gap) in near.into_iter().flatten() {
+            gaps[q as usize] = longer(gaps[q as usize], gap);
+        }
+        gaps
+    }
+}
+
+/// Places on the triangles of the source and their edges, about so far from each other.
+fn places(source: &Source, apart: f64) -> Vec<DVec3> {
+    let mesh = &source.surface.mesh;
+    let steps = |length: f64| (length / apart).ceil().clamp(1.0, FINEST) as usize;
+    let mut places = Vec::new();
+    for face in mesh.faces().iter() {
+        let p = [0, 1, 2].map(|k| mesh.points()[face[k] as usize]);
+        // Rows along the shortest side.
+        let length = |k: &usize| p[*k].distance(p[(k + 1) % 3]);
+        let first = (0..3).min_by(|j, k| length(j).total_cmp(&length(k))).unwrap_or(0);
+        let [a, b, c] = [0, 1, 2].map(|k| p[(first + k) % 3]);
+        let rows = steps(c.distance(a.midpoint(b)));
+        for row in 0..=rows {
+            let [from, to] = [a, b].map(|p| p.lerp(c, row as f64 / rows as f64));
+            let count = steps(from.distance(to));
+            places.extend((0..=count).map(|k| from.lerp(to, k as f64 / count as f64)));
+        }
+    }
+    places
+}
+
+fn longer(a: DVec3, b: DVec3) -> DVec3 {
+    if b.length_squared() > a.length_squared() { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::features::FeatureOptions;
+    use crate::geometry::quality::scaled_jacobian;
+    use crate::mesh::{Polygons, SurfaceMesh, test_models::cube};
+    use rustc_hash::FxHashMap;
+
+    /// The unit sphere as a cube blown up: `n` by `n` quads to a side.
+    fn sphere(n: usize) -> SurfaceMesh {
+        let cube = cube(DVec3::splat(-1.0), 2.0);
+        let (mut points, mut faces, mut known) = (Vec::new(), Polygons::new(), FxHashMap::default());
+        for face in cube.faces().iter() {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| cube.points()[face[k] as usize]);
+            let mut at = |i: usize, j: usize| {
+                let share = |k: usize| (std::f64::consts::FRAC_PI_2 * (k as f64 / n as f64 - 0.5)).tan() / 2.0 + 0.5;
+                let p = a.lerp(b, share(i)).lerp(d.lerp(c, share(i)), share(j)).normalize();
+                *known.entry(p.to_array().map(|x| (x * 1e6).round() as i64)).or_insert_with(|| {
+                    points.push(p);
+                    points.len() as u32 - 1
+                })
+            };
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                faces.push(&[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        SurfaceMesh::new(points, faces).unwrap()
+    }
+
+    fn on_sphere(n: usize) -> Work {
+        let mesh = sphere(n);
+        let (place, region) = (vec![Place::Region(0); mesh.vertex_count()], vec![0; mesh.face_count()]);
+        Work { points: mesh.points().to_vec(), place, faces: mesh.faces().clone(), region, features: Vec::new() }
+    }
+
+    /// The least and the largest distance of the middles of shorter diagonals from the centre.
+    fn middles(work: &Work) -> (f64, f64) {
+        let middle = |f: &[u32]| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
+            if a.distance(c) < b.distance(d) { a.midpoint(c).length() } else { b.midpoint(d).length() }
+        };
+        let all = work.faces.iter().map(middle);
+        all.fold((f64::INFINITY, 0.0), |(a, b), m| (a.min(m), b.max(m)))
+    }
+
+    #[test]
+    fn vertices_leave_a_sphere_until_its_quads_are_near_enough() {
+        let context = Context::new();
+        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
+        let source = Source::new(&sphere(40), &options, &context).unwrap();
+        let far = FAR * source.diagonal;
+        let mut work = on_sphere(8);
+        assert!(1.0 - middles(&work).0 > 1.5 * far);
+        let before = work.clone();
+        let around = Around::new(&work);
+        let left = lift(&mut work, &around, &source, &context).unwrap();
+        assert!(left <= 1.001 * far, "{left} of {far}");
+        let (low, high) = middles(&work);
+        assert!(1.0 - low <= 1.1 * far && high - 1.0 <= 1.1 * far, "{low} {high} {far}");
+        // Outwards, no farther than that, and square as before.
+        let least = |work: &Work| {
+            let of = |f: &[u32]| scaled_jacobian([0, 1, 2, 3].map(|k| work.points[f[k] as usize]));
+            work.faces.iter().map(of).fold(1.0, f64::min)
+        };
+        assert!(work.points.iter().all(|p| (0.999..=1.0 + 1.01 * far).contains(&p.length())));
+        assert!(least(&work) > 0.95 * least(&before));
+    }
+
+    #[test]
+    fn what_is_near_enough_stays_to_the_bit() {
+        let context = Context::new();
+        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
+        let source = Source::new(&sphere(40), &options, &context).unwrap();
+        let mut work = on_sphere(20);
+        let (before, around) = (work.points.clone(), Around::new(&work));
+        assert!(lift(&mut work, &around, &source, &context).unwrap() < FAR * source.diagonal);
+        assert_eq!(work.points, before);
+    }
+}
