@@ -25,17 +25,21 @@ const MOST: f64 = 2.0;
 /// Rounds at most; one that leaves more than this share of what was too much is the last.
 const ROUNDS: usize = 8;
 const PROGRESS: f64 = 0.97;
-/// Places along an edge of half a quad that are looked at, and as many rows of them.
+/// Places along an edge of half a quad that are looked at, and as many rows of them, where the middles of its edges and its
+/// own are off by more than this share of what is allowed.
 const FINE: usize = 5;
+const ROUGH: f64 = 0.5;
 /// Places of the source that are looked at are as far from each other as this share of the edges of quads; the most in a row.
 const APART: f64 = 0.3;
 const FINEST: f64 = 100.0;
 
 /// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
-pub fn lift(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<f64> {
+pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
+    let _stage = context.stage("lift");
+    let around = &Around::new(work);
     let far = FAR * source.diagonal;
     let apart = APART * (source.area / work.faces.len().max(1) as f64).sqrt();
-    let gaps = Gaps { source, places: places(source, apart) };
+    let gaps = Gaps { source, far, places: places(source, apart) };
     let beyond = |gaps: &[DVec3]| gaps.iter().map(|gap| (gap.length() - far).max(0.0)).sum::<f64>();
     let mut below = vec![DVec3::ZERO; work.faces.len()];
     let mut has_moved = vec![true; work.points.len()];
@@ -93,6 +97,7 @@ fn step(work: &Work, around: &Around, gaps: &[DVec3], v: usize, far: f64) -> Opt
 /// Between quads and the surface.
 struct Gaps<'a> {
     source: &'a Source,
+    far: f64,
     /// Of the source.
     places: Vec<DVec3>,
 }
@@ -102,22 +107,23 @@ impl Gaps<'_> {
     /// with a vertex that has moved look again.
     fn of(&self, work: &Work, has_moved: &[bool], below: &mut [DVec3]) -> Vec<DVec3> {
         let triangles = halves(work);
-        below
-            .par_iter_mut()
-            .enumerate()
-            .filter(|(q, _)| work.faces.face(*q).iter().any(|&v| has_moved[v as usize]))
-            .for_each(|(q, gap)| {
-                *gap = DVec3::ZERO;
-                for t in &triangles[2 * q..2 * q + 2] {
-                    let [a, b, c] = t.map(|v| work.points[v as usize]);
+        let look = |(q, gap): (usize, &mut DVec3)| {
+            let of = |p: DVec3| self.source.on_region(work.region[q], p).map_or(DVec3::ZERO, |found| found.0 - p);
+            *gap = DVec3::ZERO;
+            for t in &triangles[2 * q..2 * q + 2] {
+                let [a, b, c] = t.map(|v| work.points[v as usize]);
+                let rough = [a.midpoint(b), b.midpoint(c), c.midpoint(a), (a + b + c) / 3.0].map(of);
+                *gap = rough.into_iter().fold(*gap, longer);
+                if gap.length() > ROUGH * self.far {
                     for (i, j) in (0..=FINE).flat_map(|i| (0..=FINE - i).map(move |j| (i, j))) {
                         let p = a + (b - a) * (i as f64 / FINE as f64) + (c - a) * (j as f64 / FINE as f64);
-                        if let Some((on, _)) = self.source.on_region(work.region[q], p) {
-                            *gap = longer(*gap, on - p);
-                        }
+                        *gap = longer(*gap, of(p));
                     }
                 }
-            });
+            }
+        };
+        let has_moved = |q: usize| work.faces.face(q).iter().any(|&v| has_moved[v as usize]);
+        below.par_iter_mut().enumerate().filter(|(q, _)| has_moved(*q)).for_each(look);
         let tree = TriangleTree::new(&work.points, &triangles);
         let near: Vec<_> =
             self.places.par_iter().map(|&p| tree.closest(p).map(|f| (f.triangle / 2, p - f.point))).collect();
@@ -129,11 +135,11 @@ impl Gaps<'_> {
     }
 }
 
-/// Places on the triangles of the source and their edges, about so far from each other.
+/// Vertices of the source, and places on its larger triangles and their edges, about so far from each other.
 fn places(source: &Source, apart: f64) -> Vec<DVec3> {
     let mesh = &source.surface.mesh;
     let steps = |length: f64| (length / apart).ceil().clamp(1.0, FINEST) as usize;
-    let mut places = Vec::new();
+    let mut places = mesh.points().to_vec();
     for face in mesh.faces().iter() {
         let p = [0, 1, 2].map(|k| mesh.points()[face[k] as usize]);
         // Rows along the shortest side.
@@ -141,10 +147,12 @@ fn places(source: &Source, apart: f64) -> Vec<DVec3> {
         let first = (0..3).min_by(|j, k| length(j).total_cmp(&length(k))).unwrap_or(0);
         let [a, b, c] = [0, 1, 2].map(|k| p[(first + k) % 3]);
         let rows = steps(c.distance(a.midpoint(b)));
-        for row in 0..=rows {
+        for row in 0..rows {
             let [from, to] = [a, b].map(|p| p.lerp(c, row as f64 / rows as f64));
             let count = steps(from.distance(to));
-            places.extend((0..=count).map(|k| from.lerp(to, k as f64 / count as f64)));
+            // Its corners are there already.
+            let inner = usize::from(row == 0)..=count - usize::from(row == 0);
+            places.extend(inner.map(|k| from.lerp(to, k as f64 / count as f64)));
         }
     }
     places
@@ -208,8 +216,7 @@ mod tests {
         let mut work = on_sphere(8);
         assert!(1.0 - middles(&work).0 > 1.5 * far);
         let before = work.clone();
-        let around = Around::new(&work);
-        let left = lift(&mut work, &around, &source, &context).unwrap();
+        let left = lift(&mut work, &source, &context).unwrap();
         assert!(left <= 1.001 * far, "{left} of {far}");
         let (low, high) = middles(&work);
         assert!(1.0 - low <= 1.1 * far && high - 1.0 <= 1.1 * far, "{low} {high} {far}");
@@ -228,8 +235,8 @@ mod tests {
         let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
         let source = Source::new(&sphere(40), &options, &context).unwrap();
         let mut work = on_sphere(20);
-        let (before, around) = (work.points.clone(), Around::new(&work));
-        assert!(lift(&mut work, &around, &source, &context).unwrap() < FAR * source.diagonal);
+        let before = work.points.clone();
+        assert!(lift(&mut work, &source, &context).unwrap() < FAR * source.diagonal);
         assert_eq!(work.points, before);
     }
 }

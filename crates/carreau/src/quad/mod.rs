@@ -321,6 +321,7 @@ fn third(
         let mut work = halve(&coarse, source, Middle::OnSurface);
         smooth::smooth(&mut work, source, context)?;
         straighten(&mut work, &coarse, source);
+        lift::lift(&mut work, source, context)?;
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
             refused = why;
             length *= SHORTER;

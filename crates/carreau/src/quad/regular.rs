@@ -8,6 +8,7 @@ use super::cut::open_holes;
 use super::draw::{Drawn, draw, place};
 use super::fill::{Filled, fill};
 use super::layout::{Kind, Layout, Patch};
+use super::lift::lift;
 use super::sheet::Sheet;
 use super::smooth::smooth;
 use super::source::Source;
@@ -114,7 +115,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
             Err(patch) => bad.push(patch),
             Ok(Filled { work, patch, kind, tracks }) => {
                 let mut work = settled(work, source);
-                let gap = smooth(&mut work, source, context)?;
+                smooth(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
                     why = format!("quad {q} {what}");
                     bad.push(patch[q] as usize);
@@ -142,6 +143,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     if nearest.as_ref().is_some_and(|n| off >= n.0) {
                         break;
                     }
+                    let gap = lift(&mut work, source, context)?;
                     nearest = Some((off, Made { work, rung, tracks, gap }));
                     if off < WITHIN {
                         break;

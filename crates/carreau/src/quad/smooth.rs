@@ -4,7 +4,6 @@
 use super::around::{Around, BAD, Moves, beside, distress, worst};
 use super::bends;
 use super::fit::fit;
-use super::lift::lift;
 use super::source::Source;
 use super::tips;
 use super::work::{Place, Work};
@@ -28,8 +27,8 @@ const LEAST: f64 = 0.05;
 const TANGLED: usize = 24;
 const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
 const PATIENCE: usize = 4;
-/// Puts vertices on features to where these bend, and smooths what may move. Returns how far from the surface quads are then.
-pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
+/// Puts vertices on features to where these bend, and smooths what may move.
+pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     let _stage = context.stage("smooth");
     let around = Around::new(work);
     let held = bends::follow(work, &around, source);
@@ -52,7 +51,7 @@ pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<f64
     if bends::let_go(work, &around, &held) {
         look_after(work, &around, source, context)?;
     }
-    lift(work, &around, source, context)
+    Ok(())
 }
 
 /// Looks for better places for all that have a poor quad.
