@@ -39,7 +39,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
     let around = &Around::new(work);
     let far = FAR * source.diagonal;
     let apart = APART * (source.area / work.faces.len().max(1) as f64).sqrt();
-    let gaps = Gaps { source, far, places: places(source, apart) };
+    let gaps = Gaps { source, far, apart };
     let beyond = |gaps: &[DVec3]| gaps.iter().map(|gap| (gap.length() - far).max(0.0)).sum::<f64>();
     let mut below = vec![DVec3::ZERO; work.faces.len()];
     let mut has_moved = vec![true; work.points.len()];
@@ -98,8 +98,8 @@ fn step(work: &Work, around: &Around, gaps: &[DVec3], v: usize, far: f64) -> Opt
 struct Gaps<'a> {
     source: &'a Source,
     far: f64,
-    /// Of the source.
-    places: Vec<DVec3>,
+    /// Between places of the source.
+    apart: f64,
 }
 
 impl Gaps<'_> {
@@ -125,37 +125,38 @@ impl Gaps<'_> {
         let has_moved = |q: usize| work.faces.face(q).iter().any(|&v| has_moved[v as usize]);
         below.par_iter_mut().enumerate().filter(|(q, _)| has_moved(*q)).for_each(look);
         let tree = TriangleTree::new(&work.points, &triangles);
-        let near: Vec<_> =
-            self.places.par_iter().map(|&p| tree.closest(p).map(|f| (f.triangle / 2, p - f.point))).collect();
+        let above = |p: DVec3| tree.closest(p).map(|found| (found.triangle / 2, p - found.point));
+        let faces = 0..self.source.surface.mesh.face_count();
+        let near = faces.into_par_iter().flat_map_iter(|f| self.places(f)).filter_map(above);
+        let near: Vec<(u32, DVec3)> = near.filter(|(_, gap)| gap.length() > self.far).collect();
         let mut gaps = below.to_vec();
-        for (q, gap) in near.into_iter().flatten() {
+        for (q, gap) in near {
             gaps[q as usize] = longer(gaps[q as usize], gap);
         }
         gaps
     }
-}
 
-/// Vertices of the source, and places on its larger triangles and their edges, about so far from each other.
-fn places(source: &Source, apart: f64) -> Vec<DVec3> {
-    let mesh = &source.surface.mesh;
-    let steps = |length: f64| (length / apart).ceil().clamp(1.0, FINEST) as usize;
-    let mut places = mesh.points().to_vec();
-    for face in mesh.faces().iter() {
-        let p = [0, 1, 2].map(|k| mesh.points()[face[k] as usize]);
-        // Rows along the shortest side.
+    /// The middle of a triangle of the source; on a larger one and its edges places about so far from each other.
+    fn places(&self, face: usize) -> Vec<DVec3> {
+        let mesh = &self.source.surface.mesh;
+        let steps = |length: f64| (length / self.apart).ceil().clamp(1.0, FINEST) as usize;
+        let p = [0, 1, 2].map(|k| mesh.points()[mesh.faces().face(face)[k] as usize]);
         let length = |k: &usize| p[*k].distance(p[(k + 1) % 3]);
+        if (0..3).all(|k| length(&k) <= self.apart) {
+            return vec![p.iter().sum::<DVec3>() / 3.0];
+        }
+        // Rows along the shortest side.
         let first = (0..3).min_by(|j, k| length(j).total_cmp(&length(k))).unwrap_or(0);
         let [a, b, c] = [0, 1, 2].map(|k| p[(first + k) % 3]);
         let rows = steps(c.distance(a.midpoint(b)));
+        let mut places = vec![c];
         for row in 0..rows {
             let [from, to] = [a, b].map(|p| p.lerp(c, row as f64 / rows as f64));
             let count = steps(from.distance(to));
-            // Its corners are there already.
-            let inner = usize::from(row == 0)..=count - usize::from(row == 0);
-            places.extend(inner.map(|k| from.lerp(to, k as f64 / count as f64)));
+            places.extend((0..=count).map(|k| from.lerp(to, k as f64 / count as f64)));
         }
+        places
     }
-    places
 }
 
 fn longer(a: DVec3, b: DVec3) -> DVec3 {
