@@ -6,8 +6,9 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Lays the options of a file over `base`; unknown names are refused.
-pub fn options_from<T: Serialize + DeserializeOwned>(file: &Path, verb: &str, base: &T) -> Result<T> {
+/// Lays the options of a file, if there is one, over `base`; unknown names are refused.
+pub fn options_from<T: Serialize + DeserializeOwned>(file: Option<&Path>, verb: &str, base: T) -> Result<T> {
+    let Some(file) = file else { return Ok(base) };
     let wrong = |what: String| Error::Options(format!("{}: {what}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, carreau::Place::File, e.to_string()))?;
     let json: Value = serde_json::from_str(&text).map_err(|e| wrong(format!("this is no JSON: {e}")))?;

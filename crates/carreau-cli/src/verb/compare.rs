@@ -41,10 +41,7 @@ struct Options {
 impl Compare {
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
-        let mut options = Options::default();
-        if let Some(file) = &self.common.options {
-            options = options_from(file, "compare", &options)?;
-        }
+        let mut options = options_from(self.common.options.as_deref(), "compare", Options::default())?;
         options.distance.samples = self.samples.unwrap_or(options.distance.samples);
         options.common = self.common.over(options.common);
         Session::run("compare", &self.common, &options.common, Some(&self.a), |session| {

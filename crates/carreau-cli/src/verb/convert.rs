@@ -47,10 +47,7 @@ struct Options {
 impl Convert {
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
-        let mut options = Options::default();
-        if let Some(file) = &self.common.options {
-            options = options_from(file, "convert", &options)?;
-        }
+        let mut options = options_from(self.common.options.as_deref(), "convert", Options::default())?;
         options.boundary |= self.boundary;
         options.ascii |= self.ascii;
         options.triangulate |= self.triangulate;

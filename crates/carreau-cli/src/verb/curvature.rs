@@ -76,10 +76,7 @@ impl Curvature {
 
     /// Options file, then flags.
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "curvature", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "curvature", Options::default())?;
         all.estimator = self.estimator.unwrap_or(all.estimator);
         all.radius = self.radius.or(all.radius);
         all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);

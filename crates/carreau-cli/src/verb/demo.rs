@@ -224,7 +224,7 @@ impl Demo {
         let picture = format!("{name}-graph.png");
         session.write_bytes(&self.output.join(&picture), &graph_figure(&found).to_png()?)?;
         let file = self.write(session, name, "-graph", &RawMesh::from(found.mesh.clone()))?;
-        let regular = found.patches.iter().filter(|p| p.is_regular()).count();
+        let regular = found.regular();
         let caption = format!(
             "{} triangles → {} tracks, {} patches, {regular} of them with four sides",
             mesh.face_count(),

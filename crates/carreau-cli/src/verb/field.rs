@@ -81,10 +81,7 @@ impl Field {
 
     /// Defaults, then options file, then flags.
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "field", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "field", Options::default())?;
         let o = &mut all.field;
         o.orthogonal |= self.orthogonal;
         o.pin = self.pin.unwrap_or(o.pin);

@@ -95,10 +95,7 @@ impl Hex {
     }
 
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "hex", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "hex", Options::default())?;
         all.padding = self.padding.unwrap_or(all.padding);
         all.refine_across = self.refine_across.or(all.refine_across);
         all.skeleton = self.skeleton.clone().or(all.skeleton);

@@ -75,10 +75,7 @@ impl Motorcycle {
 
     /// Defaults, then options file, then flags.
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "motorcycle", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "motorcycle", Options::default())?;
         all.graph.quads = self.quads.unwrap_or(all.graph.quads);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.features = self.features.over(all.features);
@@ -122,7 +119,7 @@ fn describe(session: &mut Session, found: &MotorcycleGraph) {
     let tracks = |kind: TrackKind| found.tracks.iter().filter(move |t: &&Track| t.kind == kind).count();
     let [motorcycles, cuts, shortcuts] = [TrackKind::Motorcycle, TrackKind::Cut, TrackKind::Shortcut].map(tracks);
     let discs = found.patches.iter().filter(|p| p.is_disc()).count();
-    let regular = found.patches.iter().filter(|p| p.is_regular()).count();
+    let regular = found.regular();
     let mut corners: BTreeMap<usize, usize> = BTreeMap::new();
     found.patches.iter().filter(|p| p.is_disc()).for_each(|p| *corners.entry(p.corners).or_default() += 1);
     let inner = found.starts.iter().filter(|s| s.inner).count();

@@ -142,10 +142,8 @@ impl Patch {
             Some(Preset::Paper) => PatchOptions::paper(),
             _ => PatchOptions::default(),
         };
-        let mut all = Options { patch: preset, ..Options::default() };
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "patch", &all)?;
-        }
+        let base = Options { patch: preset, ..Options::default() };
+        let mut all = options_from(self.common.options.as_deref(), "patch", base)?;
         let o = &mut all.patch;
         o.strategy = self.strategy.unwrap_or(o.strategy);
         o.policy = self.policy.unwrap_or(o.policy);

@@ -68,10 +68,7 @@ impl Quad {
 
     /// Defaults, then options file, then flags.
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "quad", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "quad", Options::default())?;
         all.quad.quads = self.quads.unwrap_or(all.quad.quads);
         all.quad.rung = self.rung.unwrap_or(all.quad.rung);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };

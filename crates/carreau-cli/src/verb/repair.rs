@@ -90,10 +90,7 @@ impl Repair {
     }
 
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "repair", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "repair", Options::default())?;
         let o = &mut all.repair;
         o.weld = if self.no_weld { None } else { self.weld.or(o.weld) };
         o.degenerate &= !self.keep_degenerate;

@@ -128,10 +128,8 @@ impl Segment {
             Some(Preset::Paper) => SegmentOptions::paper(),
             _ => SegmentOptions::default(),
         };
-        let mut all = Options { segment: preset, ..Options::default() };
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "segment", &all)?;
-        }
+        let base = Options { segment: preset, ..Options::default() };
+        let mut all = options_from(self.common.options.as_deref(), "segment", base)?;
         let o = &mut all.segment;
         o.surfaces = self.surfaces.unwrap_or(o.surfaces);
         o.clusters = self.clusters.or(o.clusters);

@@ -139,10 +139,8 @@ type Method = fn(&SurfaceMesh, &RemeshOptions, &carreau::Context) -> Result<Reme
 impl Remesh {
     /// Defaults, then options file, then flags.
     fn options(&self, verb: &str, defaults: RemeshOptions) -> Result<Options, Error> {
-        let mut all = Options { remesh: defaults, ..Options::default() };
-        if let Some(file) = &self.common.options {
-            all = options_from(file, verb, &all)?;
-        }
+        let base = Options { remesh: defaults, ..Options::default() };
+        let mut all = options_from(self.common.options.as_deref(), verb, base)?;
         let o = &mut all.remesh;
         o.deviation = self.deviation.unwrap_or(o.deviation);
         o.gradation = self.gradation.map_or(o.gradation, |g| g.0);

@@ -64,10 +64,7 @@ impl Skeleton {
     }
 
     fn options(&self) -> Result<Options, Error> {
-        let mut all = Options::default();
-        if let Some(file) = &self.common.options {
-            all = options_from(file, "skeleton", &all)?;
-        }
+        let mut all = options_from(self.common.options.as_deref(), "skeleton", Options::default())?;
         all.skeleton.speed = self.speed.unwrap_or(all.skeleton.speed);
         all.skeleton.medial = self.medial.unwrap_or(all.skeleton.medial);
         all.skeleton.detail = self.detail.unwrap_or(all.skeleton.detail);

@@ -53,9 +53,9 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
         }
         context.check()?;
         let points = work.points.clone();
-        for (v, place) in work.place.clone().into_iter().enumerate() {
+        for v in 0..work.points.len() {
             has_moved[v] = false;
-            if let Place::Region(region) = place
+            if let Place::Region(region) = work.place[v]
                 && let Some(step) = step(work, around, &now, v, far)
             {
                 let from = work.points[v];

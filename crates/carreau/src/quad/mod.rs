@@ -64,6 +64,7 @@ use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
 use ceiling::worst_shape;
 use halve::{Middle, halve};
+use lift::lift;
 use regular::{Made, Wish, regular};
 use serde::{Deserialize, Serialize};
 use source::Source;
@@ -189,11 +190,11 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
             warnings
                 .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
         }
-        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new(), gap: 0.0 });
+        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new() });
     }
-    let Made { work, rung, tracks, .. } = made.unwrap_or_else(|| {
+    let Made { work, rung, tracks } = made.unwrap_or_else(|| {
         warnings.push("every triangle becomes three quads".into());
-        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new(), gap: 0.0 }
+        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new() }
     });
     let count = work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
@@ -202,7 +203,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     let mut quality = quality::measure(&work, &source);
     quality.distance_max = Some(quality::distance(&work, &source, context)?);
-    finish(&source, Made { work, rung, tracks, gap: 0.0 }, quality, warnings)
+    finish(&source, Made { work, rung, tracks }, quality, warnings)
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
@@ -255,26 +256,29 @@ fn first(
             other => other?,
         };
         let made = match made {
-            Ok(made) => match validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
-                None => Ok(made),
-                Some(why) => Err(why),
-            },
-            refused => refused,
+            Ok(mut made) => {
+                let gap = lift(&mut made.work, source, context)?;
+                match validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
+                    None => Ok((made, gap)),
+                    Some(why) => Err(why),
+                }
+            }
+            Err(why) => Err(why),
         };
         match made {
             Err(why) => refused = why,
-            Ok(made) => {
+            Ok((made, gap)) => {
                 let straying = quality::straying(&made.work, source, context)?;
                 if straying > LOST {
                     refused = "it leaves part of the surface out".into();
                     continue;
                 }
                 let strays = straying > STRAYS;
-                let grade = |beyond: f64| (beyond / GRADE).ceil().max(0.0) as u32;
-                let misses = quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN));
+                let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
+                let misses = quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN, GRADE));
                 let shape = worst_shape(&made.work);
-                let poor = grade(POOR - shape);
-                let far = ((made.gap / source.diagonal - FAR) / FARTHER).ceil().max(0.0) as u32;
+                let poor = grade(POOR - shape, GRADE);
+                let far = grade(gap / source.diagonal - FAR, FARTHER);
                 let cost = (strays || shape < USELESS, poor + misses + far, quality::irregular(&made.work));
                 tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
                 let is_whole = made.rung.iter().all(|&r| r == 1);
@@ -321,7 +325,7 @@ fn third(
         let mut work = halve(&coarse, source, Middle::OnSurface);
         smooth::smooth(&mut work, source, context)?;
         straighten(&mut work, &coarse, source);
-        lift::lift(&mut work, source, context)?;
+        lift(&mut work, source, context)?;
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
             refused = why;
             length *= SHORTER;
@@ -391,7 +395,7 @@ fn fourth(source: &Source) -> Work {
 }
 
 fn finish(source: &Source, made: Made, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
-    let Made { mut work, rung, mut tracks, .. } = made;
+    let Made { mut work, rung, mut tracks } = made;
     drop_unused(&mut work, &mut tracks);
     let mut mesh = work.to_mesh()?;
     let mut counts = vec![0; source.regions];

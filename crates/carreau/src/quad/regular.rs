@@ -8,7 +8,6 @@ use super::cut::open_holes;
 use super::draw::{Drawn, draw, place};
 use super::fill::{Filled, fill};
 use super::layout::{Kind, Layout, Patch};
-use super::lift::lift;
 use super::sheet::Sheet;
 use super::smooth::smooth;
 use super::source::Source;
@@ -52,8 +51,6 @@ pub struct Made {
     pub rung: Vec<u32>,
     /// Edges along the motorcycle graph.
     pub tracks: Vec<[u32; 2]>,
-    /// How far from the surface the quads are.
-    pub gap: f64,
 }
 
 /// What comes of it, or why nothing does.
@@ -143,8 +140,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     if nearest.as_ref().is_some_and(|n| off >= n.0) {
                         break;
                     }
-                    let gap = lift(&mut work, source, context)?;
-                    nearest = Some((off, Made { work, rung, tracks, gap }));
+                    nearest = Some((off, Made { work, rung, tracks }));
                     if off < WITHIN {
                         break;
                     }

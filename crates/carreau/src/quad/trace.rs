@@ -126,6 +126,17 @@ impl Sheet {
         }
     }
 
+    /// The quads of the sectors from a wall that leaves a vertex on, counter-clockwise, each with the wall behind it: `NONE`
+    /// at a border, where they end.
+    pub fn sectors(&self, start: u32) -> impl Iterator<Item = (i32, u32)> + '_ {
+        let mut wall = start;
+        std::iter::from_fn(move || {
+            let sector = (wall != NONE).then(|| self.sector(wall))??;
+            wall = self.opposite[sector.back as usize];
+            Some((sector.quads, wall))
+        })
+    }
+
     /// The wall before a wall that leaves a vertex, clockwise.
     fn wall_before(&self, start: u32) -> Option<u32> {
         let mut h = start;

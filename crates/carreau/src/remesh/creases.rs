@@ -102,14 +102,19 @@ impl Work<'_> {
         curve
     }
 
+    /// Unit normal of a triangle.
+    pub fn face_normal(&self, t: u32) -> DVec3 {
+        let [a, b, c] = self.mesh.positions(t);
+        unit(triangle_area_vector(a, b, c))
+    }
+
     /// Strain of an outer edge of a cavity whose own face had the normal `old` and has `new`, before and after.
     fn strain_of_link(&self, limits: Dihedral, link: u32, old: DVec3, new: DVec3) -> (Strain, Strain) {
         let outer = self.mesh.opposite(link);
         if outer == NONE {
             return Default::default();
         }
-        let [a, b, c] = self.mesh.positions(outer / 3);
-        let there = unit(triangle_area_vector(a, b, c));
+        let there = self.face_normal(outer / 3);
         let of = |normal: DVec3| self.strain(limits, self.mesh.curve(link), normal, there);
         (of(old), of(new))
     }

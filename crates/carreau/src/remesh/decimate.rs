@@ -48,25 +48,24 @@ impl Work<'_> {
             for h in self.mesh.edges() {
                 queue.push(h, self.edge_length(h));
             }
-            let before = done;
-            self.collapse_queued(&mut queue, demand, most, &mut done, context)?;
-            if done == before {
+            let collapsed = self.collapse_queued(&mut queue, demand, most, context)?;
+            done += collapsed;
+            if collapsed == 0 {
                 break;
             }
         }
         Ok(done)
     }
 
-    /// Collapses what a queue of edges holds, and adds what changes on the way.
+    /// Collapses what a queue of edges holds, and adds what changes on the way. Returns how many.
     fn collapse_queued(
         &mut self,
         queue: &mut Buckets,
         demand: &Demand,
         most: usize,
-        done: &mut usize,
         context: &Context,
-    ) -> Result<()> {
-        let mut step = 0;
+    ) -> Result<usize> {
+        let (mut done, mut step) = (0, 0);
         while self.mesh.triangle_count() > most
             && let Some(h) = queue.pop()
         {
@@ -77,7 +76,7 @@ impl Work<'_> {
             }
             let Some(keep) = self.best_collapse(h, demand) else { continue };
             let kept = self.collapse(h, keep);
-            *done += 1;
+            done += 1;
             let mesh = &self.mesh;
             let mut push = |h: u32| queue.push(h.min(mesh.opposite(h)), self.edge_length(h));
             for h in mesh.around(kept) {
@@ -90,7 +89,7 @@ impl Work<'_> {
                 }
             }
         }
-        Ok(())
+        Ok(done)
     }
 
     /// The better of the two allowed ways to collapse an edge.

@@ -6,7 +6,7 @@ use super::work::{Face, Work};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::unit;
-use crate::mesh::{NONE, next, previous, triangle_area_vector};
+use crate::mesh::{NONE, next, previous};
 use glam::DVec3;
 
 /// Splits make no shapes below this, unless the triangle was as bad before.
@@ -61,22 +61,13 @@ impl Work<'_> {
         }
         let p = self.point(a).lerp(self.point(b), t);
         let mut spot = self.spot(self.seat[self.mesh.wedge(h) as usize], p);
-        let on_surface = spot.point;
         // Where the surface folds, half way to it will do, or the edge itself with the normals of its ends.
-        if !self.split_holds(h, spot.point, [spot.normal; 2]) {
-            spot.point = 0.5 * (p + on_surface);
-            if !self.split_holds(h, spot.point, [spot.normal; 2]) {
-                let [m, n] = [h, next(h)].map(|c| self.normal[self.mesh.wedge(c) as usize]);
-                (spot.point, spot.normal) = (p, unit(m + n));
-                if !self.split_holds(h, spot.point, [spot.normal; 2]) {
-                    // Beyond the cap: with the normal of the two faces, which stay as they are, nothing gets worse.
-                    spot.normal = self.normal_across(h)?;
-                    if !self.flat_split_holds(h, p, spot.normal) {
-                        return None;
-                    }
-                }
-            }
-        }
+        let [m, n] = [h, next(h)].map(|c| self.normal[self.mesh.wedge(c) as usize]);
+        let ways = [(spot.point, spot.normal), (0.5 * (p + spot.point), spot.normal), (p, unit(m + n))];
+        let held = ways.into_iter().find(|&(at, normal)| self.split_holds(h, at, [normal; 2]));
+        // Beyond the cap: with the normal of the two faces, which stay as they are, nothing gets worse.
+        let flat = || self.normal_across(h).filter(|&n| self.flat_split_holds(h, p, n)).map(|n| (p, n));
+        (spot.point, spot.normal) = held.or_else(flat)?;
         let wedge = self.add_wedge(&spot);
         let m = self.mesh.split(h, spot.point, [wedge; 2]);
         self.add_vertex(Rank::Free, spot.metric, 0.0);
@@ -86,12 +77,16 @@ impl Work<'_> {
 
     /// Whether a vertex on an edge itself, with this normal, leaves the worst angles and no needles.
     fn flat_split_holds(&self, h: u32, p: DVec3, n: DVec3) -> bool {
-        [h, self.mesh.opposite(h)].into_iter().filter(|&side| side != NONE).all(|side| {
+        self.halves_hold(h, p, [n; 2], |new, before| new >= before - 1e-6)
+    }
+
+    /// Whether a split makes no needles, and triangles whose worst cosines, after and before, are as they must be.
+    fn halves_hold(&self, h: u32, p: DVec3, normals: [DVec3; 2], may_follow: impl Fn(f32, f32) -> bool) -> bool {
+        let sides = [h, self.mesh.opposite(h)].into_iter().zip(normals).filter(|s| s.0 != NONE);
+        sides.into_iter().all(|(side, n)| {
             let before = self.face[side as usize / 3];
-            let halves = self.halves(side, p, n);
-            halves.iter().all(|new| {
-                new.shape >= (0.2 * before.shape).max(before.shape.min(NEEDLE)) && new.cosine >= before.cosine - 1e-6
-            })
+            let least = (0.2 * before.shape).max(before.shape.min(NEEDLE));
+            self.halves(side, p, n).iter().all(|new| new.shape >= least && may_follow(new.cosine, before.cosine))
         })
     }
 
@@ -107,12 +102,8 @@ impl Work<'_> {
 
     /// The mean of the normals of the two faces of an edge.
     fn normal_across(&self, h: u32) -> Option<DVec3> {
-        let normal = |t: u32| {
-            let [a, b, c] = self.mesh.triangle(t).map(|v| self.point(v));
-            unit(triangle_area_vector(a, b, c))
-        };
         let o = self.mesh.opposite(h);
-        (o != NONE).then(|| unit(normal(h / 3) + normal(o / 3)))
+        (o != NONE).then(|| unit(self.face_normal(h / 3) + self.face_normal(o / 3)))
     }
 
     fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
@@ -143,21 +134,9 @@ impl Work<'_> {
 
     /// Whether the new triangles keep constraint (1), or are no worse than the old ones, and none degenerates or folds.
     fn split_holds(&self, h: u32, p: DVec3, normals: [DVec3; 2]) -> bool {
-        let mesh = &self.mesh;
-        for (side, n) in [(h, normals[0]), (mesh.opposite(h), normals[1])] {
-            if side == NONE {
-                continue;
-            }
-            let before = self.face[side as usize / 3];
-            for new in self.halves(side, p, n) {
-                if new.shape < (0.2 * before.shape).max(before.shape.min(NEEDLE))
-                    || !self.allows_cosine(new.cosine, before.cosine)
-                {
-                    return false;
-                }
-            }
+        self.halves_hold(h, p, normals, |new, before| self.allows_cosine(new, before)) && {
+            let (before, after) = self.strain_of_split(h, p);
+            after.may_follow(before)
         }
-        let (before, after) = self.strain_of_split(h, p);
-        after.may_follow(before)
     }
 }

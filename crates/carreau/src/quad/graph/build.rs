@@ -83,11 +83,10 @@ impl<'a> Builder<'a> {
         let starts = sheet.around(vertex).into_iter().filter(|&h| sheet.is_feature(h));
         starts
             .map(|start| {
-                let (mut h, mut quads) = (start, 0);
-                while let Some(sector) = sheet.sector(h) {
-                    quads += sector.quads;
-                    h = sheet.opposite[sector.back as usize];
-                    if h == NONE || sheet.is_feature(h) {
+                let mut quads = 0;
+                for (more, wall) in sheet.sectors(start) {
+                    quads += more;
+                    if wall == NONE || sheet.is_feature(wall) {
                         break;
                     }
                 }
@@ -253,14 +252,13 @@ fn joined(sheet: &Sheet, mut tracks: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
 /// The neighbour along the wall that is two quads from the one that comes from another neighbour.
 fn straight_on(sheet: &Sheet, at: u32, from: u32) -> Option<u32> {
     let start = sheet.between(at, from)?;
-    let (mut h, mut quads) = (start, 0);
-    while quads < 2 {
-        let sector = sheet.sector(h)?;
-        quads += sector.quads;
-        h = sheet.opposite[sector.back as usize];
-        if h == NONE || h == start {
-            return None;
+    let mut quads = 0;
+    let walls = sheet.sectors(start).take_while(|&(_, wall)| wall != NONE && wall != start);
+    for (more, wall) in walls {
+        quads += more;
+        if quads >= 2 {
+            return (quads == 2).then(|| sheet.head(wall));
         }
     }
-    (quads == 2).then(|| sheet.head(h))
+    None
 }

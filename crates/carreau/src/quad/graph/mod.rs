@@ -233,6 +233,11 @@ impl MotorcycleGraph {
         self.mesh.tagged_edges.iter().filter(|e| tag(e.tag)).map(|e| e.ends.map(|v| v.0)).collect()
     }
 
+    /// Patches that a grid of quads fits into.
+    pub fn regular(&self) -> usize {
+        self.patches.iter().filter(|p| p.is_regular()).count()
+    }
+
     /// Tracks that were taken back, over all starts: their vertices stay inside patches.
     pub fn taken_back(&self) -> u32 {
         self.starts.iter().map(|s| s.ways().saturating_sub(s.tracks)).sum()
