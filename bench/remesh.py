@@ -42,7 +42,7 @@ def read_medit(path):
     return block("Vertices", 4, float)[:, :3], block("Triangles", 4, int)[:, :3] - 1
 
 
-def run_mmgs(mmgs, source, wanted, folder):
+def run_mmgs(mmgs, source, wanted, folder, *more):
     """The run whose -hausd, found by bisection, gives the wanted count: seconds and mesh."""
     vertices, triangles = read_obj(source)
     used, inverse = np.unique(triangles, return_inverse=True)
@@ -54,7 +54,7 @@ def run_mmgs(mmgs, source, wanted, folder):
     best = None
     for _ in range(BISECTIONS):
         sag = (low * high) ** 0.5
-        seconds = cpu_seconds([mmgs, "-v", "0", "-in", medit, "-out", out, "-hausd", str(sag), "-hgrad", "1.5"])
+        seconds = cpu_seconds([mmgs, "-v", "0", "-in", medit, "-out", out, "-hausd", str(sag), "-hgrad", "1.5", *more])
         mesh = read_medit(out)
         best = (seconds, mesh) if best is None or abs(len(mesh[1]) - wanted) <= abs(len(best[1][1]) - wanted) else best
         if abs(len(mesh[1]) - wanted) <= 0.01 * wanted:
@@ -118,6 +118,8 @@ def main():
                 runs = {
                     "carreau": run_carreau(a.carreau, source, [*count, "--deviation", str(angle)], folder),
                     "mmgs": run_mmgs(a.mmgs, source, wanted, folder),
+                    "carreau --anisotropic": run_carreau(a.carreau, source, [*count, "--anisotropic"], folder),
+                    "mmgs -A": run_mmgs(a.mmgs, source, wanted, folder, "-A"),
                     "carreau --geometric": run_carreau(a.carreau, source, [*count, "--geometric"], folder),
                     "MeshLab quadrics": run_meshlab(source, wanted, folder),
                 }
