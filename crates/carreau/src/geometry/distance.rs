@@ -1,12 +1,12 @@
 //! Two-sided distance and normal deviation of two surfaces.
 //!
 //! From each surface to the other: the mean and the root mean square over samples spread evenly by area, and the maximum
-//! between two bounds. The lower bound is the largest distance of any sampled point, vertices included. The upper bound
-//! follows from convexity: the distance to one triangle of the other surface is a convex function, so over a whole
-//! triangle it is largest at a corner, and the smallest of these maxima, over a few candidate triangles, bounds the
-//! distance of the whole triangle (the culling of Tang, Lee, Kim, "Interactive Hausdorff Distance Computation for General
-//! Polygonal Models", SIGGRAPH 2009). Triangles whose bound exceeds the lower bound are divided in four, best first in
-//! rounds of fixed size, until the two bounds meet or the budget is spent.
+//! between two bounds. The lower bound is the largest distance of any sampled point, vertices included, and of what the
+//! farthest samples find uphill. The upper bound follows from convexity: the distance to one triangle of the other surface
+//! is a convex function, so over a whole triangle it is largest at a corner, and the smallest of these maxima, over a few
+//! candidate triangles, bounds the distance of the whole triangle (the culling of Tang, Lee, Kim, "Interactive Hausdorff
+//! Distance Computation for General Polygonal Models", SIGGRAPH 2009). Triangles whose bound exceeds the lower bound are
+//! divided in four, best first in rounds of fixed size, until the two bounds meet or the budget is spent.
 
 use super::normals::{angle_between, face_normals};
 use super::search_tree::{Closest, TriangleTree, closest_on_triangle};
@@ -202,6 +202,15 @@ impl<'a> Target<'a> {
         self.triangles[triangle as usize].map(|v| self.points[v as usize])
     }
 
+    /// Twice the area of every triangle.
+    fn areas(&self) -> Vec<f64> {
+        let area = |t: u32| {
+            let [a, b, c] = self.corners(t);
+            safe_length(triangle_area_vector(a, b, c))
+        };
+        (0..self.triangles.len() as u32).map(area).collect()
+    }
+
     /// The closest point, from the answer to the question before: points in a row are near each other, as a rule. The tree
     /// is never empty here.
     fn closest_near(&self, p: DVec3, last: &mut Option<u32>) -> Closest {
@@ -252,9 +261,10 @@ fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Co
     let mut bracket = Bracket::default();
     at_vertices.iter().zip(&from.used).for_each(|(c, &v)| bracket.see(from.points[v as usize], c.distance()));
     found.iter().zip(&samples).for_each(|(f, s)| bracket.see(s.point, f.0));
+    let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
+    climb(&mut bracket, &samples, &distances, from, to, context)?;
     narrow(&mut bracket, from, to, &at_vertices, options.refinements, context)?;
 
-    let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
     let squares: Vec<f64> = distances.iter().map(|d| d * d).collect();
     let count = distances.len().max(1) as f64;
     let square = sum(&squares) / count;
@@ -303,6 +313,58 @@ impl Bracket {
     }
 }
 
+/// Samples from which the distance is climbed.
+const CLIMBERS: usize = 256;
+/// Steps of each. The first is as long as samples are apart; where no step leads up, the next is half as long.
+const STEPS: usize = 24;
+/// A step that raises the distance by a smaller share is none.
+const CLIMB: f64 = 1e-3;
+
+/// Raises the lower bound of the maximum: the farthest samples go uphill within their triangles. Dividing triangles begins
+/// where bounds are loosest, and on large flat faces above small triangles that is everywhere but at the maximum.
+fn climb(
+    bracket: &mut Bracket,
+    samples: &[Sample],
+    distances: &[f64],
+    from: &Target,
+    to: &Target,
+    context: &Context,
+) -> Result<()> {
+    if samples.is_empty() {
+        return Ok(());
+    }
+    let apart = (0.5 * sum(&from.areas()) / samples.len() as f64).sqrt();
+    let mut farthest: Vec<usize> = (0..samples.len()).collect();
+    let order = |a: &usize, b: &usize| distances[*b].total_cmp(&distances[*a]).then(a.cmp(b));
+    if farthest.len() > CLIMBERS {
+        farthest.select_nth_unstable_by(CLIMBERS, order);
+        farthest.truncate(CLIMBERS);
+    }
+    farthest.sort_unstable_by(order);
+    let summit = |&k: &usize| {
+        let Sample { point: mut top, triangle } = samples[k];
+        let (mut height, mut last) = (distances[k], None);
+        let corners = from.corners(triangle);
+        let (x, y) = from.normals[triangle as usize].any_orthonormal_pair();
+        let mut step = apart;
+        for _ in 0..STEPS {
+            let around = [x, y, -x, -y].map(|way| closest_on_triangle(top + step * way, corners));
+            let heights = around.map(|p| to.closest_near(p, &mut last).distance());
+            let best = (0..4).fold(0, |best, i| if heights[i] > heights[best] { i } else { best });
+            if heights[best] > height * (1.0 + CLIMB) {
+                (top, height) = (around[best], heights[best]);
+            } else {
+                step *= 0.5;
+            }
+        }
+        (top, height)
+    };
+    context.check()?;
+    let summits: Vec<(DVec3, f64)> = farthest.par_iter().filter(|&&k| distances[k] > 0.0).map(summit).collect();
+    summits.into_iter().for_each(|(point, height)| bracket.see(point, height));
+    Ok(())
+}
+
 /// Maps in parallel, in order, looking at the clock between chunks; the items of a chunk hand on something.
 fn map_chunks<T: Sync, R: Send, S: Default>(
     items: &[T],
@@ -322,11 +384,7 @@ fn map_chunks<T: Sync, R: Send, S: Default>(
 /// triangle gets its share to within one. In the triangle it is placed by the R2 sequence (Roberts 2018, "The
 /// Unreasonable Effectiveness of Quasirandom Sequences"), folded from the square. Empty where nothing has an area.
 fn spread_samples(surface: &Target, n: usize) -> Vec<Sample> {
-    let area = |t: u32| {
-        let [a, b, c] = surface.corners(t);
-        safe_length(triangle_area_vector(a, b, c))
-    };
-    let areas: Vec<f64> = (0..surface.triangles.len() as u32).map(area).collect();
+    let areas = surface.areas();
     let total = sum(&areas);
     let mut samples = Vec::with_capacity(if total > 0.0 { n } else { 0 });
     let mut running = 0.0;
@@ -466,22 +524,27 @@ fn first_parts(
     let mut closest_of = vec![0; from.points.len()];
     from.used.iter().zip(at_vertices).for_each(|(&v, found)| closest_of[v as usize] = found.triangle);
     let limit = bracket.lower + slack;
-    let look = |t: &[u32; 3], (): &mut ()| {
-        let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
-        if part.bound <= limit {
-            return (part, None);
-        }
-        let (part, distance) = part.with_centre(to);
-        (part, Some(distance))
-    };
-    let mut parts = Vec::new();
-    for (part, distance_at_centre) in map_chunks(&from.triangles, context, look)? {
-        match distance_at_centre {
-            Some(distance) => {
-                bracket.see(part.centre(), distance);
-                parts.push(part);
+    // Of most triangles no more than the largest bound is kept: there may be millions.
+    let look = |triangles: &[[u32; 3]]| {
+        context.check()?;
+        let (mut settled, mut open) = (0.0f64, Vec::new());
+        for t in triangles {
+            let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
+            if part.bound <= limit {
+                settled = settled.max(part.bound);
+            } else {
+                open.push(part.with_centre(to));
             }
-            None => bracket.upper = bracket.upper.max(part.bound),
+        }
+        Ok((settled, open))
+    };
+    let chunks: Vec<(f64, Vec<(Part, f64)>)> = from.triangles.par_chunks(CHUNK).map(look).collect::<Result<_>>()?;
+    let mut parts = Vec::new();
+    for (settled, open) in chunks {
+        bracket.upper = bracket.upper.max(settled);
+        for (part, distance) in open {
+            bracket.see(part.centre(), distance);
+            parts.push(part);
         }
     }
     Ok(parts)

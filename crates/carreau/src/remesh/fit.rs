@@ -14,6 +14,7 @@
 //! 1987), and a few steps do. Vertices on curves stay.
 
 use super::curves::Rank;
+use super::relocate::Move;
 use super::work::{Work, shape_and_normal};
 use crate::context::Context;
 use crate::error::Result;
@@ -48,13 +49,10 @@ impl Work<'_> {
         let moments = self.gap_moments();
         context.check()?;
         let way = self.solve_mass(&moments);
-        for v in 0..self.mesh.vertex_slots() {
-            context.check_every(v as usize)?;
-            if self.fits(v) {
-                let most = FARTHEST * self.size[v as usize];
-                self.shift(v, within(way[v as usize], most));
-            }
-        }
+        self.sweep(context, |work, v| {
+            let most = FARTHEST * work.size[v as usize];
+            if work.fits(v) { work.shifted(v, within(way[v as usize], most)) } else { None }
+        })?;
         Ok(())
     }
 
@@ -156,19 +154,12 @@ impl Work<'_> {
         way
     }
 
-    /// Moves a vertex along its normal, less where shapes, angles or creases forbid it.
-    fn shift(&mut self, v: u32, way: f64) {
-        let Some(first) = self.mesh.around(v).next() else { return };
-        let normal = self.normal[self.mesh.wedge(first) as usize];
-        let p = self.point(v);
-        for share in [1.0, 0.5] {
-            let to = p + normal * (share * way);
-            if to.is_finite() && self.shift_holds(v, to) {
-                self.mesh.points[v as usize] = to;
-                self.refresh_around(v);
-                return;
-            }
-        }
+    /// A step of a vertex along its normal, half of it where shapes, angles or creases forbid it.
+    fn shifted(&self, v: u32, way: f64) -> Option<Move> {
+        let normal = self.normal[self.mesh.wedge(self.mesh.around(v).next()?) as usize];
+        let places = [1.0, 0.5].map(|share| self.point(v) + normal * (share * way));
+        let holds = |to: &DVec3| to.is_finite() && self.shift_holds(v, *to);
+        places.into_iter().find(holds).map(|to| self.lifted(v, to))
     }
 
     fn shift_holds(&self, v: u32, to: DVec3) -> bool {

@@ -21,13 +21,14 @@ use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
 use crate::mesh::{NONE, next, previous};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::iter::successors;
 
 /// Rounds with new gaps.
 const ROUNDS: usize = 4;
 /// Gaps above this share of the largest are closed in a round.
 const LARGE: f64 = 0.75;
-/// The largest gap of a ball must fall to this share.
-const GAIN: f64 = 0.95;
+/// The largest gap of a ball must fall to this share: a move that costs shapes has to be worth it.
+const GAIN: f64 = 0.65;
 /// The worse of two shapes may fall by this factor in a flip.
 const FLIP_LOSS: f32 = 0.6;
 
@@ -35,17 +36,31 @@ const FLIP_LOSS: f32 = 0.6;
 struct Gaps {
     /// Closest triangle of every source vertex, and the distance.
     of: Vec<(u32, f64)>,
-    /// Source vertices by triangle.
-    under: Vec<Vec<u32>>,
+    /// The source vertices of every triangle in a row: the last of them, and the one before each.
+    last: Vec<u32>,
+    before: Vec<u32>,
 }
 
 impl Gaps {
+    /// Puts a source vertex to its triangle.
+    fn put(&mut self, s: u32) {
+        let t = self.of[s as usize].0 as usize;
+        self.before[s as usize] = std::mem::replace(&mut self.last[t], s);
+    }
+
+    /// The source vertices that triangles stand for.
+    fn under(&self, triangles: &[u32]) -> Vec<u32> {
+        let some = |s: u32| (s != NONE).then_some(s);
+        let row = |&t: &u32| successors(some(self.last[t as usize]), move |&s| some(self.before[s as usize]));
+        triangles.iter().flat_map(row).collect()
+    }
+
     /// Source vertices that triangles stood for find their place anew among them.
     fn seat(&mut self, triangles: &[u32], below: &[u32], closest: &[(u32, f64)]) {
-        triangles.iter().for_each(|&t| self.under[t as usize].clear());
+        triangles.iter().for_each(|&t| self.last[t as usize] = NONE);
         for (&s, &found) in below.iter().zip(closest) {
             self.of[s as usize] = found;
-            self.under[found.0 as usize].push(s);
+            self.put(s);
         }
     }
 }
@@ -85,11 +100,14 @@ impl Work<'_> {
             _ => (NONE, 0.0),
         };
         let of: Vec<(u32, f64)> = (0..source.vertex_slots()).into_par_iter().map(closest).collect();
-        let mut under = vec![Vec::new(); mesh.triangle_slots() as usize];
-        for (s, &(t, _)) in of.iter().enumerate().filter(|(_, g)| g.0 != NONE) {
-            under[t as usize].push(s as u32);
+        let (last, before) = (vec![NONE; mesh.triangle_slots() as usize], vec![NONE; of.len()]);
+        let mut gaps = Gaps { of, last, before };
+        for s in 0..gaps.of.len() as u32 {
+            if gaps.of[s as usize].0 != NONE {
+                gaps.put(s);
+            }
         }
-        Gaps { of, under }
+        gaps
     }
 
     /// Draws a corner of the triangle below a source vertex to it, the nearest that helps.
@@ -112,7 +130,7 @@ impl Work<'_> {
         }
         let pair = [h / 3, o / 3];
         let [a, b, c, d] = [h, next(h), previous(h), previous(o)].map(|x| self.point(self.mesh.vertex(x)));
-        let below: Vec<u32> = pair.iter().flat_map(|&t| gaps.under[t as usize].iter().copied()).collect();
+        let below = gaps.under(&pair);
         let largest = |gap: &dyn Fn(u32) -> f64| below.iter().map(|&s| gap(s)).fold(0.0, f64::max);
         let flipped = |s: u32| {
             let p = self.support.mesh.points[s as usize];
@@ -133,14 +151,15 @@ impl Work<'_> {
     /// Moves a free vertex to a point, or half way, if the largest gap of its triangles becomes smaller.
     fn draw(&mut self, v: u32, p: DVec3, gaps: &mut Gaps) -> bool {
         let ring: Vec<u32> = self.mesh.around(v).map(|h| h / 3).collect();
-        let below: Vec<u32> = ring.iter().flat_map(|&t| gaps.under[t as usize].iter().copied()).collect();
+        let below = gaps.under(&ring);
         let Some(first) = self.mesh.around(v).next() else { return false };
         let wedge = self.mesh.wedge(first);
         let before = below.iter().map(|&s| gaps.of[s as usize].1).fold(0.0, f64::max);
         let kept = (self.point(v), self.metric(v), self.normal[wedge as usize], self.seat[wedge as usize]);
         let ball = self.ball(v);
         for share in [1.0, 0.5] {
-            if !self.try_free(v, wedge, kept.0.lerp(p, share), &ball, Accept::Harmless) {
+            let found = self.try_free(v, wedge, kept.0.lerp(p, share), &ball, Accept::Harmless);
+            if !self.go(v, found) {
                 continue;
             }
             let now = self.closest_of(&ring, &below);

@@ -18,6 +18,7 @@
 //! | ridges with few, even edges | `spacing` | – |
 //! | edges keep their nature | `creases` | – |
 //! | relocation | `relocate` | §3, "bougé de points" |
+//! | all vertices at once, in classes without neighbours | `sweep` | – |
 //! | the worst first | `polish` | – |
 //! | vertices where the surface is farthest from the mesh | `gaps` | – |
 //! | vertices where the mesh is nearest to the surface | `fit` | – |
@@ -51,6 +52,7 @@ mod source;
 mod spacing;
 mod support;
 mod swap;
+mod sweep;
 mod target;
 #[cfg(test)]
 mod tests;

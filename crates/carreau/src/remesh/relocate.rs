@@ -38,12 +38,26 @@ pub enum Accept {
 }
 
 /// Where a vertex would go.
-struct Move {
-    point: DVec3,
+pub struct Move {
+    pub point: DVec3,
     metric: Metric,
     parameter: f64,
-    /// Wedges with their new places.
-    wedges: [(u32, Option<Spot>); 2],
+    /// What changes at one wedge or two.
+    wedges: [Option<WedgeMove>; 2],
+}
+
+/// A wedge with its new normal and seat.
+#[derive(Clone, Copy)]
+struct WedgeMove {
+    wedge: u32,
+    normal: DVec3,
+    seat: u32,
+}
+
+impl WedgeMove {
+    fn new(wedge: u32, spot: &Spot) -> Self {
+        WedgeMove { wedge, normal: spot.normal, seat: spot.seat }
+    }
 }
 
 /// A curve vertex between its neighbours on the chain.
@@ -67,27 +81,29 @@ pub struct Ball {
 impl<'a> Work<'a> {
     /// Moves every vertex once. Returns how many moved.
     pub fn relocate(&mut self, accept: Accept, context: &Context) -> Result<usize> {
-        let mut done = 0;
-        for v in 0..self.mesh.vertex_slots() {
-            context.check_every(v as usize)?;
-            if !self.mesh.is_vertex(v) || self.rank[v as usize] == Rank::Corner {
-                continue;
-            }
-            done += usize::from(self.relocate_vertex(v, accept));
-        }
-        Ok(done)
+        self.sweep(context, |work, v| work.relocation(v, accept))
     }
 
-    /// Moves one vertex if its ball gets better.
-    pub fn relocate_vertex(&mut self, v: u32, accept: Accept) -> bool {
+    /// Moves every vertex to where the triangles around it are best shaped, if that makes their mean better.
+    pub fn reshape(&mut self, context: &Context) -> Result<usize> {
+        self.sweep(context, |work, v| match work.rank[v as usize] {
+            Rank::Free => work.slide(v, work.way_to_tips(v), &[1.0, 0.5], Accept::Better),
+            Rank::Curve => work.reshape_curve(v),
+            Rank::Corner => None,
+        })
+    }
+
+    /// Where a vertex goes so that its edges have length one.
+    pub fn relocation(&self, v: u32, accept: Accept) -> Option<Move> {
         match self.rank[v as usize] {
-            Rank::Free => self.relocate_free(v, accept),
+            Rank::Free => self.slide(v, self.way_to_length_one(v), &[1.0, 0.5, 0.25], accept),
             Rank::Curve => self.relocate_curve(v, accept),
-            Rank::Corner => false,
+            Rank::Corner => None,
         }
     }
 
-    fn relocate_free(&mut self, v: u32, accept: Accept) -> bool {
+    /// The mean of the ways to length one of the edges.
+    fn way_to_length_one(&self, v: u32) -> DVec3 {
         let p = self.point(v);
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         self.mesh.for_neighbours(v, |w| {
@@ -96,41 +112,19 @@ impl<'a> Work<'a> {
             sum += (p - q) * (l.recip() - 1.0);
             count += 1.0;
         });
-        let Some(first) = self.mesh.around(v).next() else { return false };
-        self.slide(v, self.mesh.wedge(first), sum / count, &[1.0, 0.5, 0.25], accept)
+        sum / count
     }
 
-    /// Moves a free vertex by the part of a step along the surface, or by the first share of it that is accepted.
-    fn slide(&mut self, v: u32, wedge: u32, step: DVec3, shares: &[f64], accept: Accept) -> bool {
+    /// The part of a step along the surface that a free vertex goes, or the first share of it that is accepted.
+    fn slide(&self, v: u32, step: DVec3, shares: &[f64], accept: Accept) -> Option<Move> {
+        let wedge = self.mesh.wedge(self.mesh.around(v).next()?);
         let (p, n) = (self.point(v), self.normal[wedge as usize]);
         let step = step - n * n.dot(step);
         if !step.is_finite() || step.length() < LEAST_STEP * self.size[v as usize] {
-            return false;
+            return None;
         }
         let before = self.ball(v);
-        shares.iter().any(|share| self.try_free(v, wedge, p + step * *share, &before, accept))
-    }
-
-    /// Moves every vertex to where the triangles around it are best shaped, if that makes their mean better.
-    pub fn reshape(&mut self, context: &Context) -> Result<usize> {
-        let mut done = 0;
-        for v in 0..self.mesh.vertex_slots() {
-            context.check_every(v as usize)?;
-            if !self.mesh.is_vertex(v) {
-                continue;
-            }
-            done += usize::from(match self.rank[v as usize] {
-                Rank::Free => self.reshape_vertex(v),
-                Rank::Curve => self.reshape_curve(v),
-                Rank::Corner => false,
-            });
-        }
-        Ok(done)
-    }
-
-    fn reshape_vertex(&mut self, v: u32) -> bool {
-        let Some(first) = self.mesh.around(v).next() else { return false };
-        self.slide(v, self.mesh.wedge(first), self.way_to_tips(v), &[1.0, 0.5], Accept::Better)
+        shares.iter().find_map(|share| self.try_free(v, wedge, p + step * *share, &before, accept))
     }
 
     /// The way to the mean of the tips of equilateral triangles on the sides opposite to the vertex.
@@ -147,39 +141,57 @@ impl<'a> Work<'a> {
     }
 
     /// The same, as far as the curve leads there.
-    fn reshape_curve(&mut self, v: u32) -> bool {
-        let Some(site) = self.curve_site(v) else { return false };
+    fn reshape_curve(&self, v: u32) -> Option<Move> {
+        let site = self.curve_site(v)?;
         let step = self.way_to_tips(v);
         let s = self.parameter[v as usize];
         let [a, b] = site.ways.map(|w| site.chain.at(s + w).0);
         let along = unit(b - a) * (site.ways[1] - site.ways[0]).signum();
-        let step = along.dot(step);
-        if !(step.abs() > LEAST_STEP * self.size[v as usize]) {
-            return false;
+        self.slide_along(v, &site, along.dot(step), &[1.0, 0.5], Accept::Better)
+    }
+
+    /// A curve vertex goes to where the edges on both sides have equal lengths, were the size constant.
+    fn relocate_curve(&self, v: u32, accept: Accept) -> Option<Move> {
+        let site = self.curve_site(v)?;
+        let lengths = site.neighbours.map(|w| self.length(v, w));
+        let [before, behind] = site.ways;
+        let step = (lengths[1] - lengths[0]) / (lengths[0] / before.abs() + lengths[1] / behind.abs());
+        self.slide_along(v, &site, step * behind.signum(), &[1.0, 0.5, 0.25], accept)
+    }
+
+    /// A step of a curve vertex along its chain, or the first share of it that spoils nothing.
+    pub fn step_along(&self, v: u32, step: f64) -> Option<Move> {
+        self.slide_along(v, &self.curve_site(v)?, step, &[1.0, 0.5, 0.25], Accept::Harmless)
+    }
+
+    /// A step of a curve vertex along its chain, or the first share of it that is accepted.
+    fn slide_along(&self, v: u32, site: &CurveSite, step: f64, shares: &[f64], accept: Accept) -> Option<Move> {
+        if !(step.is_finite() && step.abs() >= LEAST_STEP * self.size[v as usize]) {
+            return None;
         }
         let ball = self.ball(v);
-        [1.0, 0.5].iter().any(|share| self.try_curve(v, &site, share * step, &ball, Accept::Better))
+        shares.iter().find_map(|share| self.try_curve(v, site, share * step, &ball, accept))
     }
 
-    /// Moves a free vertex to the place on the surface closest to a point, if its ball gets better.
-    pub fn try_free(&mut self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> bool {
+    /// A free vertex goes to the place on the surface closest to a point, if its ball gets better.
+    pub fn try_free(&self, v: u32, wedge: u32, p: DVec3, before: &Ball, accept: Accept) -> Option<Move> {
         let spot = self.spot(self.seat[wedge as usize], p);
-        let to = Move {
-            point: spot.point,
-            metric: spot.metric,
-            parameter: 0.0,
-            wedges: [(wedge, Some(spot)), (NONE, None)],
-        };
-        self.try_move(v, &to, before, accept)
+        let wedges = [Some(WedgeMove::new(wedge, &spot)), None];
+        let to = Move { point: spot.point, metric: spot.metric, parameter: 0.0, wedges };
+        self.accepted(v, to, before, accept)
     }
 
-    /// A free vertex with a bad ball tries a pattern of places around it; the scale shrinks until one is better.
+    /// A vertex with a bad ball tries places around it, nearer and nearer, and goes to those that are better.
     pub fn search_vertex(&mut self, v: u32) -> bool {
         match self.rank[v as usize] {
-            Rank::Free => {}
-            Rank::Curve => return self.search_curve(v),
-            Rank::Corner => return false,
+            Rank::Free => self.search_free(v),
+            Rank::Curve => self.search_curve(v),
+            Rank::Corner => false,
         }
+    }
+
+    /// A free vertex tries a pattern of places around it; the scale shrinks until one is better.
+    fn search_free(&mut self, v: u32) -> bool {
         let Some(first) = self.mesh.around(v).next() else { return false };
         let wedge = self.mesh.wedge(first);
         let (x, y) = self.normal[wedge as usize].any_orthonormal_pair();
@@ -189,9 +201,9 @@ impl<'a> Work<'a> {
             let mut better = false;
             for k in 0..8 {
                 let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
-                let before = self.ball(v);
                 let to = self.point(v) + scale * (x * angle.cos() + y * angle.sin());
-                better |= self.try_free(v, wedge, to, &before, Accept::Better);
+                let found = self.try_free(v, wedge, to, &self.ball(v), Accept::Better);
+                better |= self.go(v, found);
             }
             any |= better;
             if !better {
@@ -201,38 +213,15 @@ impl<'a> Work<'a> {
         any
     }
 
-    /// Moves a curve vertex to where the edges on both sides have equal lengths, were the size constant.
-    fn relocate_curve(&mut self, v: u32, accept: Accept) -> bool {
-        let Some(site) = self.curve_site(v) else { return false };
-        let lengths = site.neighbours.map(|w| self.length(v, w));
-        let [before, behind] = site.ways;
-        let step = (lengths[1] - lengths[0]) / (lengths[0] / before.abs() + lengths[1] / behind.abs());
-        let step = step * behind.signum();
-        if !step.is_finite() || step.abs() < LEAST_STEP * self.size[v as usize] {
-            return false;
-        }
-        let ball = self.ball(v);
-        [1.0, 0.5, 0.25].iter().any(|share| self.try_curve(v, &site, share * step, &ball, accept))
-    }
-
-    /// Moves a curve vertex along its chain by a step, or by the first share of it that spoils nothing.
-    pub fn move_along(&mut self, v: u32, step: f64) -> bool {
-        if !(step.abs() >= LEAST_STEP * self.size[v as usize]) {
-            return false;
-        }
-        let Some(site) = self.curve_site(v) else { return false };
-        let ball = self.ball(v);
-        [1.0, 0.5, 0.25].iter().any(|share| self.try_curve(v, &site, share * step, &ball, Accept::Harmless))
-    }
-
-    /// A curve vertex with a bad ball tries places on both sides; the step shrinks until one is better.
+    /// A curve vertex tries places on both sides; the step shrinks.
     fn search_curve(&mut self, v: u32) -> bool {
         let mut any = false;
         for share in [0.3, 0.15, 0.07] {
             for sign in [1.0, -1.0] {
                 let Some(site) = self.curve_site(v) else { return any };
-                let ball = self.ball(v);
-                any |= self.try_curve(v, &site, sign * share * self.size[v as usize], &ball, Accept::Better);
+                let step = sign * share * self.size[v as usize];
+                let found = self.try_curve(v, &site, step, &self.ball(v), Accept::Better);
+                any |= self.go(v, found);
             }
         }
         any
@@ -268,36 +257,36 @@ impl<'a> Work<'a> {
         (chain.kind != Kind::Seam && ways[0] * ways[1] < 0.0).then_some(CurveSite { chain, edges, neighbours, ways })
     }
 
-    /// Moves a curve vertex along its chain, if that is accepted and the curve holds.
-    fn try_curve(&mut self, v: u32, site: &CurveSite, step: f64, before: &Ball, accept: Accept) -> bool {
+    /// A curve vertex goes along its chain, if that is accepted and the curve holds.
+    fn try_curve(&self, v: u32, site: &CurveSite, step: f64, before: &Ball, accept: Accept) -> Option<Move> {
         let (s, chain) = (self.parameter[v as usize], site.chain);
         let to = s + step;
         let [a, b] = site.ways;
         if !((step - a) * (step - b) < 0.0) {
-            return false;
+            return None;
         }
         let worst = chain.sag([s, s + a]).max(chain.sag([s, s + b]));
         if !site.ways.iter().all(|w| self.curve_allows(chain, [to, s + w], worst)) {
-            return false;
+            return None;
         }
         let [left, right] = self.chain_spots(chain, to);
-        let mut wedges = [(NONE, None), (NONE, None)];
+        let mut wedges = [None; 2];
         let mut size = f64::INFINITY;
         for (k, &h) in site.edges.iter().enumerate() {
             let spot = if site.ways[k] > 0.0 { left } else { right };
             if self.mesh.vertex(h) == v
                 && let Some(spot) = spot
             {
-                wedges[k] = (self.mesh.wedge(h), Some(spot));
+                wedges[k] = Some(WedgeMove::new(self.mesh.wedge(h), &spot));
                 size = size.min(spot.metric.size);
             }
         }
         if !size.is_finite() {
-            return false;
+            return None;
         }
         let metric = Metric { size, stretch: DVec3::ZERO };
         let to = Move { point: chain.at(to).0, metric, parameter: chain.wrapped(to), wedges };
-        self.try_move(v, &to, before, accept)
+        self.accepted(v, to, before, accept)
     }
 
     /// What the triangles and edges around a vertex are worth as they are.
@@ -314,7 +303,8 @@ impl<'a> Work<'a> {
         ball
     }
 
-    fn try_move(&mut self, v: u32, to: &Move, before: &Ball, accept: Accept) -> bool {
+    /// A move, if it is accepted.
+    fn accepted(&self, v: u32, to: Move, before: &Ball, accept: Accept) -> Option<Move> {
         let mesh = &self.mesh;
         let mut after = Ball { shape: f32::INFINITY, cosine: f32::INFINITY, mean: 0.0, length: f64::INFINITY };
         let mut count = 0.0;
@@ -322,15 +312,15 @@ impl<'a> Work<'a> {
         let least = before.shape.min(good);
         for h in mesh.around(v) {
             let wedge = mesh.wedge(h);
-            let spot = to.wedges.iter().find(|(w, _)| *w == wedge).and_then(|(_, s)| s.as_ref());
-            let normal = spot.map_or(self.normal[wedge as usize], |s| s.normal);
+            let moved = to.wedges.iter().flatten().find(|m| m.wedge == wedge);
+            let normal = moved.map_or(self.normal[wedge as usize], |m| m.normal);
             let (b, c) = (next(h), previous(h));
             let corners = [to.point, self.point(mesh.vertex(b)), self.point(mesh.vertex(c))];
             let normals = [normal, self.normal[mesh.wedge(b) as usize], self.normal[mesh.wedge(c) as usize]];
             let [_, wb, wc] = self.stretches([v, mesh.vertex(b), mesh.vertex(c)]);
             let face = self.judge(corners, normals, [to.metric.stretch, wb, wc]);
             if face.shape < least {
-                return false;
+                return None;
             }
             after.add(face);
             count += 1.0;
@@ -345,22 +335,35 @@ impl<'a> Work<'a> {
             Accept::Harmless => after.length >= before.length.min(f64::from(TOLERABLE)),
         };
         if !accepted || !self.allows_cosine(after.cosine, before.cosine) {
-            return false;
+            return None;
         }
-        if !self.strain_allows(v, to.point, NONE) {
-            return false;
+        self.strain_allows(v, to.point, NONE).then_some(to)
+    }
+
+    /// A step off the surface that leaves a vertex everything but its point.
+    pub fn lifted(&self, v: u32, point: DVec3) -> Move {
+        let parameter = self.parameter[v as usize];
+        Move { point, metric: self.metric(v), parameter, wedges: [None; 2] }
+    }
+
+    /// Makes a move if there is one.
+    pub fn go(&mut self, v: u32, found: Option<Move>) -> bool {
+        if let Some(to) = &found {
+            self.make(v, to);
         }
+        found.is_some()
+    }
+
+    /// Makes a move.
+    pub fn make(&mut self, v: u32, to: &Move) {
         self.mesh.points[v as usize] = to.point;
         self.set_metric(v, to.metric);
         self.parameter[v as usize] = to.parameter;
-        for (wedge, spot) in &to.wedges {
-            if let Some(spot) = spot {
-                self.normal[*wedge as usize] = spot.normal;
-                self.seat[*wedge as usize] = spot.seat;
-            }
+        for moved in to.wedges.iter().flatten() {
+            self.normal[moved.wedge as usize] = moved.normal;
+            self.seat[moved.wedge as usize] = moved.seat;
         }
         self.refresh_around(v);
-        true
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Source {
     pub curves: Curves,
     /// Smallest principal radius at every vertex.
     radius: Vec<Radius>,
+    /// The direction in which the surface bends less, where edges are to be stretched; else empty.
+    bend: Vec<DVec3>,
     diagonal: f64,
     /// There is noise to take out.
     noisy: bool,
@@ -54,8 +56,9 @@ impl Source {
         curves.find_sharp(&edit, sharp);
         let support = Support::new(edit);
         let radius = support.radii(&curves.rank);
+        let bend = if options.anisotropic { support.bends(&curves.rank) } else { Vec::new() };
         let given = given_sizes(mesh, &support.mesh, options)?;
-        let mut source = Source { support, curves, radius, diagonal: mesh.diagonal(), noisy, given };
+        let mut source = Source { support, curves, radius, bend, diagonal: mesh.diagonal(), noisy, given };
         if noisy && marks.contains(&Some(Kind::Border)) {
             source.set_size_map(options, context)?;
             let scale: Vec<f64> = source.support.size.iter().map(|h| BORDER_SCALE * h).collect();
@@ -104,8 +107,7 @@ impl Source {
         // A search for a scale does with those of its first step.
         if options.anisotropic && self.support.stretch.is_empty() {
             let rank = &self.curves.rank;
-            let bend: Vec<DVec3> = self.radius.iter().map(|r| r.bend).collect();
-            self.support.stretch = anisotropy::stretches(&self.support, &bend, rank, options.gradation);
+            self.support.stretch = anisotropy::stretches(&self.support, &self.bend, rank, options.gradation);
         }
         Ok(())
     }
@@ -153,7 +155,7 @@ impl Source {
             curve_sag_share: CURVE_SAG,
             ridge_sag: options.ridge_tolerance * self.diagonal,
             clean: !self.noisy,
-            good: if self.noisy { [0.75, 0.65] } else { [0.6, 0.6] },
+            good: if self.noisy { [0.75, 0.65] } else { [0.5, 0.5] },
             border_sag: BORDER_RADIUS * self.diagonal * (1.0 - theta.cos()),
             tilt_weight: if options.anisotropic { STRETCHED_TILT } else { (TILT / theta.sin()).min(1.0) },
             dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),

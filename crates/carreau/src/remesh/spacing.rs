@@ -158,12 +158,14 @@ impl<'a> Work<'a> {
                 continue;
             }
             let [from, to] = row.chain.span(self.parameter[v as usize], row.chain.wrapped(place));
-            self.move_along(v, to - from);
+            let along = self.step_along(v, to - from);
+            self.go(v, along);
             let mut around = Vec::new();
             self.mesh.for_neighbours(v, |w| around.push(w));
             around.retain(|&w| self.rank[w as usize] == Rank::Free);
             for w in around {
-                self.relocate_vertex(w, Accept::Harmless);
+                let follows = self.relocation(w, Accept::Harmless);
+                self.go(w, follows);
             }
         }
     }

@@ -48,8 +48,6 @@ pub struct Radius {
     far: f64,
     /// Mean length of the edges.
     spacing: f64,
-    /// The direction in which the surface bends less, as long as the root of one minus the ratio of curvatures.
-    pub bend: DVec3,
 }
 
 impl Radius {
@@ -203,29 +201,44 @@ impl Support {
     /// without crossing a curve; the radius is the inverse of the larger eigenvalue.
     pub fn radii(&self, rank: &[Rank]) -> Vec<Radius> {
         let mesh = &self.mesh;
-        (0..mesh.vertex_slots())
-            .into_par_iter()
-            .with_min_len(256)
-            .map_init(Vec::new, |points, v| {
-                let mut radius = Radius { near: f64::INFINITY, far: f64::INFINITY, spacing: 1.0, bend: DVec3::ZERO };
-                let (mut sum, mut count) = (0.0, 0.0);
-                let mut done = NONE;
-                for h in mesh.around(v) {
-                    let wedge = mesh.wedge(h);
-                    if wedge != done {
-                        done = wedge;
-                        self.two_rings(v, wedge, rank, points);
-                        let ([near, far], bend) = self.fitted_radii(v, wedge, points);
-                        radius.bend = bend;
-                        (radius.near, radius.far) = (radius.near.min(near), radius.far.min(far));
-                    }
-                    sum += mesh.points[v as usize].distance(mesh.points[mesh.head(h) as usize]);
-                    count += 1.0;
-                }
-                radius.spacing = if count > 0.0 { sum / count } else { 1.0 };
-                radius
-            })
-            .collect()
+        let of = |points: &mut Vec<u32>, v: u32| {
+            let mut radius = Radius { near: f64::INFINITY, far: f64::INFINITY, spacing: 1.0 };
+            self.for_sides(v, rank, points, |[near, far], _| {
+                (radius.near, radius.far) = (radius.near.min(near), radius.far.min(far));
+            });
+            let (mut sum, mut count) = (0.0, 0.0);
+            for h in mesh.around(v) {
+                sum += mesh.points[v as usize].distance(mesh.points[mesh.head(h) as usize]);
+                count += 1.0;
+            }
+            radius.spacing = if count > 0.0 { sum / count } else { 1.0 };
+            radius
+        };
+        (0..mesh.vertex_slots()).into_par_iter().with_min_len(256).map_init(Vec::new, of).collect()
+    }
+
+    /// The direction in which the surface bends less at every vertex, as long as the root of one minus the ratio of the
+    /// curvatures.
+    pub fn bends(&self, rank: &[Rank]) -> Vec<DVec3> {
+        let of = |points: &mut Vec<u32>, v: u32| {
+            let mut bend = DVec3::ZERO;
+            self.for_sides(v, rank, points, |_, found| bend = found);
+            bend
+        };
+        (0..self.mesh.vertex_slots()).into_par_iter().with_min_len(256).map_init(Vec::new, of).collect()
+    }
+
+    /// Visits the fits on all sides of a vertex: the radii near by and farther away, and the bend.
+    fn for_sides(&self, v: u32, rank: &[Rank], points: &mut Vec<u32>, mut visit: impl FnMut([f64; 2], DVec3)) {
+        let mut done = NONE;
+        for wedge in self.mesh.around(v).map(|h| self.mesh.wedge(h)) {
+            if wedge != done {
+                done = wedge;
+                self.two_rings(v, wedge, rank, points);
+                let (radii, bend) = self.fitted_radii(v, wedge, points);
+                visit(radii, bend);
+            }
+        }
     }
 
     /// Radii without those that are small at single vertices, where sizes are many edges long: there they are noise, and
@@ -268,7 +281,7 @@ impl Support {
         }
     }
 
-    /// The radii near by and farther away, and [`Radius::bend`] of the latter.
+    /// The radii near by and farther away, and the bend of the latter.
     fn fitted_radii(&self, v: u32, wedge: u32, points: &[u32]) -> ([f64; 2], DVec3) {
         let n = self.normal[wedge as usize];
         let p = self.mesh.points[v as usize];

@@ -7,6 +7,7 @@ use super::work::{Face, Work};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{NONE, next, previous};
+use rayon::prelude::*;
 
 /// Gain in the worst shape for which a flip is worth it.
 const GAIN: f32 = 1.01;
@@ -16,6 +17,9 @@ const REGULAR_LOSS: f32 = 0.6;
 const REGULAR_COSINE: f32 = 0.8;
 /// Flips make no edges longer than this, unless the old one was as long.
 const LONGEST: f64 = 1.6;
+
+/// Edges that a thread takes at least.
+const GRAIN: usize = 256;
 
 /// What flips make better: the shape, and how well the triangle fits the surface.
 fn value(face: Face) -> f32 {
@@ -28,10 +32,10 @@ impl Work<'_> {
         let mut done = 0;
         let mut pending: Vec<u32> = self.mesh.edges().collect();
         for _ in 0..sweeps {
+            context.check()?;
             let mut touched = Vec::new();
-            for (step, &h) in pending.iter().enumerate() {
-                context.check_every(step)?;
-                if self.mesh.is_half_edge(h) && self.try_swap(h, GAIN) {
+            for h in self.worth_a_swap(&pending, GAIN) {
+                if self.try_swap(h, GAIN) {
                     done += 1;
                     let o = self.mesh.opposite(h);
                     touched.extend([next(h), previous(h), next(o), previous(o)]);
@@ -50,19 +54,14 @@ impl Work<'_> {
     pub fn regularise(&mut self, context: &Context) -> Result<usize> {
         let mut valence: Vec<i32> =
             (0..self.mesh.vertex_slots()).map(|v| if self.mesh.is_vertex(v) { self.excess(v) } else { 0 }).collect();
+        context.check()?;
+        let irregular: Vec<u32> =
+            self.mesh.edges().filter(|&h| self.ends_of_regular_swap(h, &valence).is_some()).collect();
         let mut done = 0;
-        for h in 0..self.mesh.half_edge_slots() {
-            context.check_every(h as usize)?;
-            if !self.mesh.is_edge(h) || self.mesh.opposite(h) == NONE || self.mesh.curve(h) != NONE {
-                continue;
-            }
-            let mesh = &self.mesh;
-            let ends = [mesh.vertex(h), mesh.head(h)];
-            let tips = [mesh.apex(h), mesh.apex(mesh.opposite(h))];
-            let cost = |v: u32, change: i32| (valence[v as usize] + change).pow(2);
-            let before: i32 = ends.iter().chain(&tips).map(|&v| cost(v, 0)).sum();
-            let after = ends.iter().map(|&v| cost(v, -1)).sum::<i32>() + tips.iter().map(|&v| cost(v, 1)).sum::<i32>();
-            if after < before && self.try_swap(h, REGULAR_LOSS) {
+        for h in self.worth_a_swap(&irregular, REGULAR_LOSS) {
+            if let Some((ends, tips)) = self.ends_of_regular_swap(h, &valence)
+                && self.try_swap(h, REGULAR_LOSS)
+            {
                 ends.iter().for_each(|&v| valence[v as usize] -= 1);
                 tips.iter().for_each(|&v| valence[v as usize] += 1);
                 done += 1;
@@ -71,16 +70,47 @@ impl Work<'_> {
         Ok(done)
     }
 
+    /// The vertices that lose an edge and those that gain one, where a flip makes valences more regular.
+    fn ends_of_regular_swap(&self, h: u32, valence: &[i32]) -> Option<([u32; 2], [u32; 2])> {
+        let mesh = &self.mesh;
+        if mesh.opposite(h) == NONE || mesh.curve(h) != NONE {
+            return None;
+        }
+        let ends = [mesh.vertex(h), mesh.head(h)];
+        let tips = [mesh.apex(h), mesh.apex(mesh.opposite(h))];
+        let cost = |v: u32, change: i32| (valence[v as usize] + change).pow(2);
+        let before: i32 = ends.iter().chain(&tips).map(|&v| cost(v, 0)).sum();
+        let after = ends.iter().map(|&v| cost(v, -1)).sum::<i32>() + tips.iter().map(|&v| cost(v, 1)).sum::<i32>();
+        (after < before).then_some((ends, tips))
+    }
+
     /// How many triangles a vertex has beyond the regular number: six, three on a border.
     fn excess(&self, v: u32) -> i32 {
         self.mesh.around(v).count() as i32 - if self.mesh.is_border(v) { 3 } else { 6 }
     }
 
+    /// The edges of a list whose flips are allowed and worth it, looked at in parallel. Flips move half-edges to other edges:
+    /// what is worth it is asked once more before it is done.
+    fn worth_a_swap(&self, edges: &[u32], gain: f32) -> Vec<u32> {
+        let is_worth_it = |h: &u32| self.mesh.is_half_edge(*h) && self.flipped(*h, gain).is_some();
+        edges.par_iter().with_min_len(GRAIN).copied().filter(is_worth_it).collect()
+    }
+
     /// Flips an edge if that is allowed and worth it.
     pub fn try_swap(&mut self, h: u32, gain: f32) -> bool {
+        let Some([f, g]) = self.flipped(h, gain) else { return false };
+        let o = self.mesh.opposite(h);
+        self.mesh.flip(h);
+        self.face[h as usize / 3] = f;
+        self.face[o as usize / 3] = g;
+        true
+    }
+
+    /// What the triangles of an edge become when it is flipped, if that is allowed and worth it.
+    fn flipped(&self, h: u32, gain: f32) -> Option<[Face; 2]> {
         let mesh = &self.mesh;
         if mesh.opposite(h) == NONE || mesh.curve(h) != NONE {
-            return false;
+            return None;
         }
         let o = mesh.opposite(h);
         let [a, b, c, d] = [h, next(h), previous(h), previous(o)];
@@ -103,19 +133,13 @@ impl Work<'_> {
         let turns = gain < 1.0 && after.cosine < before.cosine.min(REGULAR_COSINE);
         let improves = new > gain * old && !turns && self.allows_cosine(after.cosine, before.cosine);
         if !improves && !repairs {
-            return false;
+            return None;
         }
         let (old, new) = (self.edge_length(h), self.length(mesh.vertex(c), mesh.vertex(d)));
         if new > LONGEST.max(old) && after.shape > 0.05 && before.shape > 0.1 {
-            return false;
+            return None;
         }
         let (strain_before, strain_after) = self.strain_of_flip(h);
-        if !mesh.can_flip(h) || !strain_after.may_follow(strain_before) {
-            return false;
-        }
-        self.mesh.flip(h);
-        self.face[h as usize / 3] = f;
-        self.face[o as usize / 3] = g;
-        true
+        (mesh.can_flip(h) && strain_after.may_follow(strain_before)).then_some([f, g])
     }
 }
