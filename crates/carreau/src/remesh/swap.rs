@@ -143,3 +143,38 @@ impl Work<'_> {
         (mesh.can_flip(h) && strain_after.may_follow(strain_before)).then_some([f, g])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Polygons, SurfaceMesh};
+    use crate::remesh::{RemeshOptions, source::Source};
+    use glam::DVec3;
+
+    /// A square of n × n cells, each cut along the diagonal that its neighbours are not cut along: valences are 4 and 8.
+    fn union_jack(n: u32) -> SurfaceMesh {
+        let at = |i: u32, j: u32| j * (n + 1) + i;
+        let points = (0..=n).flat_map(|j| (0..=n).map(move |i| DVec3::new(f64::from(i), f64::from(j), 0.0))).collect();
+        let mut faces = Polygons::new();
+        for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let [first, second] = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[b, c, d], [b, d, a]] };
+            faces.push(&first);
+            faces.push(&second);
+        }
+        SurfaceMesh::new(points, faces).unwrap()
+    }
+
+    #[test]
+    fn valences_become_more_regular_up_to_the_border() {
+        let (context, options) = (Context::new(), RemeshOptions::default());
+        let mut source = Source::new(&union_jack(9), &options, &context).unwrap();
+        source.set_sizes(&options, &context).unwrap();
+        let mut work = source.at_work(&options);
+        let irregularity = |work: &Work| (0..work.mesh.vertex_slots()).map(|v| work.excess(v).pow(2)).sum::<i32>();
+        let before = irregularity(&work);
+        let flips = work.regularise(&context).unwrap();
+        assert!(flips > 0 && irregularity(&work) < before / 2, "{flips}: {before} to {}", irregularity(&work));
+        assert_eq!(work.mesh.triangle_count(), 162);
+    }
+}
