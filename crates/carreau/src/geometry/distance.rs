@@ -251,7 +251,7 @@ struct Sample {
 /// Everything about one direction; the angles in degrees for the summary of both.
 fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Context) -> Result<(OneSided, Vec<f64>)> {
     let at_vertices = map_chunks(&from.used, context, |&v, last| to.closest_near(from.points[v as usize], last))?;
-    let samples = spread_samples(from, options.samples);
+    let (samples, apart) = spread_samples(from, options.samples);
     let found = map_chunks(&samples, context, |s, last| {
         let closest = to.closest_near(s.point, last);
         let angle = || to.angle_to(from.normals[s.triangle as usize], s.point, &closest);
@@ -262,7 +262,7 @@ fn one_sided(from: &Target, to: &Target, options: &DistanceOptions, context: &Co
     at_vertices.iter().zip(&from.used).for_each(|(c, &v)| bracket.see(from.points[v as usize], c.distance()));
     found.iter().zip(&samples).for_each(|(f, s)| bracket.see(s.point, f.0));
     let distances: Vec<f64> = found.iter().map(|f| f.0).collect();
-    climb(&mut bracket, &samples, &distances, from, to, context)?;
+    climb(&mut bracket, &samples, &distances, apart, from, to);
     narrow(&mut bracket, from, to, &at_vertices, options.refinements, context)?;
 
     let squares: Vec<f64> = distances.iter().map(|d| d * d).collect();
@@ -315,25 +315,14 @@ impl Bracket {
 
 /// Samples from which the distance is climbed.
 const CLIMBERS: usize = 256;
-/// Steps of each. The first is as long as samples are apart; where no step leads up, the next is half as long.
+/// Steps of each. The first is as long as samples are `apart`; where no step leads up, the next is half as long.
 const STEPS: usize = 24;
 /// A step that raises the distance by a smaller share is none.
 const CLIMB: f64 = 1e-3;
 
 /// Raises the lower bound of the maximum: the farthest samples go uphill within their triangles. Dividing triangles begins
 /// where bounds are loosest, and on large flat faces above small triangles that is everywhere but at the maximum.
-fn climb(
-    bracket: &mut Bracket,
-    samples: &[Sample],
-    distances: &[f64],
-    from: &Target,
-    to: &Target,
-    context: &Context,
-) -> Result<()> {
-    if samples.is_empty() {
-        return Ok(());
-    }
-    let apart = (0.5 * sum(&from.areas()) / samples.len() as f64).sqrt();
+fn climb(bracket: &mut Bracket, samples: &[Sample], distances: &[f64], apart: f64, from: &Target, to: &Target) {
     let mut farthest: Vec<usize> = (0..samples.len()).collect();
     let order = |a: &usize, b: &usize| distances[*b].total_cmp(&distances[*a]).then(a.cmp(b));
     if farthest.len() > CLIMBERS {
@@ -359,10 +348,17 @@ fn climb(
         }
         (top, height)
     };
-    context.check()?;
     let summits: Vec<(DVec3, f64)> = farthest.par_iter().filter(|&&k| distances[k] > 0.0).map(summit).collect();
     summits.into_iter().for_each(|(point, height)| bracket.see(point, height));
-    Ok(())
+}
+
+/// What chunks give, in parallel and in order, looking at the clock between them.
+fn of_chunks<T: Sync, R: Send>(items: &[T], context: &Context, of: impl Fn(&[T]) -> R + Sync) -> Result<Vec<R>> {
+    let of = |chunk: &[T]| {
+        context.check()?;
+        Ok(of(chunk))
+    };
+    items.par_chunks(CHUNK).map(of).collect()
 }
 
 /// Maps in parallel, in order, looking at the clock between chunks; the items of a chunk hand on something.
@@ -371,19 +367,19 @@ fn map_chunks<T: Sync, R: Send, S: Default>(
     context: &Context,
     map: impl Fn(&T, &mut S) -> R + Sync,
 ) -> Result<Vec<R>> {
-    let chunk = |items: &[T]| {
-        context.check()?;
+    let chunks = of_chunks(items, context, |items| {
         let mut handed_on = S::default();
-        Ok(items.iter().map(|item| map(item, &mut handed_on)).collect::<Vec<R>>())
-    };
-    let chunks: Vec<Vec<R>> = items.par_chunks(CHUNK).map(chunk).collect::<Result<_>>()?;
+        items.iter().map(|item| map(item, &mut handed_on)).collect::<Vec<R>>()
+    })?;
     Ok(chunks.into_iter().flatten().collect())
 }
 
 /// Samples spread evenly by area: sample k lies where the running total of the areas reaches (k + ½) / n, so that every
 /// triangle gets its share to within one. In the triangle it is placed by the R2 sequence (Roberts 2018, "The
-/// Unreasonable Effectiveness of Quasirandom Sequences"), folded from the square. Empty where nothing has an area.
-fn spread_samples(surface: &Target, n: usize) -> Vec<Sample> {
+/// Unreasonable Effectiveness of Quasirandom Sequences"), folded from the square. Empty where nothing has an area. Returns how far
+/// they are apart, too.
+fn spread_samples(surface: &Target, n: usize) -> (Vec<Sample>, f64) {
+    // Areas are doubled, and so is their total.
     let areas = surface.areas();
     let total = sum(&areas);
     let mut samples = Vec::with_capacity(if total > 0.0 { n } else { 0 });
@@ -397,7 +393,8 @@ fn spread_samples(surface: &Target, n: usize) -> Vec<Sample> {
             samples.push(Sample { point: a + u * (b - a) + v * (c - a), triangle });
         }
     }
-    samples
+    let apart = (0.5 * total / samples.len() as f64).sqrt();
+    (samples, apart)
 }
 
 /// Point `k` of the R2 sequence in the unit square; its steps are the powers of the inverse of the plastic number.
@@ -525,8 +522,7 @@ fn first_parts(
     from.used.iter().zip(at_vertices).for_each(|(&v, found)| closest_of[v as usize] = found.triangle);
     let limit = bracket.lower + slack;
     // Of most triangles no more than the largest bound is kept: there may be millions.
-    let look = |triangles: &[[u32; 3]]| {
-        context.check()?;
+    let chunks = of_chunks(&from.triangles, context, |triangles| {
         let (mut settled, mut open) = (0.0f64, Vec::new());
         for t in triangles {
             let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
@@ -536,9 +532,8 @@ fn first_parts(
                 open.push(part.with_centre(to));
             }
         }
-        Ok((settled, open))
-    };
-    let chunks: Vec<(f64, Vec<(Part, f64)>)> = from.triangles.par_chunks(CHUNK).map(look).collect::<Result<_>>()?;
+        (settled, open)
+    })?;
     let mut parts = Vec::new();
     for (settled, open) in chunks {
         bracket.upper = bracket.upper.max(settled);
@@ -630,7 +625,7 @@ mod tests {
     #[test]
     fn samples_follow_the_area() {
         let mesh = together(&[moved(&grid(1), |p| p * 3.0), grid(4)]);
-        let samples = spread_samples(&Target::new(&mesh), 10_000);
+        let (samples, _) = spread_samples(&Target::new(&mesh), 10_000);
         let on_first = samples.iter().filter(|s| s.triangle < 2).count();
         assert_eq!(samples.len(), 10_000);
         assert!((on_first as f64 / 10_000.0 - 9.0 / 25.0).abs() < 1e-3);

@@ -155,18 +155,26 @@ impl TriangleTree {
         let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: limit };
         let mut stack = Stack::new();
         self.root().into_iter().for_each(|root| stack.push(root, self.boxes[0].distance_squared(p)));
-        while let Some((node, bound)) = stack.pop() {
+        'waiting: while let Some((mut node, bound)) = stack.pop() {
             if bound > best.distance_squared {
                 continue;
             }
-            if node.leaves > 1 {
-                let [a, b] = node.children().map(|child| (child, self.boxes[child.index as usize].distance_squared(p)));
-                let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
-                stack.push(far.0, far.1);
-                stack.push(near.0, near.1);
-                continue;
+            // Down to the nearest leaf; what is farther away waits.
+            while node.leaves > 1 {
+                let [a, b] = node.children();
+                let to = |child: Node| self.boxes[child.index as usize].distance_squared(p);
+                let (to_a, to_b) = (to(a), to(b));
+                let (near, to_near, far, to_far) = if to_b < to_a { (b, to_b, a, to_a) } else { (a, to_a, b, to_b) };
+                if to_near > best.distance_squared {
+                    continue 'waiting;
+                }
+                stack.push(far, to_far);
+                node = near;
             }
             for k in self.leaf(node) {
+                if Box3::around(self.corners[k]).distance_squared(p) > best.distance_squared {
+                    continue;
+                }
                 let point = closest_on_triangle(p, self.corners[k]);
                 let found = Closest { triangle: self.ids[k], point, distance_squared: p.distance_squared(point) };
                 if (found.distance_squared, found.triangle) < (best.distance_squared, best.triangle) {
@@ -291,6 +299,11 @@ fn longest_axis(items: &[(DVec3, u32)]) -> usize {
 
 impl Box3 {
     const EMPTY: Box3 = Box3 { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    #[inline]
+    fn around([a, b, c]: [DVec3; 3]) -> Box3 {
+        Box3 { low: a.min(b).min(c), high: a.max(b).max(c) }
+    }
 
     fn with(self, p: DVec3) -> Box3 {
         Box3 { low: self.low.min(p), high: self.high.max(p) }

@@ -36,6 +36,8 @@ const STEADY: f64 = 0.01;
 /// share of their mean distance, unless it was.
 const REACH: f64 = 0.5;
 const LEFT: f64 = 0.35;
+/// It stays where it would move by a smaller share of the mean.
+const LITTLE: f64 = 0.003;
 
 /// Moves the vertices inside regions.
 pub fn fit(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
@@ -46,8 +48,9 @@ pub fn fit(work: &mut Work, around: &Around, source: &Source, context: &Context)
             if let Place::Region(region) = work.place[v as usize]
                 && moves.any_since(round, 1, work, around, v)
                 && let Some(to) = settled(work, around, source, v, region)
+                && to.distance(work.points[v as usize]) > LITTLE * around.mean_edge(work, v)
             {
-                moves.note(round, v, work.points[v as usize] != to);
+                moves.note(round, v, true);
                 work.points[v as usize] = to;
             }
         }

@@ -168,6 +168,18 @@ impl Layout {
     /// that have none are even around.
     pub fn quantise(&mut self, length: f64) -> bool {
         self.length = length;
+        loop {
+            self.as_long(length);
+            match self.settle(length) {
+                Ok(()) => return true,
+                Err(patch) if self.patches[patch].kind == Kind::Grid => self.patches[patch].kind = Kind::Pattern,
+                Err(_) => return false,
+            }
+        }
+    }
+
+    /// Numbers that arcs would have for themselves: every patch that gives its grid up sets its neighbours free.
+    fn as_long(&mut self, length: f64) {
         for arc in &mut self.arcs {
             arc.room = 0;
             arc.count = ((arc.length / length).round() as i64).max(arc.least);
@@ -175,16 +187,6 @@ impl Layout {
         let without_grid = |p: &usize| self.patches[*p].kind != Kind::Grid;
         let without_grid: Vec<usize> = (0..self.patches.len()).filter(without_grid).collect();
         without_grid.into_iter().for_each(|p| self.make_room(p));
-        loop {
-            match self.settle(length) {
-                Ok(()) => return true,
-                Err(patch) if self.patches[patch].kind == Kind::Grid => {
-                    self.patches[patch].kind = Kind::Pattern;
-                    self.make_room(patch);
-                }
-                Err(_) => return false,
-            }
-        }
     }
 
     /// The same for twice the length, doubled: even everywhere.

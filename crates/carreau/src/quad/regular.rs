@@ -9,7 +9,7 @@ use super::draw::{Drawn, draw, place};
 use super::fill::{Filled, fill};
 use super::layout::{Kind, Layout, Patch};
 use super::sheet::Sheet;
-use super::smooth::smooth;
+use super::smooth::Smoothing;
 use super::source::Source;
 use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
@@ -25,7 +25,7 @@ const SAG: f64 = 0.8;
 const TIGHT: usize = 2;
 
 /// Rounds in which patches with bad quads get triangles, and then lose their tracks.
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 8;
 /// Rounds that leave no fewer bad patches before it is given up.
 const PATIENCE: usize = 2;
 
@@ -112,12 +112,19 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
             Err(patch) => bad.push(patch),
             Ok(Filled { work, patch, kind, tracks }) => {
                 let mut work = settled(work, source);
-                smooth(&mut work, source, context)?;
+                let smoothing = Smoothing::new(&mut work, source);
+                let near = if round < TIGHT { SAG * NEAR } else { NEAR };
+                let lost = lost_features(&work, source, near);
+                if !lost.is_empty() && round + 1 < ROUNDS {
+                    lost_places.push(lost);
+                    continue;
+                }
+                smoothing.run(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
                     why = format!("quad {q} {what}");
                     bad.push(patch[q] as usize);
                 }
-                let lost = lost_features(&work, source, if round < TIGHT { SAG * NEAR } else { NEAR });
+                let lost = lost_features(&work, source, near);
                 let is_lost = !lost.is_empty() && round + 1 < ROUNDS;
                 if !lost.is_empty() && !is_lost && nearest.is_some() {
                     break;

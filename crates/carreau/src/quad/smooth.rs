@@ -27,31 +27,49 @@ const LEAST: f64 = 0.05;
 const TANGLED: usize = 24;
 const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
 const PATIENCE: usize = 4;
+
 /// Puts vertices on features to where these bend, and smooths what may move.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
-    let _stage = context.stage("smooth");
-    let around = Around::new(work);
-    let held = bends::follow(work, &around, source);
-    tips::follow(work, &around, source);
-    for _ in 0..SWEEPS {
-        let mut moved = 0usize;
-        for v in 0..work.points.len() as u32 {
-            context.check_every(v as usize)?;
-            moved += usize::from(relax(work, &around, source, v));
-        }
-        if moved * 100 < work.points.len() {
-            break;
-        }
+    Smoothing::new(work, source).run(work, source, context)
+}
+
+/// Smoothing whose features are done: vertices on them are where these bend, and others have not moved yet.
+pub struct Smoothing {
+    around: Around,
+    held: Vec<(u32, Place)>,
+}
+
+impl Smoothing {
+    pub fn new(work: &mut Work, source: &Source) -> Self {
+        let around = Around::new(work);
+        let held = bends::follow(work, &around, source);
+        tips::follow(work, &around, source);
+        Smoothing { around, held }
     }
-    // What stays turned over is refused: how near it is to the surface does not matter.
-    if untangle(work, &around, source, context)? {
-        fit(work, &around, source, context)?;
-    }
-    look_after(work, &around, source, context)?;
-    if bends::let_go(work, &around, &held) {
+
+    pub fn run(self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+        let _stage = context.stage("smooth");
+        let Smoothing { around, held } = self;
+        for _ in 0..SWEEPS {
+            let mut moved = 0usize;
+            for v in 0..work.points.len() as u32 {
+                context.check_every(v as usize)?;
+                moved += usize::from(relax(work, &around, source, v));
+            }
+            if moved * 100 < work.points.len() {
+                break;
+            }
+        }
+        // What stays turned over is refused: how near it is to the surface does not matter.
+        if untangle(work, &around, source, context)? {
+            fit(work, &around, source, context)?;
+        }
         look_after(work, &around, source, context)?;
+        if bends::let_go(work, &around, &held) {
+            look_after(work, &around, source, context)?;
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Looks for better places for all that have a poor quad.

@@ -92,7 +92,7 @@ impl Work<'_> {
     /// The edges of a list whose flips are allowed and worth it, looked at in parallel. Flips move half-edges to other edges:
     /// what is worth it is asked once more before it is done.
     fn worth_a_swap(&self, edges: &[u32], gain: f32) -> Vec<u32> {
-        let is_worth_it = |h: &u32| self.mesh.is_half_edge(*h) && self.flipped(*h, gain).is_some();
+        let is_worth_it = |h: &u32| self.flipped(*h, gain).is_some();
         edges.par_iter().with_min_len(GRAIN).copied().filter(is_worth_it).collect()
     }
 
