@@ -1,10 +1,12 @@
 //! Which edges stay: borders, ridges by angle, tagged edges, edges between labels, seams of what is not manifold.
 
 use super::curves::{Kind, Marks};
-use super::{RemeshOptions, fading};
+use super::{RemeshOptions, fading, warped};
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
-use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh};
+use crate::geometry::normals::angle_between;
+use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, area_vector};
+use glam::DVec3;
 
 /// How a mesh is read.
 pub struct Reading {
@@ -16,13 +18,19 @@ pub struct Reading {
 
 /// Finds the edges that stay.
 pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
-    let wanted = FeatureOptions {
-        angle_deg: (options.feature_angle < 180.0).then_some(options.feature_angle),
-        borders: true,
-        tags: options.tags,
+    let of = |angle_deg: Option<f64>, others: bool| FeatureOptions {
+        angle_deg: angle_deg.filter(|_| options.feature_angle < 180.0),
+        borders: others,
+        tags: others && options.tags,
         edges: Vec::new(),
     };
-    let mut features = feature_edges(mesh, &wanted)?;
+    let mut features = feature_edges(mesh, &of(None, true))?;
+    let bent = feature_edges(mesh, &of(Some(options.feature_angle), false))?;
+    let folded = feature_edges(mesh, &of(Some(options.feature_angle.max(warped::FOLDED_DEG)), false))?;
+    let mut inside = within_polygons(mesh, 0.5 * options.feature_angle);
+    inside.iter_mut().zip(&folded.corners).for_each(|(inside, folded)| *inside &= !folded);
+    let found = bent.corners.iter().zip(&inside).map(|(bent, inside)| *bent && !inside);
+    features.corners.iter_mut().zip(found).for_each(|(feature, found)| *feature |= found);
     let noisy = is_scan(mesh)? && drop_noise(mesh, &mut features.corners, options);
     let labels = match &options.labels {
         None => None,
@@ -44,9 +52,31 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
     };
     let mut marks = (0..mesh.corner_count()).map(kind).collect();
     if !noisy && options.feature_angle < 180.0 {
-        fading::follow(mesh, &mut marks, options.feature_angle)?;
+        fading::follow(mesh, &mut marks, options.feature_angle, &inside)?;
     }
     Ok(Reading { marks, noisy })
+}
+
+/// The face property that tells which triangles were one polygon, where there were any.
+pub const POLYGON: &str = " polygon";
+
+/// Which half-edges lie within a polygon of the input, or between two whose normals differ by less than an angle in degrees:
+/// however much the triangles of a warped polygon bend, nobody drew a ridge there.
+fn within_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Vec<bool> {
+    let Some(Column::Label(polygon)) = mesh.attributes.face.get(POLYGON) else {
+        return vec![false; mesh.corner_count()];
+    };
+    let of = |c: CornerId| polygon[mesh.face_of(c).index()] as usize;
+    let mut normals = vec![DVec3::ZERO; 1 + polygon.iter().copied().max().unwrap_or(0) as usize];
+    for (t, face) in mesh.faces().iter().enumerate() {
+        normals[polygon[t] as usize] += area_vector(mesh.points(), face);
+    }
+    let limit = angle_deg.to_radians();
+    let within = |c: CornerId| match mesh.side(c) {
+        Side::Inner(o) => angle_between(normals[of(c)], normals[of(o)]) < limit,
+        _ => false,
+    };
+    (0..mesh.corner_count()).map(|c| within(CornerId::new(c))).collect()
 }
 
 /// A surface is a scan where fewer of its faces than this lie in flats of many sides, and more of its ridge edges than
@@ -155,9 +185,9 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
 mod tests {
     use super::*;
     use crate::Context;
+    use crate::mesh::Polygons;
     use crate::mesh::test_models::{cube, moved, sphere};
     use crate::sample;
-    use glam::DVec3;
 
     /// Every triangle in four, in its plane.
     fn divided(mesh: &SurfaceMesh) -> SurfaceMesh {
@@ -185,5 +215,28 @@ mod tests {
         for mesh in [part, cube] {
             assert!(!is_scan(&mesh).unwrap() && !is_scan(&divided(&mesh)).unwrap());
         }
+    }
+
+    #[test]
+    fn the_triangles_of_a_warped_quad_have_no_ridge_between_them() {
+        // A twisted quad with a wall on one side: its four triangles bend by 30° from one to the next.
+        let points = [(0., 0., 0.2), (1., 0., -0.2), (1., 1., 0.2), (0., 1., -0.2), (1., 0., -1.), (1., 1., -1.)];
+        let mut faces = Polygons::new();
+        faces.push(&[0, 1, 2, 3]);
+        faces.push(&[1, 4, 5, 2]);
+        let mesh = SurfaceMesh::new(points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec(), faces).unwrap();
+        let (triangles, _) = crate::remesh::clean(&mesh, &Context::new()).unwrap();
+        let options = RemeshOptions { feature_angle: 25.0, ..RemeshOptions::default() };
+        let ridges = |mesh: &SurfaceMesh| {
+            let marks = read(mesh, &options).unwrap().marks;
+            let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| mesh.points()[v.index()].x);
+            let ridges = (0..mesh.corner_count()).filter(|&c| marks[c] == Some(Kind::Ridge));
+            ridges.map(|c| ends(CornerId::new(c))).collect::<Vec<_>>()
+        };
+        assert_eq!(triangles.face_count(), 6);
+        assert_eq!(ridges(&triangles), [[1.0; 2]; 2], "the edge to the wall alone, seen from both sides");
+        let mut forgotten = triangles;
+        forgotten.attributes.face.clear();
+        assert!(ridges(&forgotten).len() > 2);
     }
 }

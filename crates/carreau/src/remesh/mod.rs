@@ -61,7 +61,7 @@ mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{RepairOptions, SurfaceMesh, UnitScale, is_flawed, repair};
+use crate::mesh::{Column, RepairOptions, SurfaceMesh, UnitScale, is_flawed, repair};
 use serde::{Deserialize, Serialize};
 use source::Source;
 
@@ -244,6 +244,8 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
     let _stage = context.stage("clean");
     let (mut mesh, mut said) = repaired_if_needed(mesh.clone(), context)?;
     if !mesh.is_triangular() {
+        let polygons = (0..mesh.face_count() as i32).collect();
+        mesh.attributes.face.insert(features::POLYGON.into(), Column::Label(polygons));
         let (triangles, more) = repaired_if_needed(warped::with_middles(mesh)?.triangulated()?, context)?;
         mesh = triangles;
         said.extend(more);

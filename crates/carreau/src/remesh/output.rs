@@ -1,5 +1,6 @@
 //! The result as a surface mesh: cut vertices are joined again, attributes come along, every vertex has its size.
 
+use super::features::POLYGON;
 use super::support::Support;
 use crate::error::Result;
 use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, blend_columns, gather_columns};
@@ -43,6 +44,7 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
         };
         let parents: Vec<u32> = compact.triangles.iter().map(under).collect();
         out.attributes.face = gather_columns(&source.attributes.face, &parents);
+        out.attributes.face.remove(POLYGON);
     }
     if !source.attributes.vertex.is_empty() {
         let mixture = |&v: &u32| {

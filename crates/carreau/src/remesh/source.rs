@@ -8,7 +8,7 @@ use super::work::{self, Limits, Work};
 use super::{RemeshOptions, anisotropy, features, size};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{Column, EditMesh, SurfaceMesh};
+use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh};
 use glam::DVec3;
 
 /// Ridges get edges whose sag is this share of what they are allowed: there is room to move along the curve.
@@ -19,7 +19,7 @@ const CURVE_SAG: f64 = 0.3;
 const SURFACE_SAG: f64 = 2.5;
 /// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
 const BORDER_RADIUS: f64 = 0.07;
-/// Corners of a ragged border are turns over so many sizes.
+/// Corners of a ragged border are turns over so many sizes, and over as many of its edges: below, there is only noise.
 const BORDER_SCALE: f64 = 2.0;
 /// Weight of the tilt of edges in the fit, where sin θ = 1: noise counts less the larger the sags are.
 const TILT: f64 = 0.3;
@@ -61,7 +61,8 @@ impl Source {
         let mut source = Source { support, curves, radius, bend, diagonal: mesh.diagonal(), noisy, given };
         if noisy && marks.contains(&Some(Kind::Border)) {
             source.set_size_map(options, context)?;
-            let scale: Vec<f64> = source.support.size.iter().map(|h| BORDER_SCALE * h).collect();
+            let least = mean_border_edge(&source.support.mesh);
+            let scale: Vec<f64> = source.support.size.iter().map(|h| BORDER_SCALE * h.max(least)).collect();
             source.curves = Curves::trace(&mut source.support.mesh, &marks, &scale);
             source.curves.find_sharp(&source.support.mesh, sharp);
         }
@@ -161,6 +162,14 @@ impl Source {
             dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),
         }
     }
+}
+
+/// Mean length of the edges with one triangle; 0 where there are none.
+fn mean_border_edge(mesh: &EditMesh) -> f64 {
+    let length = |h: u32| mesh.points[mesh.vertex(h) as usize].distance(mesh.points[mesh.head(h) as usize]);
+    let border = mesh.edges().filter(|&h| mesh.opposite(h) == NONE);
+    let (sum, count) = border.fold((0.0, 0), |(sum, count), h| (sum + length(h), count + 1));
+    sum / f64::from(count.max(1))
 }
 
 /// The sizes that a vertex property asks for, at the vertices of the mesh at work.

@@ -1,8 +1,9 @@
 //! A wanted number of triangles: the scale of the size map that gives it.
 //!
 //! A mesh of equilateral triangles with edges of length one has 4 / (√3 h²) triangles per unit of area; real ones have
-//! nearly as many, by a factor that hardly depends on anything. The integral gives the scale to begin with, the count that
-//! was reached corrects it.
+//! nearly as many. The integral gives the scale to begin with, the count that was reached corrects it. What is left to
+//! correct makes all sizes larger or smaller, those too that a tolerance bounds: edges on ridges can then not follow, and
+//! the triangles beside them are too tall.
 
 use super::decimate::Demand;
 use super::relocate::Accept;
@@ -13,10 +14,8 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::triangle_area_vector;
 
-/// How many triangles a mesh at work has for one that the integral predicts.
-const YIELD: f64 = 0.97;
 /// Excess of the predicted count, as a logarithm, from which one more step is good enough.
-const NEARLY: f64 = 0.1;
+const NEARLY: f64 = 0.02;
 /// The count is met within this share.
 pub const WITHIN: f64 = 0.009;
 
@@ -31,7 +30,7 @@ pub(super) fn predicted(support: &Support) -> f64 {
             triangle_area_vector(a, b, c).length() * (inverse[0] + inverse[1] + inverse[2]) / 3.0
         })
         .sum();
-    YIELD * sum * 4.0 / 3f64.sqrt()
+    sum * 4.0 / 3f64.sqrt()
 }
 
 /// The scale of the sizes for which the integral predicts a number of triangles, nearly: the run itself does the rest.

@@ -18,7 +18,7 @@ use glam::DVec3;
 /// Polygons that fold by less are plane, in degrees.
 const PLANE_DEG: f64 = 10.0;
 /// Polygons that some fan folds by more are left alone.
-const FOLDED_DEG: f64 = 60.0;
+pub const FOLDED_DEG: f64 = 60.0;
 
 /// The mesh with a vertex in the middle of every polygon that is not plane; new vertices follow after all others.
 pub fn with_middles(mesh: SurfaceMesh) -> Result<SurfaceMesh> {
