@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The source vertices with the largest gaps draw a free vertex of the triangle next to them, if the largest gap of all
-//! that this triangle and its neighbours stand for becomes smaller.
+//! that this triangle and its neighbours stand for becomes smaller. Where none can be drawn, a few triangles may get one.
 
 use super::curves::Rank;
 use super::relocate::Accept;
@@ -31,6 +31,8 @@ const LARGE: f64 = 0.75;
 const GAIN: f64 = 0.65;
 /// The worse of two shapes may fall by this factor in a flip.
 const FLIP_LOSS: f32 = 0.6;
+/// New triangles, as a share of those there are.
+pub const ADDED: f64 = 0.003;
 
 /// Which source vertices every triangle stands for.
 struct Gaps {
@@ -68,6 +70,7 @@ impl Gaps {
 impl Work<'_> {
     /// Moves free vertices to the source vertices that are farthest from the mesh.
     pub fn close_gaps(&mut self, context: &Context) -> Result<()> {
+        let most = ((1.0 + ADDED) * self.mesh.triangle_count() as f64) as usize;
         for _ in 0..ROUNDS {
             let mut gaps = self.gaps();
             context.check()?;
@@ -79,7 +82,8 @@ impl Work<'_> {
             for (step, s) in open.into_iter().enumerate() {
                 context.check_every(step)?;
                 if gaps.of[s as usize].1 > LARGE * largest {
-                    done += usize::from(self.close(s, &mut gaps));
+                    let room = self.mesh.triangle_count() + 2 <= most;
+                    done += usize::from(self.close(s, &mut gaps) || (room && self.insert(s, &mut gaps)));
                 }
             }
             if done == 0 {
@@ -173,6 +177,22 @@ impl Work<'_> {
             self.refresh_around(v);
         }
         false
+    }
+
+    /// Splits the longest edge of the triangle below a source vertex that is on no curve, and draws the new vertex there.
+    fn insert(&mut self, s: u32, gaps: &mut Gaps) -> bool {
+        let below = gaps.of[s as usize].0;
+        let inner = (3 * below..3 * below + 3).filter(|&h| self.mesh.curve(h) == NONE && self.mesh.opposite(h) != NONE);
+        let length = |h: &u32| self.point(self.mesh.vertex(*h)).distance(self.point(self.mesh.head(*h)));
+        let Some(h) = inner.max_by(|a, b| length(a).total_cmp(&length(b))) else { return false };
+        let above = gaps.under(&[h / 3, self.mesh.opposite(h) / 3]);
+        let Some(m) = self.split(h) else { return false };
+        gaps.last.resize(self.mesh.triangle_slots() as usize, NONE);
+        let ring: Vec<u32> = self.mesh.around(m).map(|h| h / 3).collect();
+        let now = self.closest_of(&ring, &above);
+        gaps.seat(&ring, &above, &now);
+        self.draw(m, self.support.mesh.points[s as usize], gaps);
+        true
     }
 
     /// The closest of some triangles to every one of some source vertices, and the distance.

@@ -32,7 +32,7 @@ pub(super) fn to_count(
         if best.as_ref().is_none_or(|b| miss(&out) < miss(b)) {
             best = Some(out);
         }
-        if best.as_ref().is_some_and(|b| miss(b) as f64 <= target::WITHIN * wanted as f64) {
+        if best.as_ref().is_some_and(|b| miss(b) as f64 <= target::MET * wanted as f64) {
             break;
         }
     }

@@ -16,7 +16,7 @@ const SAG_SHARE: f64 = 0.85;
 /// Sag of curve edges over their length.
 const CURVE_SAG: f64 = 0.3;
 /// On clean models edges of the surface sag by no more than this many tolerances of the ridges.
-const SURFACE_SAG: f64 = 2.5;
+const SURFACE_SAG: f64 = 1.4;
 /// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
 const BORDER_RADIUS: f64 = 0.07;
 /// Corners of a ragged border are turns over so many sizes, and over as many of its edges: below, there is only noise.

@@ -17,7 +17,9 @@ use crate::mesh::triangle_area_vector;
 /// Excess of the predicted count, as a logarithm, from which one more step is good enough.
 const NEARLY: f64 = 0.02;
 /// The count is met within this share.
-pub const WITHIN: f64 = 0.009;
+pub const MET: f64 = 0.009;
+/// The same before gaps ask for their vertices.
+pub const WITHIN: f64 = MET - super::gaps::ADDED;
 
 /// The number of triangles that a size map asks for.
 pub(super) fn predicted(support: &Support) -> f64 {
