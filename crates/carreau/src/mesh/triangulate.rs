@@ -1,6 +1,7 @@
 //! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
 //! of the fan would be turned or flat, or a diagonal an edge already, ears instead, the best shaped first (Meisters,
-//! "Polygons have ears", 1975).
+//! "Polygons have ears", 1975). A polygon that is folded however it is cut is
+//! a fan where that has the smaller area: the rest lies on itself.
 //!
 //! ```text
 //! 3───2        3───2
@@ -65,23 +66,50 @@ struct Cutter<'a> {
 
 impl Cutter<'_> {
     fn add(&mut self, parent: u32, face: &[u32], first: u32) {
-        let push = |cut: &mut Cut, ear: [u32; 3]| {
-            cut.triangles.push(ear.map(|k| face[k as usize]));
-            cut.corners.extend(ear.map(|k| first + k));
-            cut.parent.push(parent);
-        };
+        let fan = (1..(face.len() as u32).max(2) - 1).map(|k| [0, k, k + 1]);
         if face.len() > MOST_CORNERS {
-            (1..face.len() as u32 - 1).for_each(|k| push(&mut self.cut, [0, k, k + 1]));
+            self.push(parent, face, first, fan);
             return;
         }
         let normal = area_vector(self.points, face);
-        if self.fan_is_sound(face, normal) {
-            for k in 1..face.len() as u32 - 1 {
-                push(&mut self.cut, [0, k, k + 1]);
-                self.diagonals.insert(sorted(face[0], face[k as usize]));
-            }
+        let is_upright = |triangle: [u32; 3]| self.shape(face, normal, triangle) > 0.0;
+        let fan_is_new = (2..(face.len() as u32).max(2) - 1).all(|k| self.is_new(face[0], face[k as usize]));
+        if fan_is_new && fan.clone().all(is_upright) {
+            self.push(parent, face, first, fan);
             return;
         }
+        let ears = self.ears(face, normal);
+        let is_turned = |triangle: &[u32; 3]| self.shape(face, normal, *triangle) < -MARGIN;
+        let area = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|k| self.points[face[k as usize] as usize]);
+            triangle_area_vector(a, b, c).length()
+        };
+        let fan_is_smaller = || fan.clone().map(area).sum::<f64>() < ears.iter().copied().map(area).sum::<f64>();
+        if fan_is_new && ears.iter().any(is_turned) && fan_is_smaller() {
+            self.push(parent, face, first, fan);
+        } else {
+            self.push(parent, face, first, ears.into_iter());
+        }
+    }
+
+    /// Adds the triangles of a polygon, given as positions in it.
+    fn push(&mut self, parent: u32, face: &[u32], first: u32, triangles: impl Iterator<Item = [u32; 3]>) {
+        for triangle in triangles {
+            for [a, b] in [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|k| triangle[k])) {
+                // A side of the polygon is no diagonal.
+                if b != (a + 1) % face.len() as u32 {
+                    self.diagonals.insert(sorted(face[a as usize], face[b as usize]));
+                }
+            }
+            self.cut.triangles.push(triangle.map(|k| face[k as usize]));
+            self.cut.corners.extend(triangle.map(|k| first + k));
+            self.cut.parent.push(parent);
+        }
+    }
+
+    /// A polygon cut ear by ear.
+    fn ears(&mut self, face: &[u32], normal: DVec3) -> Vec<[u32; 3]> {
+        let mut ears = Vec::new();
         self.rest.clear();
         self.rest.extend(0..face.len() as u32);
         self.scores.clear();
@@ -94,10 +122,8 @@ impl Cutter<'_> {
             // From the second corner on, as a fan has it.
             let best =
                 (1..=n).map(|k| k % n).reduce(|a, b| if self.scores[b] > self.scores[a] + MARGIN { b } else { a });
-            let Some(k) = best else { return };
-            let ear = self.ear(k);
-            push(&mut self.cut, ear);
-            self.diagonals.insert(sorted(face[ear[0] as usize], face[ear[2] as usize]));
+            let Some(k) = best else { break };
+            ears.push(self.ear(k));
             self.rest.remove(k);
             self.scores.remove(k);
             let n = n - 1;
@@ -107,14 +133,8 @@ impl Cutter<'_> {
                 self.scores[j] = self.score(face, normal, j);
             }
         }
-        push(&mut self.cut, [self.rest[0], self.rest[1], self.rest[2]]);
-    }
-
-    /// Whether all triangles of the fan from the first corner look where the polygon does, and its diagonals are new.
-    fn fan_is_sound(&self, face: &[u32], normal: DVec3) -> bool {
-        let n = face.len() as u32;
-        let upright = (1..n.saturating_sub(1)).all(|k| self.shape(face, normal, [0, k, k + 1]) > 0.0);
-        upright && (2..n.saturating_sub(1)).all(|k| self.is_new(face[0], face[k as usize]))
+        ears.push([self.rest[0], self.rest[1], self.rest[2]]);
+        ears
     }
 
     /// Whether a diagonal is neither an edge nor a diagonal of an earlier polygon.
@@ -217,6 +237,19 @@ mod tests {
         let found = cut(&points, &[&left, &right]);
         let faces = Polygons::from_triangles(&found.triangles);
         assert!(HalfEdges::new(&faces, points.len()).groups().all(|e| e.len() <= 2), "{:?}", found.triangles);
+    }
+
+    /// Two sides cross: on either side of either diagonal one triangle is turned.
+    #[test]
+    fn a_quad_that_is_folded_either_way_lies_on_itself_as_little_as_possible() {
+        let points = flat(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.8)]);
+        let area =
+            |t: &[u32; 3]| triangle_area_vector(points[t[0] as usize], points[t[1] as usize], points[t[2] as usize]);
+        for turn in 0..4 {
+            let face: Vec<u32> = (0..4).map(|k| (k + turn) % 4).collect();
+            let sum: f64 = cut(&points, &[&face]).triangles.iter().map(|t| area(t).length()).sum();
+            assert!((sum - 0.9).abs() < 1e-12, "{sum}");
+        }
     }
 
     #[test]
