@@ -55,11 +55,15 @@ pub fn shape(p: [DVec3; 4], up: DVec3, ceilings: &[f64; 4]) -> [f64; 4] {
     [0, 1, 2, 3].map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up) / ceilings[k])
 }
 
+/// The worst shape of every quad.
+pub fn worst_shapes(work: &Work) -> impl Iterator<Item = f64> + '_ {
+    let quads = work.faces.iter().map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]));
+    quads.zip(ceilings(work)).map(|(p, c)| shape(p, normal(p), &c).into_iter().fold(f64::INFINITY, f64::min))
+}
+
 /// The worst shape there is.
 pub fn worst_shape(work: &Work) -> f64 {
-    let ceilings = ceilings(work);
-    let quads = work.faces.iter().map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]));
-    quads.zip(&ceilings).flat_map(|(p, c)| shape(p, normal(p), c)).fold(f64::INFINITY, f64::min)
+    worst_shapes(work).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

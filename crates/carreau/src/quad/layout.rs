@@ -3,7 +3,9 @@
 //! The corners of a patch are counted in quarter turns of the frames, not by geometry. A patch that is a disc with four
 //! corners is regular. Walls between nodes are arcs.
 
+use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
+use crate::geometry::normals::unit;
 use crate::mesh::{DisjointSets, NONE};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -16,6 +18,9 @@ const MOST_TURN: f64 = 0.45;
 
 /// A place is near an arc within this share of the length of quads.
 const NEAR: f64 = 0.3;
+
+/// Cosine of the angle up to which an arc leads along a way.
+const ALONG: f64 = 0.6;
 
 /// Discs with more corners take no pattern.
 const MOST_CORNERS: usize = 8;
@@ -326,6 +331,27 @@ impl Layout {
                 let (least, before) = (arc.least, arc.length / length);
                 tracing::debug!(target: "carreau::quad", curve, times, least, before, "feature lost");
                 arc.least = arc.least.max((arc.length / length).round() as i64 + (1 << times.min(6)) - 1);
+            }
+        }
+    }
+
+    /// Gives patches the quads that places in them want, along the sides that lead where the surface bends; `triangles` are
+    /// those of the sheet that the places are in.
+    pub fn tighten(&mut self, sheet: &Sheet, tight: &[Tight], triangles: &[u32]) {
+        let mut patch_of = vec![NONE; sheet.triangles.len()];
+        for (patch, number) in self.patches.iter().zip(0u32..) {
+            patch.triangles.iter().for_each(|&t| patch_of[t as usize] = number);
+        }
+        for (tight, &t) in tight.iter().zip(triangles) {
+            let Some(patch) = self.patches.get(patch_of[t as usize] as usize) else { continue };
+            for side in patch.loops.iter().flatten() {
+                let arc = &mut self.arcs[side.arc as usize];
+                let ends = [arc.vertices[0], arc.vertices[arc.vertices.len() - 1]].map(|v| sheet.points[v as usize]);
+                // A loop leads everywhere.
+                let leads_there = ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG;
+                if leads_there {
+                    arc.least = arc.least.max((arc.length / tight.length).ceil() as i64);
+                }
             }
         }
     }

@@ -14,6 +14,7 @@ use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::normals::unit;
 use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
 use crate::mesh::NONE;
 use glam::DVec3;
@@ -36,8 +37,53 @@ const ROUGH: f64 = 0.5;
 const APART: f64 = 0.5;
 const FINEST: f64 = 100.0;
 
+/// A place that wants smaller quads.
+#[derive(Debug, Clone, Copy)]
+pub struct Tight {
+    pub place: DVec3,
+    /// The direction in which the surface bends, and how long edges along it may be.
+    pub way: DVec3,
+    pub length: f64,
+}
+
+/// How far quads are from the surface.
+pub struct Gap {
+    pub largest: f64,
+    /// Where it is more than allowed.
+    pub tight: Vec<Tight>,
+}
+
+impl Gap {
+    fn new(work: &Work, source: &Source, gaps: &[DVec3], far: f64) -> Self {
+        let largest = gaps.iter().map(|gap| gap.length()).fold(0.0, f64::max);
+        let beyond = (0..gaps.len()).filter(|&q| gaps[q].length() > far);
+        Gap { largest, tight: beyond.flat_map(|q| tight(work, source, q, far / gaps[q].length())).collect() }
+    }
+}
+
+/// Directions of a quad that bend less than this share of the other are not to blame.
+const STRAIGHT: f64 = 0.4;
+
+/// In which directions a quad is too long, where what is allowed is a share of what it is off by.
+fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<Item = Tight> + use<> {
+    let face = work.faces.face(q);
+    let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
+    let gap = |p: DVec3| source.on_region(work.region[q], p).map_or(DVec3::ZERO, |found| found.0 - p);
+    let sag = |a: DVec3, b: DVec3| (gap(a.midpoint(b)) - gap(a).midpoint(gap(b))).length();
+    let place = p.iter().sum::<DVec3>() / 4.0;
+    let found = [[[p[0], p[1]], [p[3], p[2]]], [[p[0], p[3]], [p[1], p[2]]]].map(|pair: [[DVec3; 2]; 2]| {
+        let ways = pair.map(|[a, b]| b - a);
+        let longest = ways[0].length().max(ways[1].length());
+        let sags = pair.map(|[a, b]| sag(a, b));
+        // The sag of an arc grows with the square of its chord.
+        (Tight { place, way: unit(ways[0] + ways[1]), length: longest * share.sqrt() }, sags[0].max(sags[1]))
+    });
+    let most = found[0].1.max(found[1].1);
+    found.into_iter().filter(move |f| f.1 >= STRAIGHT * most).map(|f| f.0)
+}
+
 /// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
-pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
+pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> {
     let _stage = context.stage("lift");
     let around = &Around::new(work);
     let far = FAR * source.diagonal;
@@ -80,7 +126,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
             break;
         }
     }
-    Ok(now.iter().map(|gap| gap.length()).fold(0.0, f64::max))
+    Ok(Gap::new(work, source, &now, far))
 }
 
 /// What a vertex has to move by: the most that one of its quads asks for.
@@ -234,7 +280,7 @@ mod tests {
         let mut work = on_sphere(8);
         assert!(1.0 - middles(&work).0 > 1.5 * far);
         let before = work.clone();
-        let left = lift(&mut work, &source, &context).unwrap();
+        let left = lift(&mut work, &source, &context).unwrap().largest;
         assert!(left <= (1.0 + LITTLE) * far, "{left} of {far}");
         let (low, high) = middles(&work);
         assert!(1.0 - low <= 1.1 * far && high - 1.0 <= 1.1 * far, "{low} {high} {far}");
@@ -254,7 +300,7 @@ mod tests {
         let source = Source::new(&sphere(40), &options, &context).unwrap();
         let mut work = on_sphere(20);
         let before = work.points.clone();
-        assert!(lift(&mut work, &source, &context).unwrap() < FAR * source.diagonal);
+        assert!(lift(&mut work, &source, &context).unwrap().largest < FAR * source.diagonal);
         assert_eq!(work.points, before);
     }
 }

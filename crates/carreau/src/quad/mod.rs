@@ -64,8 +64,8 @@ use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
 use ceiling::worst_shape;
 use halve::{Middle, halve};
-use lift::lift;
-use regular::{Made, Wish, regular};
+use lift::{Tight, lift};
+use regular::{Made, USELESS, Wish, regular};
 use serde::{Deserialize, Serialize};
 use source::Source;
 use work::{Place, Work};
@@ -147,13 +147,14 @@ const GRADE: f64 = 0.1;
 /// So does a distance from the surface above this share of the diagonal, by grades of the other.
 const FAR: f64 = 0.002;
 const FARTHER: f64 = 0.001;
-/// Where rungs 1 and 2 leave a quad of a worse shape, rung 3 may do better: its scaled Jacobians are above the other.
-const USELESS: f64 = 0.02;
+/// Where rungs 1 and 2 leave a useless quad, rung 3 may do better: its scaled Jacobians are above this.
 const USEFUL: f64 = 0.05;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
 /// without triangles, those after the first two where what came of these is poor.
 const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
 const USUAL: usize = 2;
+/// Attempts with smaller quads where others were too far from the surface, that may come to nothing.
+const FRUITLESS: u32 = 2;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -228,8 +229,28 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rungs 1 and 2: the attempt that stays on the surface, has no poor quads, has the fewest irregular vertices; `None` where none comes to an end
-/// or the validator refuses.
+/// What speaks against a result; the less the better.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+struct Cost {
+    /// It strays from the surface, or a quad is of no use.
+    useless: bool,
+    /// Grades of poor shapes, of a number missed, of a distance.
+    grades: u32,
+    irregular: usize,
+}
+
+/// Quads of rung 1 or 2.
+struct Attempt {
+    made: Made,
+    cost: Cost,
+    /// There is nothing to be said against it: no other is needed.
+    is_good: bool,
+    /// Where smaller quads would be near enough to the surface.
+    tight: Vec<Tight>,
+}
+
+/// Rungs 1 and 2: the attempt that stays on the surface, has no poor quads, has the fewest irregular vertices; `None` where
+/// none comes to an end or the validator refuses.
 fn first(
     source: &Source,
     options: &QuadOptions,
@@ -244,57 +265,83 @@ fn first(
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
-    let mut best: Option<((bool, u32, usize), Made)> = None;
+    let mut best: Option<Attempt> = None;
     let mut refused = String::new();
+    let mut fruitless = 0;
     for (k, finer) in FINER.into_iter().enumerate() {
-        if k >= USUAL && best.as_ref().is_some_and(|(cost, _)| *cost < (false, 1, 0)) {
+        if k >= USUAL && best.as_ref().is_some_and(|b| !b.cost.useless && b.cost.grades == 0) {
             break;
         }
-        let wish = Wish { length, quads, finer, first: options.rung == 1 };
-        let made = match regular(source, &wish, feature_deg, context) {
-            Err(Error::Numeric(why)) => Err(why),
-            other => other?,
-        };
-        let made = match made {
-            Ok(mut made) => {
-                let gap = lift(&mut made.work, source, context)?;
-                match validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
-                    None => Ok((made, gap)),
-                    Some(why) => Err(why),
-                }
-            }
-            Err(why) => Err(why),
-        };
-        match made {
-            Err(why) => refused = why,
-            Ok((made, gap)) => {
-                let straying = quality::straying(&made.work, source, context)?;
-                if straying > LOST {
-                    refused = "it leaves part of the surface out".into();
-                    continue;
-                }
-                let strays = straying > STRAYS;
-                let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
-                let misses = quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN, GRADE));
-                let shape = worst_shape(&made.work);
-                let poor = grade(POOR - shape, GRADE);
-                let far = grade(gap / source.diagonal - FAR, FARTHER);
-                let cost = (strays || shape < USELESS, poor + misses + far, quality::irregular(&made.work));
-                tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
-                let is_whole = made.rung.iter().all(|&r| r == 1);
-                if best.as_ref().is_none_or(|b| cost < b.0) {
-                    best = Some((cost, made));
-                }
-                if is_whole && !strays && poor + far == 0 {
+        // Again with smaller quads where they were too far from the surface, as long as that helps.
+        let (mut tight, mut before) = (Vec::new(), None);
+        loop {
+            let wish = Wish { length, quads, finer, first: options.rung == 1, tight: &tight };
+            let found = match regular_attempt(source, &wish, feature_deg, context)? {
+                Ok(found) => found,
+                Err(why) => {
+                    refused = why;
                     break;
                 }
+            };
+            if found.is_good {
+                return Ok(Some(found.made));
+            }
+            let helps = before.is_none_or(|before| found.cost < before);
+            fruitless += u32::from(!helps);
+            before = Some(found.cost);
+            let again = helps && fruitless < FRUITLESS && !found.tight.is_empty() && !found.cost.useless;
+            tight.extend(found.tight.iter().copied());
+            if best.as_ref().is_none_or(|b| found.cost < b.cost) {
+                best = Some(found);
+            }
+            if !again {
+                break;
             }
         }
     }
     if best.is_none() {
         warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
     }
-    Ok(best.map(|b| b.1))
+    Ok(best.map(|b| b.made))
+}
+
+/// One attempt on rungs 1 and 2, or why nothing came of it.
+fn regular_attempt(
+    source: &Source,
+    wish: &Wish,
+    feature_deg: f64,
+    context: &Context,
+) -> Result<std::result::Result<Attempt, String>> {
+    let mut made = match regular(source, wish, feature_deg, context) {
+        Err(Error::Numeric(why)) => return Ok(Err(why)),
+        Ok(Err(why)) => return Ok(Err(why)),
+        Ok(Ok(made)) => made,
+        Err(error) => return Err(error),
+    };
+    let gap = lift(&mut made.work, source, context)?;
+    if let Some(why) = validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
+        return Ok(Err(why));
+    }
+    let straying = quality::straying(&made.work, source, context)?;
+    if straying > LOST {
+        return Ok(Err("it leaves part of the surface out".into()));
+    }
+    let strays = straying > STRAYS;
+    let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
+    let misses = wish.quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN, GRADE));
+    let shape = worst_shape(&made.work);
+    let poor = grade(POOR - shape, GRADE);
+    let far = grade(gap.largest / source.diagonal - FAR, FARTHER);
+    let cost = Cost {
+        useless: strays || shape < USELESS,
+        grades: poor + misses + far,
+        irregular: quality::irregular(&made.work),
+    };
+    let finer = wish.finer;
+    tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
+    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + far == 0;
+    let tight = if far > 0 { gap.tight } else { Vec::new() };
+    Ok(Ok(Attempt { made, cost, is_good, tight }))
 }
 
 /// Rung 3, with the number of quads met as nearly as it goes; `None` where the validator refuses.

@@ -4,10 +4,12 @@
 //! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
 //! too, it is joined to its neighbours.
 
+use super::ceiling::worst_shapes;
 use super::cut::open_holes;
 use super::draw::{Drawn, draw, place};
 use super::fill::{Filled, fill};
 use super::layout::{Kind, Layout, Patch};
+use super::lift::Tight;
 use super::sheet::Sheet;
 use super::smooth::Smoothing;
 use super::source::Source;
@@ -15,6 +17,7 @@ use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::search_tree::TriangleTree;
 
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
@@ -28,6 +31,9 @@ const TIGHT: usize = 2;
 const ROUNDS: usize = 8;
 /// Rounds that leave no fewer bad patches before it is given up.
 const PATIENCE: usize = 2;
+
+/// Quads of a worse shape are of no use.
+pub const USELESS: f64 = 0.02;
 
 /// What has become of a triangle of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,7 +63,7 @@ pub struct Made {
 pub type Outcome = std::result::Result<Made, String>;
 
 /// What is wanted.
-pub struct Wish {
+pub struct Wish<'a> {
     /// Length of the quads.
     pub length: f64,
     /// Their number; `None`: the length is what counts.
@@ -66,6 +72,8 @@ pub struct Wish {
     pub finer: f64,
     /// Rung 1 may do.
     pub first: bool,
+    /// Where quads were too far from the surface before.
+    pub tight: &'a [Tight],
 }
 
 /// Quads as wished.
@@ -84,6 +92,8 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     // The number that is asked of the layout, which only estimates patches without grids; and the nearest result so far.
     let mut aim = wish.quads.map(|n| n as f64);
     let mut nearest: Option<(f64, Made)> = None;
+    // What is there in any case, while patches with useless quads give way.
+    let mut spare: Option<Made> = None;
     for round in 0..ROUNDS {
         let place = |v: u32| place(&sheet, &coarse, v);
         let Some(mut layout) = Layout::new(&sheet, SAG * NEAR * source.diagonal, |v| place(v) == Some(Place::Fixed))
@@ -98,6 +108,9 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
         layout.refine(&sheet, &lost_places, wish.length);
+        if !wish.tight.is_empty() {
+            layout.tighten(&sheet, wish.tight, &below(&sheet, wish.tight));
+        }
         quantise(&mut layout, wish, aim);
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
@@ -143,16 +156,23 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                         }
                     }
                     let count = work.faces.len() as f64;
-                    let off = wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
-                    if nearest.as_ref().is_some_and(|n| off >= n.0) {
-                        break;
+                    let useless = worst_shapes(&work).zip(&patch).filter(|(shape, _)| *shape < USELESS);
+                    bad.extend(useless.map(|(_, &p)| p as usize));
+                    let made = Made { work, rung, tracks };
+                    if bad.is_empty() || spare.is_some() || nearest.is_some() {
+                        let off = wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
+                        if nearest.as_ref().is_some_and(|n| off >= n.0) {
+                            break;
+                        }
+                        nearest = Some((off, made));
+                        if off < WITHIN {
+                            break;
+                        }
+                        aim = aim.zip(wish.quads).map(|(aim, n)| aim * n as f64 / count);
+                        continue;
                     }
-                    nearest = Some((off, Made { work, rung, tracks }));
-                    if off < WITHIN {
-                        break;
-                    }
-                    aim = aim.zip(wish.quads).map(|(aim, n)| aim * n as f64 / count);
-                    continue;
+                    why = "a quad is as flat as a triangle".into();
+                    spare = Some(made);
                 }
                 kinds = kind;
             }
@@ -172,7 +192,13 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         }
         open_holes(&mut sheet);
     }
-    Ok(nearest.map(|n| n.1).ok_or(why))
+    Ok(nearest.map(|n| n.1).or(spare).ok_or(why))
+}
+
+/// The triangle of the sheet that is nearest to each place.
+fn below(sheet: &Sheet, tight: &[Tight]) -> Vec<u32> {
+    let tree = TriangleTree::new(&sheet.points, &sheet.triangles);
+    tight.iter().map(|t| tree.closest(t.place).map_or(0, |found| found.triangle)).collect()
 }
 
 /// Bad grids give way to triangles, bad triangles to those of a larger patch; `kinds` is what patches were filled with. False
