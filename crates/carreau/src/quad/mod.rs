@@ -339,7 +339,9 @@ fn regular_attempt(
     };
     let finer = wish.finer;
     tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
-    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + far == 0;
+    // Another field does not change what the features need, but smaller quads do.
+    let misses_more = misses > 0 && !wish.tight.is_empty();
+    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + far == 0 && !misses_more;
     let tight = if far > 0 { gap.tight } else { Vec::new() };
     Ok(Ok(Attempt { made, cost, is_good, tight }))
 }

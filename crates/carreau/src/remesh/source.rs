@@ -36,7 +36,7 @@ pub struct Source {
     bend: Vec<DVec3>,
     diagonal: f64,
     /// There is noise to take out.
-    noisy: bool,
+    pub noisy: bool,
     /// Largest size at every vertex, where that was given.
     given: Option<Vec<f64>>,
 }

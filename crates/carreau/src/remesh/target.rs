@@ -14,8 +14,9 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::triangle_area_vector;
 
-/// Excess of the predicted count, as a logarithm, from which one more step is good enough.
-const NEARLY: f64 = 0.02;
+/// Excess of the predicted count, as a logarithm, from which one more step is good enough: on scans, where no tolerance
+/// bounds the sizes, and on clean models.
+const NEARLY: [f64; 2] = [0.1, 0.02];
 /// The count is met within this share.
 pub const MET: f64 = 0.009;
 /// The same before gaps ask for their vertices.
@@ -50,7 +51,7 @@ pub(super) fn find_scale(source: &mut Source, options: &RemeshOptions, wanted: f
         }
         before = Some([scale, excess]);
         scale *= (excess / power).exp().clamp(0.1, 10.0);
-        if excess.abs() < NEARLY {
+        if excess.abs() < NEARLY[usize::from(!source.noisy)] {
             break;
         }
     }
