@@ -22,6 +22,9 @@ const NEAR: f64 = 0.3;
 /// Cosine of the angle up to which an arc leads along a way.
 const ALONG: f64 = 0.6;
 
+/// No place asks for edges shorter than this share of the wanted length.
+const SHORTEST: f64 = 0.25;
+
 /// Discs with more corners take no pattern.
 const MOST_CORNERS: usize = 8;
 
@@ -350,7 +353,8 @@ impl Layout {
                 // A loop leads everywhere.
                 let leads_there = ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG;
                 if leads_there {
-                    arc.least = arc.least.max((arc.length / tight.length).ceil() as i64);
+                    let length = tight.length.max(SHORTEST * self.length);
+                    arc.least = arc.least.max((arc.length / length).ceil() as i64);
                 }
             }
         }
