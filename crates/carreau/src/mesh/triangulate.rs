@@ -1,7 +1,7 @@
 //! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
 //! of the fan would be turned or flat, or a diagonal an edge already, ears instead, the best shaped first (Meisters,
-//! "Polygons have ears", 1975). A polygon that is folded however it is cut is
-//! a fan where that has the smaller area: the rest lies on itself.
+//! "Polygons have ears", 1975). A polygon that is folded however it is cut is a fan
+//! where that has the smaller area: the rest lies on itself.
 //!
 //! ```text
 //! 3───2        3───2
@@ -66,14 +66,15 @@ struct Cutter<'a> {
 
 impl Cutter<'_> {
     fn add(&mut self, parent: u32, face: &[u32], first: u32) {
-        let fan = (1..(face.len() as u32).max(2) - 1).map(|k| [0, k, k + 1]);
+        let last = (face.len() as u32).saturating_sub(1);
+        let fan = (1..last).map(|k| [0, k, k + 1]);
         if face.len() > MOST_CORNERS {
             self.push(parent, face, first, fan);
             return;
         }
         let normal = area_vector(self.points, face);
         let is_upright = |triangle: [u32; 3]| self.shape(face, normal, triangle) > 0.0;
-        let fan_is_new = (2..(face.len() as u32).max(2) - 1).all(|k| self.is_new(face[0], face[k as usize]));
+        let fan_is_new = (2..last).all(|k| self.is_new(face[0], face[k as usize]));
         if fan_is_new && fan.clone().all(is_upright) {
             self.push(parent, face, first, fan);
             return;

@@ -6,6 +6,7 @@
 use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
 use crate::geometry::normals::unit;
+use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{DisjointSets, NONE};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -338,21 +339,20 @@ impl Layout {
         }
     }
 
-    /// Gives patches the quads that places in them want, along the sides that lead where the surface bends; `triangles` are
-    /// those of the sheet that the places are in.
-    pub fn tighten(&mut self, sheet: &Sheet, tight: &[Tight], triangles: &[u32]) {
-        let mut patch_of = vec![NONE; sheet.triangles.len()];
-        for (patch, number) in self.patches.iter().zip(0u32..) {
-            patch.triangles.iter().for_each(|&t| patch_of[t as usize] = number);
+    /// Gives patches the quads that places in them want, along the sides that lead where the surface bends.
+    pub fn tighten(&mut self, sheet: &Sheet, tight: &[Tight]) {
+        if tight.is_empty() {
+            return;
         }
-        for (tight, &t) in tight.iter().zip(triangles) {
-            let Some(patch) = self.patches.get(patch_of[t as usize] as usize) else { continue };
-            for side in patch.loops.iter().flatten() {
+        let (patch_of, _) = patch_of(sheet);
+        let tree = TriangleTree::new(&sheet.points, &sheet.triangles);
+        for tight in tight {
+            let Some(below) = tree.closest(tight.place) else { continue };
+            for side in self.patches[patch_of[below.triangle as usize] as usize].loops.iter().flatten() {
                 let arc = &mut self.arcs[side.arc as usize];
                 let ends = [arc.vertices[0], arc.vertices[arc.vertices.len() - 1]].map(|v| sheet.points[v as usize]);
                 // A loop leads everywhere.
-                let leads_there = ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG;
-                if leads_there {
+                if ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG {
                     let length = tight.length.max(SHORTEST * self.length);
                     arc.least = arc.least.max((arc.length / length).ceil() as i64);
                 }

@@ -41,8 +41,9 @@ const FINEST: f64 = 100.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Tight {
     pub place: DVec3,
-    /// The direction in which the surface bends, and how long edges along it may be.
+    /// The direction in which the surface bends.
     pub way: DVec3,
+    /// How long edges along it may be.
     pub length: f64,
 }
 
@@ -68,7 +69,7 @@ const STRAIGHT: f64 = 0.4;
 fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<Item = Tight> + use<> {
     let face = work.faces.face(q);
     let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
-    let gap = |p: DVec3| source.on_region(work.region[q], p).map_or(DVec3::ZERO, |found| found.0 - p);
+    let gap = |p: DVec3| to_surface(source, work.region[q], p);
     let sag = |a: DVec3, b: DVec3| (gap(a.midpoint(b)) - gap(a).midpoint(gap(b))).length();
     let place = p.iter().sum::<DVec3>() / 4.0;
     let found = [[[p[0], p[1]], [p[3], p[2]]], [[p[0], p[3]], [p[1], p[2]]]].map(|pair: [[DVec3; 2]; 2]| {
@@ -80,6 +81,11 @@ fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<It
     });
     let most = found[0].1.max(found[1].1);
     found.into_iter().filter(move |f| f.1 >= STRAIGHT * most).map(|f| f.0)
+}
+
+/// The way from a point to a region.
+fn to_surface(source: &Source, region: u32, p: DVec3) -> DVec3 {
+    source.on_region(region, p).map_or(DVec3::ZERO, |found| found.0 - p)
 }
 
 /// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
@@ -167,7 +173,7 @@ impl<'a> Gaps<'a> {
         let triangles = halves(work);
         let corners = |t: u32| triangles[t as usize].map(|v| work.points[v as usize]);
         let look = |(q, gap): (usize, &mut DVec3)| {
-            let of = |p: DVec3| source.on_region(work.region[q], p).map_or(DVec3::ZERO, |found| found.0 - p);
+            let of = |p: DVec3| to_surface(source, work.region[q], p);
             *gap = DVec3::ZERO;
             for [a, b, c] in [2 * q as u32, 2 * q as u32 + 1].map(corners) {
                 let rough = [a.midpoint(b), b.midpoint(c), c.midpoint(a), (a + b + c) / 3.0].map(of);

@@ -17,7 +17,6 @@ use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::search_tree::TriangleTree;
 
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
@@ -108,9 +107,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
         layout.refine(&sheet, &lost_places, wish.length);
-        if !wish.tight.is_empty() {
-            layout.tighten(&sheet, wish.tight, &below(&sheet, wish.tight));
-        }
+        layout.tighten(&sheet, wish.tight);
         quantise(&mut layout, wish, aim);
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
@@ -127,10 +124,14 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                 let mut work = settled(work, source);
                 let smoothing = Smoothing::new(&mut work, source);
                 let near = if round < TIGHT { SAG * NEAR } else { NEAR };
-                let lost = lost_features(&work, source, near);
-                if !lost.is_empty() && round + 1 < ROUNDS {
-                    lost_places.push(lost);
-                    continue;
+                let is_last = round + 1 == ROUNDS;
+                // What is lost already need not be smoothed.
+                if !is_last {
+                    let lost = lost_features(&work, source, near);
+                    if !lost.is_empty() {
+                        lost_places.push(lost);
+                        continue;
+                    }
                 }
                 smoothing.run(&mut work, source, context)?;
                 for (q, what) in faults(&work, source) {
@@ -138,7 +139,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     bad.push(patch[q] as usize);
                 }
                 let lost = lost_features(&work, source, near);
-                let is_lost = !lost.is_empty() && round + 1 < ROUNDS;
+                let is_lost = !lost.is_empty() && !is_last;
                 if !lost.is_empty() && !is_lost && nearest.is_some() {
                     break;
                 }
@@ -193,12 +194,6 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         open_holes(&mut sheet);
     }
     Ok(nearest.map(|n| n.1).or(spare).ok_or(why))
-}
-
-/// The triangle of the sheet that is nearest to each place.
-fn below(sheet: &Sheet, tight: &[Tight]) -> Vec<u32> {
-    let tree = TriangleTree::new(&sheet.points, &sheet.triangles);
-    tight.iter().map(|t| tree.closest(t.place).map_or(0, |found| found.triangle)).collect()
 }
 
 /// Bad grids give way to triangles, bad triangles to those of a larger patch; `kinds` is what patches were filled with. False

@@ -19,8 +19,13 @@ const FADED: f64 = 0.3;
 /// It turns by less than this from edge to edge, in degrees.
 const TURN_DEG: f64 = 40.0;
 
-/// Marks the creases that continue ridges above `angle_deg` from their loose ends, but for half-edges that are left out.
-pub fn follow(mesh: &SurfaceMesh, marks: &mut Marks, angle_deg: f64, left_out: &[bool]) -> Result<()> {
+/// Marks the creases that continue ridges above `angle_deg` from their loose ends, but for half-edges that may bend.
+pub fn follow(
+    mesh: &SurfaceMesh,
+    marks: &mut Marks,
+    angle_deg: f64,
+    may_bend: impl Fn(CornerId) -> bool,
+) -> Result<()> {
     let bent = FeatureOptions { angle_deg: Some(FADED * angle_deg), borders: false, tags: false, edges: Vec::new() };
     let bent = feature_edges(mesh, &bent)?;
     let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| v.index());
@@ -29,7 +34,7 @@ pub fn follow(mesh: &SurfaceMesh, marks: &mut Marks, angle_deg: f64, left_out: &
     let mut degree = vec![0u32; mesh.vertex_count()];
     for c in (0..mesh.corner_count()).map(CornerId::new).filter(|&c| mesh.opposite(c).is_none_or(|o| c < o)) {
         let marked = marks[c.index()].is_some();
-        if marked || (bent.contains(c) && !left_out[c.index()]) {
+        if marked || (bent.contains(c) && !may_bend(c)) {
             at_vertex.extend(ends(c).map(|v| (v, c)));
             ends(c).iter().for_each(|&v| degree[v] += u32::from(marked));
         }

@@ -18,19 +18,19 @@ pub struct Reading {
 
 /// Finds the edges that stay.
 pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
-    let of = |angle_deg: Option<f64>, others: bool| FeatureOptions {
-        angle_deg: angle_deg.filter(|_| options.feature_angle < 180.0),
-        borders: others,
-        tags: others && options.tags,
+    let wanted = FeatureOptions {
+        angle_deg: (options.feature_angle < 180.0).then_some(options.feature_angle),
+        borders: true,
+        tags: options.tags,
         edges: Vec::new(),
     };
-    let mut features = feature_edges(mesh, &of(None, true))?;
-    let bent = feature_edges(mesh, &of(Some(options.feature_angle), false))?;
-    let folded = feature_edges(mesh, &of(Some(options.feature_angle.max(warped::FOLDED_DEG)), false))?;
-    let mut inside = within_polygons(mesh, 0.5 * options.feature_angle);
-    inside.iter_mut().zip(&folded.corners).for_each(|(inside, folded)| *inside &= !folded);
-    let found = bent.corners.iter().zip(&inside).map(|(bent, inside)| *bent && !inside);
-    features.corners.iter_mut().zip(found).for_each(|(feature, found)| *feature |= found);
+    let mut features = feature_edges(mesh, &wanted)?;
+    let inside = inside_polygons(mesh, options.feature_angle)?;
+    if let Some(inside) = &inside {
+        let drawn = feature_edges(mesh, &FeatureOptions { angle_deg: None, ..wanted })?.corners;
+        let stays = inside.iter().zip(drawn).map(|(inside, drawn)| drawn || !inside);
+        features.corners.iter_mut().zip(stays).for_each(|(feature, stays)| *feature &= stays);
+    }
     let noisy = is_scan(mesh)? && drop_noise(mesh, &mut features.corners, options);
     let labels = match &options.labels {
         None => None,
@@ -52,7 +52,8 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
     };
     let mut marks = (0..mesh.corner_count()).map(kind).collect();
     if !noisy && options.feature_angle < 180.0 {
-        fading::follow(mesh, &mut marks, options.feature_angle, &inside)?;
+        let may_bend = |c: CornerId| inside.as_ref().is_some_and(|inside| inside[c.index()]);
+        fading::follow(mesh, &mut marks, options.feature_angle, may_bend)?;
     }
     Ok(Reading { marks, noisy })
 }
@@ -60,23 +61,24 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
 /// The face property that tells which triangles were one polygon, where there were any.
 pub const POLYGON: &str = " polygon";
 
-/// Which half-edges lie within a polygon of the input, or between two whose normals differ by less than an angle in degrees:
-/// however much the triangles of a warped polygon bend, nobody drew a ridge there.
-fn within_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Vec<bool> {
-    let Some(Column::Label(polygon)) = mesh.attributes.face.get(POLYGON) else {
-        return vec![false; mesh.corner_count()];
-    };
+/// Which half-edges lie within a polygon of the input, or between two whose normals differ by less than half the feature
+/// angle: as long as they are not folded, nobody drew a ridge there, however much the triangles of a warped polygon bend.
+/// `None` where there were triangles only.
+fn inside_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Result<Option<Vec<bool>>> {
+    let Some(Column::Label(polygon)) = mesh.attributes.face.get(POLYGON) else { return Ok(None) };
     let of = |c: CornerId| polygon[mesh.face_of(c).index()] as usize;
     let mut normals = vec![DVec3::ZERO; 1 + polygon.iter().copied().max().unwrap_or(0) as usize];
     for (t, face) in mesh.faces().iter().enumerate() {
         normals[polygon[t] as usize] += area_vector(mesh.points(), face);
     }
-    let limit = angle_deg.to_radians();
-    let within = |c: CornerId| match mesh.side(c) {
-        Side::Inner(o) => angle_between(normals[of(c)], normals[of(o)]) < limit,
+    let limit = (0.5 * angle_deg).to_radians();
+    let angle_deg = Some(angle_deg.max(warped::FOLDED_DEG));
+    let folded = feature_edges(mesh, &FeatureOptions { angle_deg, borders: false, tags: false, edges: Vec::new() })?;
+    let inside = |c: CornerId| match mesh.side(c) {
+        Side::Inner(o) => !folded.contains(c) && angle_between(normals[of(c)], normals[of(o)]) < limit,
         _ => false,
     };
-    (0..mesh.corner_count()).map(|c| within(CornerId::new(c))).collect()
+    Ok(Some((0..mesh.corner_count()).map(|c| inside(CornerId::new(c))).collect()))
 }
 
 /// A surface is a scan where fewer of its faces than this lie in flats of many sides, and more of its ridge edges than
