@@ -10,10 +10,12 @@
 //!  v╱     ╲       v     ╲
 //! ```
 //!
-//! The vertex nearest to a bend moves there and stays; those beside it share what is left of the curve.
+//! The vertex nearest to a bend moves there and stays; those beside it share what is left of the curve as before: where it
+//! turns more they are nearer to each other.
 
 use super::around::{Around, worst};
 use super::source::Source;
+use super::validate::keeps_feature;
 use super::work::{Place, Work};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -32,7 +34,7 @@ const LEFT: f64 = 0.35;
 const FAIR: f64 = 0.2;
 /// Those that have a worse quad when all has been smoothed are let go.
 const TIGHT: f64 = 0.6;
-/// Rounds in which the vertices between bends become evenly spaced.
+/// Rounds in which the vertices between bends share what is left of the curve as they did before.
 const EVEN: usize = 8;
 
 /// A vertex that has moved, with where and how it was.
@@ -43,13 +45,28 @@ struct Moved {
     worst: f64,
 }
 
-/// Moves vertices on curves to bends of the source, where the quads around allow it. Returns those that stay there, and where
+/// Moves vertices on curves to bends of the source, where the quads around allow it and the curve is kept as it was. Returns those that stay there, and where
 /// they were free to move.
 pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Place)> {
-    let mut beads = beads(work, around);
+    let beads = beads(work, around);
     let mut moved = Vec::new();
-    for (curve, beads) in &mut beads {
+    let mut edges_of: FxHashMap<u32, Vec<[u32; 2]>> = FxHashMap::default();
+    work.features.iter().for_each(|&(ends, curve)| edges_of.entry(curve).or_default().push(ends));
+    for (curve, beads) in &beads {
         let Some(bends) = source.bends.get(curve) else { continue };
+        let is_kept = |work: &Work| {
+            let keeps = |ends: &[u32; 2]| keeps_feature(source, *curve, ends.map(|v| work.points[v as usize]));
+            edges_of.get(curve).is_none_or(|edges| edges.iter().all(keeps))
+        };
+        let was_kept = is_kept(work);
+        let before: Vec<(DVec3, Place)> =
+            beads.iter().map(|&v| (work.points[v as usize], work.place[v as usize])).collect();
+        let earlier = moved.len();
+        let share = |&v: &u32| {
+            let [a, b] = ends(work, around, v).map(|p| p.distance(work.points[v as usize]));
+            if a + b > 0.0 { a / (a + b) } else { 0.5 }
+        };
+        let shares: Vec<f64> = beads.iter().map(share).collect();
         let edges: Vec<f64> = beads.iter().map(|&v| around.shortest_edge(work, v, work.points[v as usize])).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (k, &v) in beads.iter().enumerate() {
@@ -70,12 +87,18 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
                 work.place[v] = Place::Fixed;
             }
         }
-        beads.retain(|&v| work.place[v as usize] != Place::Fixed);
         for _ in 0..EVEN {
-            for &v in &*beads {
-                let ends = around.neighbours[v as usize].iter().map(|&w| work.points[w as usize]);
-                let mean = ends.sum::<DVec3>() / 2.0;
-                work.points[v as usize] = work.put_back(source, v, mean);
+            for (&v, &share) in beads.iter().zip(&shares) {
+                let [a, b] = ends(work, around, v);
+                // What is held at a bend stays.
+                work.points[v as usize] = work.put_back(source, v, a.lerp(b, share));
+            }
+        }
+        // More bends than vertices: all of them together may be nearer to the curve where they were.
+        if was_kept && !is_kept(work) {
+            moved.truncate(earlier);
+            for (&v, before) in beads.iter().zip(before) {
+                (work.points[v as usize], work.place[v as usize]) = before;
             }
         }
     }
@@ -99,6 +122,11 @@ pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
     let poor: Vec<(u32, Place)> = held.iter().filter(is_poor).copied().collect();
     poor.iter().for_each(|&(v, place)| work.place[v as usize] = place);
     !poor.is_empty()
+}
+
+/// The neighbours of a bead.
+fn ends(work: &Work, around: &Around, v: u32) -> [DVec3; 2] {
+    [0, 1].map(|k| work.points[around.neighbours[v as usize][k] as usize])
 }
 
 /// The vertices inside of every curve, which have two neighbours there, in their order.

@@ -3,12 +3,15 @@
 //! The corners of a patch are counted in quarter turns of the frames, not by geometry. A patch that is a disc with four
 //! corners is regular. Walls between nodes are arcs.
 
+use super::chords::fewest;
 use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
+use super::source::Source;
 use crate::geometry::normals::unit;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{DisjointSets, NONE};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
 /// Features turn no more than this along a quad of the wanted length, in radians.
@@ -25,6 +28,9 @@ const ALONG: f64 = 0.6;
 
 /// No place asks for edges shorter than this share of the wanted length.
 const SHORTEST: f64 = 0.25;
+
+/// Features ask for so many times more quads than a length does, no more.
+const MANY: f64 = 1.2;
 
 /// Discs with more corners take no pattern.
 const MOST_CORNERS: usize = 8;
@@ -320,6 +326,15 @@ impl Layout {
             _ => p.area / (self.length * self.length),
         };
         self.patches.iter().map(of).sum()
+    }
+
+    /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
+    /// asks for.
+    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64) {
+        self.arcs.par_iter_mut().for_each(|arc| {
+            let most = (MANY * arc.length / length).ceil() as i64;
+            arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);
+        });
     }
 
     /// Gives arcs more quads than a length asks for where their feature was lost near them: one, then three, seven. `lost`

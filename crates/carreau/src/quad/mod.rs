@@ -14,7 +14,7 @@
 //! | from the surface to its graph | `draw` |
 //! | triangles that tracks are drawn into | `sheet` |
 //! | the motorcycle graph; as a result of its own | `trace`; [`graph`] |
-//! | patches, sides; numbers of quads | `layout`; `quantise` |
+//! | patches, sides; numbers of quads; those that features need | `layout`; `quantise`; `chords` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
 //! | vertices where features bend, and where the surface comes to a point | `bends`, `tips` |
@@ -31,6 +31,7 @@ mod around;
 mod bends;
 mod ceiling;
 mod chart;
+mod chords;
 mod cut;
 mod draw;
 mod fill;

@@ -191,8 +191,12 @@ impl Layout {
 
     /// The same for twice the length, doubled: even everywhere.
     pub fn quantise_doubled(&mut self, length: f64) {
+        let least: Vec<i64> = self.arcs.iter().map(|arc| arc.least).collect();
+        self.arcs.iter_mut().for_each(|arc| arc.least = (arc.least + 1) / 2);
         self.quantise(2.0 * length);
-        self.arcs.iter_mut().for_each(|arc| arc.count *= 2);
+        for (arc, least) in self.arcs.iter_mut().zip(least) {
+            (arc.count, arc.least) = (2 * arc.count, least);
+        }
         self.length = length;
     }
 

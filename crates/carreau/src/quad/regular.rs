@@ -95,8 +95,8 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     let mut spare: Option<Made> = None;
     for round in 0..ROUNDS {
         let place = |v: u32| place(&sheet, &coarse, v);
-        let Some(mut layout) = Layout::new(&sheet, SAG * NEAR * source.diagonal, |v| place(v) == Some(Place::Fixed))
-        else {
+        let sag = SAG * NEAR * source.diagonal;
+        let Some(mut layout) = Layout::new(&sheet, sag, |v| place(v) == Some(Place::Fixed)) else {
             return Ok(Err("its tracks do not enclose patches".into()));
         };
         // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
@@ -106,6 +106,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         }
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
+        layout.keep_features(&sheet, source, wish.length, sag);
         layout.refine(&sheet, &lost_places, wish.length);
         layout.tighten(&sheet, wish.tight);
         quantise(&mut layout, wish, aim);

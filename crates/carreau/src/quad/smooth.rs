@@ -6,6 +6,7 @@ use super::bends;
 use super::fit::fit;
 use super::source::Source;
 use super::tips;
+use super::validate::keeps_feature;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -158,9 +159,19 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
         let to = work.put_back(source, v, from + (x * cos + y * sin) * step * length);
         let found = distress(work, around, v, to);
-        if found < best.0 * (1.0 - 1e-6) && around.shortest_edge(work, v, to) >= least {
+        if found < best.0 * (1.0 - 1e-6)
+            && around.shortest_edge(work, v, to) >= least
+            && keeps_feature_at(work, around, source, v, to)
+        {
             best = (found, to);
         }
     }
     work.points[v as usize] = best.1;
+}
+
+/// Whether a vertex on a curve may be elsewhere on it: its edges must not come off it.
+fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: DVec3) -> bool {
+    let Place::Curve(curve) = work.place[v as usize] else { return true };
+    let keeps = |w: u32, at: DVec3| keeps_feature(source, curve, [work.points[w as usize], at]);
+    around.neighbours[v as usize].iter().all(|&w| keeps(w, at) || !keeps(w, work.points[v as usize]))
 }

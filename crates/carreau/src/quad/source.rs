@@ -15,6 +15,9 @@ use rustc_hash::FxHashMap;
 /// A curve bends more than this at a corner, in degrees.
 const CORNER_DEG: f64 = 35.0;
 
+/// Places of a chord where it is compared with its curve.
+const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
+
 /// The surface, its regions and its feature curves.
 pub struct Source {
     pub surface: FeaturedSurface,
@@ -121,6 +124,19 @@ impl Source {
     /// The closest point of a curve.
     pub fn on_curve(&self, curve: u32, p: DVec3) -> Option<DVec3> {
         Some(self.curves.get(curve as usize)?.1.closest(p)?.point)
+    }
+
+    /// Whether a chord is near a curve, and about parallel to it.
+    pub fn is_along(&self, curve: u32, [a, b]: [DVec3; 2], near: f64, cos: f64) -> bool {
+        let Some((edges, tree)) = self.curves.get(curve as usize) else { return true };
+        let along = (b - a).normalize_or_zero();
+        CHORD.iter().all(|&share| {
+            tree.closest(a.lerp(b, share)).is_none_or(|found| {
+                let [from, to] = self.edges[edges[found.triangle as usize] as usize];
+                let way = self.surface.mesh.points()[to as usize] - self.surface.mesh.points()[from as usize];
+                found.distance() <= near && way.normalize_or_zero().dot(along).abs() >= cos
+            })
+        })
     }
 
     /// The closest feature edge whose direction differs by no more than an angle, within a distance.

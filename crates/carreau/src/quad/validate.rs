@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// A feature is kept where an edge is as near as this share of the diagonal and as parallel as this angle.
 pub const NEAR: f64 = 0.002;
-const ALONG_DEG: f64 = 15.0;
+pub const ALONG_DEG: f64 = 15.0;
 /// Samples along the diagonal.
 const SAMPLES: f64 = 1000.0;
 /// Borders are as near as this to features; vertices and edges touch at this distance.
@@ -116,6 +116,11 @@ pub fn lost_features(work: &Work, source: &Source, near: f64) -> Vec<(u32, DVec3
         }
     });
     if missing > (1.0 - RECALL) * total { places } else { Vec::new() }
+}
+
+/// Whether edges between two places keep the curve that they are on.
+pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2]) -> bool {
+    source.is_along(curve, ends, NEAR * source.diagonal, ALONG_DEG.to_radians().cos())
 }
 
 /// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.

@@ -150,6 +150,8 @@ pub struct Curves {
     pub rank: Vec<Rank>,
     /// Parameter of every vertex of rank [`Rank::Curve`] on its chain.
     pub parameter: Vec<f64>,
+    /// Corners off curves.
+    pub tips: Vec<u32>,
 }
 
 /// The curve edges of a mesh before they are traced: kind per half-edge.
@@ -165,6 +167,7 @@ impl Curves {
             chains: Vec::new(),
             rank: tracer.rank.clone(),
             parameter: vec![0.0; mesh.vertex_slots() as usize],
+            tips: Vec::new(),
         };
         // From corners first; what is left then is closed.
         for pass in 0..2 {

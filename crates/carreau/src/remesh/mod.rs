@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | polygons that are not plane | `warped` | – |
 //! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
+//! | vertices where the surface comes to a point | `tips` | – |
 //! | the surface: normals, radii, walking | `support` | Part I |
 //! | size map, gradation, lengths | `source`, `size`, `rings` | §3, remark; H-shock |
 //! | edges longer where the surface bends less | `anisotropy` | announced |
@@ -56,6 +57,7 @@ mod sweep;
 mod target;
 #[cfg(test)]
 mod tests;
+mod tips;
 mod warped;
 mod work;
 

@@ -54,6 +54,9 @@ impl Source {
         let mut curves = Curves::trace(&mut edit, &marks, &scale);
         let sharp = options.feature_angle.to_radians().cos();
         curves.find_sharp(&edit, sharp);
+        if !noisy {
+            curves.find_tips(&edit);
+        }
         let support = Support::new(edit);
         let radius = support.radii(&curves.rank);
         let bend = if options.anisotropic { support.bends(&curves.rank) } else { Vec::new() };
@@ -101,6 +104,8 @@ impl Source {
         if self.noisy {
             radius = self.support.steady_radii(radius, &self.curves.rank, alpha);
         }
+        // No size is small enough for a tip: those of its neighbours will do.
+        self.curves.tips.iter().for_each(|&v| radius[v as usize] = f64::INFINITY);
         self.support.size = radius.iter().enumerate().map(|(v, &r)| size(v, r)).collect();
         if let Some(beta) = options.gradation {
             size::grade(&self.support.rings, &mut self.support.size, beta, context)?;

@@ -66,7 +66,7 @@ pub struct Work<'a> {
     pub rank: Vec<Rank>,
     /// Parameter on its chain of every vertex of rank [`Rank::Curve`].
     pub parameter: Vec<f64>,
-    /// Unit normal of every wedge.
+    /// Unit normal of every wedge; zero at tips, which have none.
     pub normal: Vec<DVec3>,
     /// A source triangle near every wedge, on its side of all curves.
     pub seat: Vec<u32>,
@@ -132,6 +132,9 @@ impl<'a> Work<'a> {
             face: vec![Face { shape: 0.0, cosine: -1.0 }; mesh.triangle_slots() as usize],
             mesh,
         };
+        for &v in &curves.tips {
+            work.mesh.around(v).for_each(|h| work.normal[work.mesh.wedge(h) as usize] = DVec3::ZERO);
+        }
         (0..work.mesh.triangle_slots()).for_each(|t| work.refresh(t));
         work
     }
@@ -180,7 +183,8 @@ impl<'a> Work<'a> {
             return Face { shape: 0.0, cosine: -1.0 };
         }
         let shape = if self.stretch.is_empty() { shape } else { stretched_shape([a, b, c], area, stretches) };
-        let cosine = normals.iter().map(|m| m.dot(n)).fold(f64::INFINITY, f64::min) / area;
+        let given = normals.iter().filter(|m| **m != DVec3::ZERO);
+        let cosine = given.map(|m| m.dot(n)).fold(f64::INFINITY, f64::min) / area;
         Face { shape: shape as f32, cosine: cosine as f32 }
     }
 
