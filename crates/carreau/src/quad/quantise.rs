@@ -19,6 +19,9 @@ const TAPER: f64 = 2.5;
 /// Quads across a grid that a pattern fits into without being squeezed.
 const ROOM: i64 = 3;
 
+/// Grids that are given up one by one, each with new numbers for all; then as many as fail together.
+const ONE_BY_ONE: usize = 32;
+
 /// What the numbers along arcs have to fulfil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Demand {
@@ -168,13 +171,20 @@ impl Layout {
     /// that have none are even around.
     pub fn quantise(&mut self, length: f64) -> bool {
         self.length = length;
+        let mut given_up = 0;
         loop {
             self.as_long(length);
-            match self.settle(length) {
-                Ok(()) => return true,
-                Err(patch) if self.patches[patch].kind == Kind::Grid => self.patches[patch].kind = Kind::Pattern,
-                Err(_) => return false,
+            let most = if given_up < ONE_BY_ONE { 1 } else { usize::MAX };
+            let mut failed = self.settle(length, most);
+            if failed.is_empty() {
+                return true;
             }
+            failed.retain(|&patch| self.patches[patch].kind == Kind::Grid);
+            if failed.is_empty() {
+                return false;
+            }
+            given_up += failed.len();
+            failed.into_iter().for_each(|patch| self.patches[patch].kind = Kind::Pattern);
         }
     }
 
@@ -200,38 +210,57 @@ impl Layout {
         self.length = length;
     }
 
-    /// Changes numbers until every condition is met. The error is a patch that should do without a grid.
-    ///
-    /// It ends: every chain brings what is off nearer to what it should be, or the patch is given up.
-    fn settle(&mut self, length: f64) -> Result<(), usize> {
+    /// Changes numbers until every condition is met, or so many are not. Returns the patches that should do without a grid.
+    fn settle(&mut self, length: f64, most: usize) -> Vec<usize> {
         let mut conditions = Conditions::new(self);
         let mut search = Search::new(conditions.list.len());
+        let mut failed = Vec::new();
         // Grids first: a patch that gives its own up may be odd.
         for demand in [Demand::Same, Demand::Even] {
             for start in 0..conditions.list.len() {
-                while conditions.list[start].demand == demand && !conditions.list[start].is_met() {
-                    let mut chain =
-                        |limits: &[f64; 2]| self.chain(start as u32, &conditions, length, limits, &mut search);
-                    let mut found = LIMITS.iter().find_map(&mut chain);
-                    if found.is_none() {
-                        if let Some(patch) = self.steepest(&conditions, &search) {
-                            return Err(patch);
-                        }
-                        found = self.chain(start as u32, &conditions, length, &LOOSE, &mut search);
-                    }
-                    let Some(chain) = found else {
-                        let patch = conditions.list[start].patch;
-                        return Err(self.roomiest(&conditions, &search).unwrap_or(patch));
-                    };
-                    let before = conditions.list[start].off();
-                    for (arc, change) in chain {
-                        self.arcs[arc as usize].count += change;
-                        conditions.change(arc, change);
-                    }
-                    if conditions.list[start].off() >= before {
-                        return Err(conditions.list[start].patch);
+                if conditions.list[start].demand == demand
+                    && let Err(patch) = self.meet(start, &mut conditions, length, &mut search)
+                {
+                    failed.push(patch);
+                    if failed.len() >= most {
+                        return failed;
                     }
                 }
+            }
+        }
+        failed.sort_unstable();
+        failed.dedup();
+        failed
+    }
+
+    /// Changes numbers until a condition is met. The error is a patch that should do without a grid.
+    ///
+    /// It ends: every chain brings what is off nearer to what it should be.
+    fn meet(
+        &mut self,
+        start: usize,
+        conditions: &mut Conditions,
+        length: f64,
+        search: &mut Search,
+    ) -> Result<(), usize> {
+        while !conditions.list[start].is_met() {
+            let mut chain = |limits: &[f64; 2]| self.chain(start as u32, conditions, length, limits, search);
+            let mut found = LIMITS.iter().find_map(&mut chain);
+            if found.is_none() {
+                if let Some(patch) = self.steepest(conditions, search) {
+                    return Err(patch);
+                }
+                found = self.chain(start as u32, conditions, length, &LOOSE, search);
+            }
+            let patch = conditions.list[start].patch;
+            let Some(chain) = found else { return Err(self.roomiest(conditions, search).unwrap_or(patch)) };
+            let before = conditions.list[start].off();
+            for (arc, change) in chain {
+                self.arcs[arc as usize].count += change;
+                conditions.change(arc, change);
+            }
+            if conditions.list[start].off() >= before {
+                return Err(patch);
             }
         }
         Ok(())

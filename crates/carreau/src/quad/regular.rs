@@ -47,6 +47,11 @@ enum State {
 /// Numbers of quads this near to what is wanted will do: the logarithm of the ratio.
 const WITHIN: f64 = 0.05;
 
+/// Numbers that other lengths change by less than this share stay.
+const STUCK: f64 = 0.005;
+/// After so many such lengths no other is tried.
+const UNMOVED: usize = 4;
+
 /// Layouts with more quads than so many times those wanted are not filled.
 const MOST: f64 = 2.5;
 
@@ -242,6 +247,7 @@ fn quantise(layout: &mut Layout, wish: &Wish, aim: Option<f64>) {
     let kinds: Vec<Kind> = layout.patches.iter().map(|p| p.kind).collect();
     let mut length = wish.length;
     let mut best = (f64::INFINITY, length);
+    let (mut before, mut stuck) = (f64::INFINITY, 0usize);
     for run in 0..=RUNS {
         layout.patches.iter_mut().zip(&kinds).for_each(|(p, &kind)| p.kind = kind);
         if !wish.first || !layout.quantise(length) {
@@ -256,6 +262,12 @@ fn quantise(layout: &mut Layout, wish: &Wish, aim: Option<f64>) {
         if off < 0.02 || run == RUNS {
             return;
         }
+        // Other lengths that change nothing: the features alone decide.
+        stuck = if (before - ratio).abs() < STUCK * ratio { stuck + 1 } else { 0 };
+        if off > WITHIN && stuck == UNMOVED {
+            return;
+        }
+        before = ratio;
         // The last run takes the best length again.
         length = if run + 1 == RUNS { best.1 } else { length * ratio.sqrt() };
     }
