@@ -45,61 +45,29 @@ struct Moved {
     worst: f64,
 }
 
-/// Moves vertices on curves to bends of the source, where the quads around allow it and the curve is kept as it was. Returns those that stay there, and where
+/// A curve with its edges and the vertices inside, which have two neighbours there, in their order.
+#[derive(Default)]
+struct Strand {
+    curve: u32,
+    edges: Vec<[u32; 2]>,
+    beads: Vec<u32>,
+}
+
+/// Moves vertices on curves to bends of the source, where the quads around allow it. Returns those that stay there, and where
 /// they were free to move.
 pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Place)> {
-    let beads = beads(work, around);
     let mut moved = Vec::new();
-    let mut edges_of: FxHashMap<u32, Vec<[u32; 2]>> = FxHashMap::default();
-    work.features.iter().for_each(|&(ends, curve)| edges_of.entry(curve).or_default().push(ends));
-    for (curve, beads) in &beads {
-        let Some(bends) = source.bends.get(curve) else { continue };
-        let is_kept = |work: &Work| {
-            let keeps = |ends: &[u32; 2]| keeps_feature(source, *curve, ends.map(|v| work.points[v as usize]));
-            edges_of.get(curve).is_none_or(|edges| edges.iter().all(keeps))
-        };
-        let was_kept = is_kept(work);
-        let before: Vec<(DVec3, Place)> =
-            beads.iter().map(|&v| (work.points[v as usize], work.place[v as usize])).collect();
-        let earlier = moved.len();
-        let share = |&v: &u32| {
-            let [a, b] = ends(work, around, v).map(|p| p.distance(work.points[v as usize]));
-            if a + b > 0.0 { a / (a + b) } else { 0.5 }
-        };
-        let shares: Vec<f64> = beads.iter().map(share).collect();
-        let edges: Vec<f64> = beads.iter().map(|&v| around.shortest_edge(work, v, work.points[v as usize])).collect();
-        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-        for (k, &v) in beads.iter().enumerate() {
-            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(work.points[v as usize]), k, b));
-            pairs.extend(near.filter(|pair| pair.0 <= REACH * edges[k]));
-        }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        let mut taken = vec![false; bends.len()];
-        for (_, k, b) in pairs {
-            let (vertex, to) = (beads[k], bends[b]);
-            let v = vertex as usize;
-            let is_free = !taken[b] && work.place[v] != Place::Fixed;
-            if is_free && around.shortest_edge(work, vertex, to) >= LEFT * edges[k] {
-                let (from, place) = (work.points[v], work.place[v]);
-                moved.push(Moved { vertex, from, place, worst: worst(work, around, vertex, from) });
-                taken[b] = true;
-                work.points[v] = to;
-                work.place[v] = Place::Fixed;
-            }
-        }
-        for _ in 0..EVEN {
-            for (&v, &share) in beads.iter().zip(&shares) {
-                let [a, b] = ends(work, around, v);
-                // What is held at a bend stays.
-                work.points[v as usize] = work.put_back(source, v, a.lerp(b, share));
-            }
-        }
+    for strand in strands(work, around) {
+        let Some(bends) = source.bends.get(&strand.curve) else { continue };
+        let was_kept = strand.is_kept(work, source);
+        let (before, shares) = (strand.state(work), strand.shares(work, around));
+        let on_bends = strand.go_to_bends(work, around, bends);
+        strand.spread(work, around, source, &shares);
         // More bends than vertices: all of them together may be nearer to the curve where they were.
-        if was_kept && !is_kept(work) {
-            moved.truncate(earlier);
-            for (&v, before) in beads.iter().zip(before) {
-                (work.points[v as usize], work.place[v as usize]) = before;
-            }
+        if was_kept && !strand.is_kept(work, source) {
+            strand.restore(work, before);
+        } else {
+            moved.extend(on_bends);
         }
     }
     let mut held = Vec::new();
@@ -124,22 +92,93 @@ pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
     !poor.is_empty()
 }
 
+impl Strand {
+    /// Whether its edges keep the curve.
+    fn is_kept(&self, work: &Work, source: &Source) -> bool {
+        let keeps = |ends: &[u32; 2]| keeps_feature(source, self.curve, ends.map(|v| work.points[v as usize]));
+        self.edges.iter().all(keeps)
+    }
+
+    fn state(&self, work: &Work) -> Vec<(DVec3, Place)> {
+        self.beads.iter().map(|&v| (work.points[v as usize], work.place[v as usize])).collect()
+    }
+
+    fn restore(&self, work: &mut Work, state: Vec<(DVec3, Place)>) {
+        for (&v, state) in self.beads.iter().zip(state) {
+            (work.points[v as usize], work.place[v as usize]) = state;
+        }
+    }
+
+    /// Where every bead is between its neighbours.
+    fn shares(&self, work: &Work, around: &Around) -> Vec<f64> {
+        let share = |&v: &u32| {
+            let [a, b] = ends(work, around, v).map(|p| p.distance(work.points[v as usize]));
+            if a + b > 0.0 { a / (a + b) } else { 0.5 }
+        };
+        self.beads.iter().map(share).collect()
+    }
+
+    /// Puts the nearest beads to the bends, as far as they reach.
+    fn go_to_bends(&self, work: &mut Work, around: &Around, bends: &[DVec3]) -> Vec<Moved> {
+        let point = |v: u32| work.points[v as usize];
+        let edges: Vec<f64> = self.beads.iter().map(|&v| around.shortest_edge(work, v, point(v))).collect();
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for (k, &v) in self.beads.iter().enumerate() {
+            let near = bends.iter().enumerate().map(|(b, p)| (p.distance(point(v)), k, b));
+            pairs.extend(near.filter(|pair| pair.0 <= REACH * edges[k]));
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let mut taken = vec![false; bends.len()];
+        let mut moved = Vec::new();
+        for (_, k, b) in pairs {
+            let (vertex, to) = (self.beads[k], bends[b]);
+            let v = vertex as usize;
+            let is_free = !taken[b] && work.place[v] != Place::Fixed;
+            if is_free && around.shortest_edge(work, vertex, to) >= LEFT * edges[k] {
+                let (from, place) = (work.points[v], work.place[v]);
+                moved.push(Moved { vertex, from, place, worst: worst(work, around, vertex, from) });
+                taken[b] = true;
+                work.points[v] = to;
+                work.place[v] = Place::Fixed;
+            }
+        }
+        moved
+    }
+
+    /// Lets the beads between bends share what is left of the curve.
+    fn spread(&self, work: &mut Work, around: &Around, source: &Source, shares: &[f64]) {
+        for _ in 0..EVEN {
+            for (&v, &share) in self.beads.iter().zip(shares) {
+                let [a, b] = ends(work, around, v);
+                // What is held at a bend stays.
+                work.points[v as usize] = work.put_back(source, v, a.lerp(b, share));
+            }
+        }
+    }
+}
+
 /// The neighbours of a bead.
 fn ends(work: &Work, around: &Around, v: u32) -> [DVec3; 2] {
     [0, 1].map(|k| work.points[around.neighbours[v as usize][k] as usize])
 }
 
-/// The vertices inside of every curve, which have two neighbours there, in their order.
-fn beads(work: &Work, around: &Around) -> BTreeMap<u32, Vec<u32>> {
-    let mut of_curve: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+/// All curves of the mesh, by number.
+fn strands(work: &Work, around: &Around) -> impl Iterator<Item = Strand> + use<> {
+    let mut of_curve: BTreeMap<u32, Strand> = BTreeMap::new();
+    for &(ends, curve) in &work.features {
+        let strand = of_curve.entry(curve).or_default();
+        strand.curve = curve;
+        strand.edges.push(ends);
+    }
     for (v, place) in (0u32..).zip(&work.place) {
         if let Place::Curve(curve) = place
             && around.neighbours[v as usize].len() == 2
+            && let Some(strand) = of_curve.get_mut(curve)
         {
-            of_curve.entry(*curve).or_default().push(v);
+            strand.beads.push(v);
         }
     }
-    of_curve
+    of_curve.into_values()
 }
 
 /// The points inside of every curve where it bends; `edges` by their ends, with the curve of each.
