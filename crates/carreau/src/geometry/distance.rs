@@ -190,7 +190,7 @@ impl<'a> Target<'a> {
         let first = |v: &u32| std::mem::take(&mut is_new[*v as usize]);
         Target {
             points: mesh.points(),
-            used: tree.order().iter().flat_map(|&t| triangles[t as usize]).filter(first).collect(),
+            used: tree.in_order().flat_map(|(t, _)| triangles[t as usize]).filter(first).collect(),
             tree,
             normals: parent.into_iter().map(|f| of_face[f as usize]).collect(),
             triangles,

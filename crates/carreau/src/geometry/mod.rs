@@ -29,5 +29,6 @@ pub mod primitive;
 pub(crate) mod quadric;
 pub mod quality;
 pub mod search_tree;
+mod slices;
 pub mod summary;
 pub mod winding;

@@ -1,7 +1,7 @@
 //! A static tree of bounding boxes over triangles: closest point, neighbourhood, rays.
 //!
 //! Median split on the longest side of the centroids' box. Because the median decides, the shape of the tree follows
-//! from the number of triangles alone: a node needs nothing but its box, children are found by arithmetic, and the two
+//! from the number of its items alone: a node needs nothing but its box, children are found by arithmetic, and the two
 //! halves can be built in parallel into their own parts of one array. Ties are broken by triangle id, so the tree is the
 //! same for any number of threads.
 //!
@@ -18,6 +18,7 @@
 //!     3 4
 //! ```
 
+use super::slices::{Slice, slices};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -31,10 +32,12 @@ const DEPTH: usize = 34;
 /// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
 pub struct TriangleTree {
     boxes: Vec<Box3>,
-    /// Corners of the triangles, in the order of the leaves.
+    /// Corners of the triangles, in the order of the leaves: once for each of their slices.
     corners: Vec<[DVec3; 3]>,
-    /// Their ids, in the same order.
-    ids: Vec<u32>,
+    /// The slices with the ids, in the same order.
+    slices: Vec<Slice>,
+    /// Number of triangles.
+    len: usize,
 }
 
 /// The point of the triangles that is closest to a given one.
@@ -96,17 +99,23 @@ impl TriangleTree {
     /// # Panics
     /// If a triangle uses a point that does not exist; meshes guarantee that it does.
     pub fn new(points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
-        let corners_of = |&t: &[u32; 3]| t.map(|v| points[v as usize]);
-        let centre = |(id, t): (usize, &[u32; 3])| (corners_of(t).iter().sum::<DVec3>() / 3.0, id as u32);
-        let mut items: Vec<(DVec3, u32)> = triangles.par_iter().enumerate().map(centre).collect();
-        let leaves = triangles.len().div_ceil(LEAF);
+        let corners_of = |id: u32| triangles[id as usize].map(|v| points[v as usize]);
+        let slices = slices(triangles.len(), corners_of);
+        let centre = |(item, slice): (usize, &Slice)| {
+            let outline = slice.outline(corners_of(slice.id));
+            let corners = if slice.is_whole() { &outline[..3] } else { &outline[..4] };
+            (corners.iter().sum::<DVec3>() / corners.len() as f64, item as u32)
+        };
+        let mut items: Vec<(DVec3, u32)> = slices.par_iter().enumerate().map(centre).collect();
+        let leaves = slices.len().div_ceil(LEAF);
         let mut boxes = vec![Box3::EMPTY; (2 * leaves).saturating_sub(1)];
         if leaves > 0 {
-            build(&mut boxes, &mut items, leaves, &|id| corners_of(&triangles[id as usize]));
+            let outline = |item: u32| slices[item as usize].outline(corners_of(slices[item as usize].id));
+            build(&mut boxes, &mut items, leaves, &outline);
         }
-        let ids: Vec<u32> = items.into_iter().map(|(_, id)| id).collect();
-        let corners = ids.par_iter().map(|&id| corners_of(&triangles[id as usize])).collect();
-        TriangleTree { boxes, corners, ids }
+        let slices: Vec<Slice> = items.into_iter().map(|(_, item)| slices[item as usize]).collect();
+        let corners = slices.par_iter().map(|slice| corners_of(slice.id)).collect();
+        TriangleTree { boxes, corners, slices, len: triangles.len() }
     }
 
     /// The tree of segments, as triangles without width; segment `k` has id `k`.
@@ -120,12 +129,12 @@ impl TriangleTree {
 
     /// Number of triangles.
     pub fn len(&self) -> usize {
-        self.ids.len()
+        self.len
     }
 
     /// Whether there is no triangle.
     pub fn is_empty(&self) -> bool {
-        self.ids.is_empty()
+        self.len == 0
     }
 
     /// The closest point; `None` only for an empty tree.
@@ -176,7 +185,7 @@ impl TriangleTree {
                     continue;
                 }
                 let point = closest_on_triangle(p, self.corners[k]);
-                let found = Closest { triangle: self.ids[k], point, distance_squared: p.distance_squared(point) };
+                let found = Closest { triangle: self.slices[k].id, point, distance_squared: p.distance_squared(point) };
                 if (found.distance_squared, found.triangle) < (best.distance_squared, best.triangle) {
                     best = found;
                 }
@@ -194,8 +203,8 @@ impl TriangleTree {
             |k| {
                 let point = closest_on_triangle(p, self.corners[k]);
                 let distance_squared = p.distance_squared(point);
-                if distance_squared <= limit {
-                    visit(Closest { triangle: self.ids[k], point, distance_squared });
+                if distance_squared <= limit && self.slices[k].holds(self.corners[k], point) {
+                    visit(Closest { triangle: self.slices[k].id, point, distance_squared });
                 }
             },
         );
@@ -207,13 +216,19 @@ impl TriangleTree {
     /// in their plane, are not met.
     pub fn along_ray(&self, origin: DVec3, direction: DVec3, t_max: f64, mut visit: impl FnMut(Hit)) {
         let ray = Ray::new(origin, direction);
+        // Triangles that were met in another slice.
+        let mut met = Vec::new();
         self.descend(
             |b| b.meets_ray(origin, direction.recip(), t_max),
             |k| {
                 if let Some((t, front)) = ray.meets(self.corners[k])
                     && t <= t_max
+                    && (self.slices[k].is_whole() || !met.contains(&self.slices[k].id))
                 {
-                    visit(Hit { triangle: self.ids[k], t, front });
+                    if !self.slices[k].is_whole() {
+                        met.push(self.slices[k].id);
+                    }
+                    visit(Hit { triangle: self.slices[k].id, t, front });
                 }
             },
         );
@@ -230,14 +245,10 @@ impl TriangleTree {
         first
     }
 
-    /// Ids of all triangles in the order of the leaves: neighbours in it are neighbours in space.
-    pub(super) fn order(&self) -> &[u32] {
-        &self.ids
-    }
-
-    /// Corners of all triangles in the same order.
-    pub(super) fn corners_in_order(&self) -> &[[DVec3; 3]] {
-        &self.corners
+    /// Ids and corners of all triangles in the order of the leaves: neighbours in it are neighbours in space.
+    pub(super) fn in_order(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> {
+        let firsts = self.slices.iter().zip(&self.corners).filter(|(slice, _)| slice.number == 0);
+        firsts.map(|(slice, corners)| (slice.id, *corners))
     }
 
     /// Visits the triangles, by position, of all leaves that are entered.
@@ -259,12 +270,12 @@ impl TriangleTree {
     }
 
     fn root(&self) -> Option<Node> {
-        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.len().div_ceil(LEAF) as u32 })
+        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.slices.len().div_ceil(LEAF) as u32 })
     }
 
     fn leaf(&self, node: Node) -> std::ops::Range<usize> {
         let first = node.first_leaf as usize * LEAF;
-        first..(first + LEAF).min(self.len())
+        first..(first + LEAF).min(self.slices.len())
     }
 }
 
@@ -273,10 +284,10 @@ fn build(
     boxes: &mut [Box3],
     items: &mut [(DVec3, u32)],
     leaves: usize,
-    corners: &(impl Fn(u32) -> [DVec3; 3] + Sync),
+    outline: &(impl Fn(u32) -> [DVec3; 5] + Sync),
 ) -> Box3 {
     boxes[0] = if leaves == 1 {
-        items.iter().flat_map(|&(_, id)| corners(id)).fold(Box3::EMPTY, Box3::with)
+        items.iter().flat_map(|&(_, item)| outline(item)).fold(Box3::EMPTY, Box3::with)
     } else {
         let left = leaves.div_ceil(2);
         let axis = longest_axis(items);
@@ -284,8 +295,8 @@ fn build(
         let serial = items.len() < SERIAL;
         let (left_items, right_items) = items.split_at_mut(left * LEAF);
         let (left_boxes, right_boxes) = boxes[1..].split_at_mut(2 * left - 1);
-        let mut build_left = || build(left_boxes, left_items, left, corners);
-        let mut build_right = || build(right_boxes, right_items, leaves - left, corners);
+        let mut build_left = || build(left_boxes, left_items, left, outline);
+        let mut build_right = || build(right_boxes, right_items, leaves - left, outline);
         let (a, b) = if serial { (build_left(), build_right()) } else { rayon::join(build_left, build_right) };
         a.with(b.low).with(b.high)
     };
@@ -476,9 +487,22 @@ mod tests {
         })
     }
 
+    /// A soup, or a fan of needles, which the tree cuts.
+    fn soup_or_fan() -> impl Strategy<Value = (Vec<DVec3>, Vec<[u32; 3]>)> {
+        let fan = (50u32..300, point()).prop_map(|(n, apex)| {
+            let rim = (0..n).map(|k| {
+                let angle = f64::from(k) / f64::from(n);
+                DVec3::new(angle.cos(), angle.sin(), 0.5 * angle)
+            });
+            let points = std::iter::once(apex).chain(rim).collect();
+            (points, (1..n).map(|k| [0, k, k % n + 1]).collect())
+        });
+        prop_oneof![soup(), fan]
+    }
+
     proptest! {
         #[test]
-        fn closest_agrees_with_the_oracle((points, triangles) in soup(), queries in prop::collection::vec(point(), 20)) {
+        fn closest_agrees_with_the_oracle((points, triangles) in soup_or_fan(), queries in prop::collection::vec(point(), 20)) {
             let tree = TriangleTree::new(&points, &triangles);
             for p in queries.into_iter().map(|p| p * 2.0) {
                 let found = tree.closest(p).unwrap();
@@ -495,7 +519,7 @@ mod tests {
         }
 
         #[test]
-        fn within_finds_exactly_the_near_triangles((points, triangles) in soup(), p in point(), radius in 0.0f64..0.5) {
+        fn within_finds_exactly_the_near_triangles((points, triangles) in soup_or_fan(), p in point(), radius in 0.0f64..0.5) {
             let tree = TriangleTree::new(&points, &triangles);
             let mut found = Vec::new();
             tree.within(p, radius, |c| found.push(c.triangle));
@@ -519,13 +543,18 @@ mod tests {
         }
 
         #[test]
-        fn rays_hit_what_lies_on_them((points, triangles) in soup(), origin in point(), weights in prop::array::uniform3(0.05f64..1.0)) {
+        fn rays_hit_what_lies_on_them((points, triangles) in soup_or_fan(), origin in point(), weights in prop::array::uniform3(0.05f64..1.0)) {
             let tree = TriangleTree::new(&points, &triangles);
             let [a, b, c] = triangles[0].map(|k| points[k as usize]);
             let w = weights.iter().sum::<f64>();
             let target = (a * weights[0] + b * weights[1] + c * weights[2]) / w;
             let mut hit = None;
-            tree.along_ray(origin, target - origin, 2.0, |h| hit = hit.or((h.triangle == 0).then_some(h.t)));
+            let mut times = vec![0; triangles.len()];
+            tree.along_ray(origin, target - origin, 2.0, |h| {
+                hit = hit.or((h.triangle == 0).then_some(h.t));
+                times[h.triangle as usize] += 1;
+            });
+            prop_assert!(times.iter().all(|&n| n <= 1));
             let volume = (a - origin).dot((b - origin).cross(c - origin)).abs();
             prop_assert!(volume < 1e-6 || (hit.unwrap() - 1.0).abs() < 1e-6);
         }
@@ -548,7 +577,7 @@ mod tests {
         let mesh = torus(150, 60);
         let build = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| tree_of(&mesh)).ids
+            pool.install(|| tree_of(&mesh)).slices
         };
         assert_eq!(build(1), build(3));
     }

@@ -40,7 +40,7 @@ struct Dipole {
 impl WindingTree {
     /// Builds the hierarchy, in the order of the leaves of a search tree.
     pub fn new(tree: &TriangleTree) -> Self {
-        let corners = tree.corners_in_order().to_vec();
+        let corners: Vec<_> = tree.in_order().map(|(_, corners)| corners).collect();
         let mut nodes = Vec::with_capacity(corners.len() / LEAF * 3 + 1);
         if !corners.is_empty() {
             append(&mut nodes, &corners, 0, corners.len());
