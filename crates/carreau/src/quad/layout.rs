@@ -95,6 +95,8 @@ pub struct Layout {
     pub patches: Vec<Patch>,
     /// The length that numbers of quads were chosen for.
     pub length: f64,
+    /// Steps of the searches for them so far.
+    pub steps: u64,
 }
 
 /// What is wrong with a patch.
@@ -237,7 +239,7 @@ impl Layout {
             }
         }
         let characteristic = characteristic(sheet, &patch, count);
-        let mut layout = Layout { arcs: Vec::new(), patches: Vec::new(), length: sheet.length };
+        let mut layout = Layout { arcs: Vec::new(), patches: Vec::new(), length: sheet.length, steps: 0 };
         let mut arc_of = vec![NONE; 3 * sheet.triangles.len()];
         let mut triangles = vec![Vec::new(); count];
         patch.iter().zip(0u32..).for_each(|(&p, t)| triangles[p as usize].push(t));

@@ -26,9 +26,11 @@
 //! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `lift` |
 //! | how good quads are, and can be between features | `around`, `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
+//! | how much may be done on a rung | `budget` |
 
 mod around;
 mod bends;
+mod budget;
 mod ceiling;
 mod chart;
 mod chords;
@@ -63,9 +65,11 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
+use budget::Budget;
 use ceiling::worst_shape;
+use glam::DVec3;
 use halve::{Middle, halve};
-use lift::{Tight, lift};
+use lift::{Gap, Tight, lift};
 use regular::{Made, USELESS, Wish, regular};
 use serde::{Deserialize, Serialize};
 use source::Source;
@@ -137,11 +141,13 @@ const SHORTER: f64 = 0.7;
 const MANY: f64 = 1.2;
 const LOOSER: f64 = 1.5;
 const LOOSEST: f64 = 2.5;
-/// Rounds in which quads that are no good are made straight.
-const STRAIGHTEN: usize = 30;
-/// Quads farther from the surface than this share of their edges make way for another attempt's; than the other, for rung 3's.
+/// Rounds in which quads that are no good go back to where they were.
+const TAKEN_BACK: usize = 30;
+/// Quads farther from the surface than this share of their edges make way for another attempt's; than the other, for the
+/// next rung's.
 const STRAYS: f64 = 0.4;
 const LOST: f64 = 1.0;
+const LEFT_OUT: &str = "it leaves part of the surface out";
 /// Quads of a worse shape make way for another attempt's, too, by grades of this size; as many cost a number that is missed.
 const POOR: f64 = 0.5;
 const GRADE: f64 = 0.1;
@@ -269,15 +275,19 @@ fn first(
     let mut best: Option<Attempt> = None;
     let mut refused = String::new();
     let mut fruitless = 0;
+    let mut budget = Budget::new(source.area / length.powi(2));
     for (k, finer) in FINER.into_iter().enumerate() {
         if k >= USUAL && best.as_ref().is_some_and(|b| !b.cost.useless && b.cost.grades == 0) {
+            break;
+        }
+        if budget.is_spent() {
             break;
         }
         // Again with smaller quads where they were too far from the surface, as long as that helps.
         let (mut tight, mut before) = (Vec::new(), None);
         loop {
             let wish = Wish { length, quads, finer, first: options.rung == 1, tight: &tight };
-            let found = match regular_attempt(source, &wish, feature_deg, context)? {
+            let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
                 Ok(found) => found,
                 Err(why) => {
                     refused = why;
@@ -290,7 +300,8 @@ fn first(
             let helps = before.is_none_or(|before| found.cost < before);
             fruitless += u32::from(!helps);
             before = Some(found.cost);
-            let again = helps && fruitless < FRUITLESS && !found.tight.is_empty() && !found.cost.useless;
+            let again =
+                helps && !budget.is_spent() && fruitless < FRUITLESS && !found.tight.is_empty() && !found.cost.useless;
             tight.extend(found.tight.iter().copied());
             if best.as_ref().is_none_or(|b| found.cost < b.cost) {
                 best = Some(found);
@@ -311,21 +322,22 @@ fn regular_attempt(
     source: &Source,
     wish: &Wish,
     feature_deg: f64,
+    budget: &mut Budget,
     context: &Context,
 ) -> Result<std::result::Result<Attempt, String>> {
-    let mut made = match regular(source, wish, feature_deg, context) {
+    let mut made = match regular(source, wish, feature_deg, budget, context) {
         Err(Error::Numeric(why)) => return Ok(Err(why)),
         Ok(Err(why)) => return Ok(Err(why)),
         Ok(Ok(made)) => made,
         Err(error) => return Err(error),
     };
-    let gap = lift(&mut made.work, source, context)?;
+    let gap = lifted(&mut made.work, source, context)?;
     if let Some(why) = validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
         return Ok(Err(why));
     }
     let straying = quality::straying(&made.work, source, context)?;
     if straying > LOST {
-        return Ok(Err("it leaves part of the surface out".into()));
+        return Ok(Err(LEFT_OUT.into()));
     }
     let strays = straying > STRAYS;
     let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
@@ -367,17 +379,28 @@ fn third(
     let mut loose = 1.0;
     let mut best: Option<Work> = None;
     let mut refused = String::new();
+    let mut budget = Budget::new(2.0 * source.area / length.powi(2));
     for _ in 0..RUNS {
+        if budget.is_spent() {
+            break;
+        }
         let Some(coarse) = attempt(pair::paired(source, length, loose, feature_deg, context))? else {
             length *= SHORTER;
             continue;
         };
         let mut work = halve(&coarse, source, Middle::OnSurface);
+        budget.triangles(coarse.faces.len());
+        budget.quads(work.faces.len());
         smooth::smooth(&mut work, source, context)?;
-        straighten(&mut work, &coarse, source);
-        lift(&mut work, source, context)?;
+        take_back(&mut work, &halve(&coarse, source, Middle::Straight).points, source);
+        lifted(&mut work, source, context)?;
         if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
             refused = why;
+            length *= SHORTER;
+            continue;
+        }
+        if quality::straying(&work, source, context)? > LOST {
+            refused = LEFT_OUT.into();
             length *= SHORTER;
             continue;
         }
@@ -400,16 +423,23 @@ fn third(
     Ok(best)
 }
 
-/// Puts the vertices of quads that are no good to where the triangles have them, before anything went to the surface: there
-/// no quad is turned over.
-fn straighten(work: &mut Work, coarse: &Work, source: &Source) {
-    let straight = halve(coarse, source, Middle::Straight);
-    for _ in 0..STRAIGHTEN {
+/// Lifts quads, but for those that would be no good then. Returns how far they are from the surface.
+fn lifted(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> {
+    let before = work.points.clone();
+    let gap = lift(work, source, context)?;
+    take_back(work, &before, source);
+    Ok(gap)
+}
+
+/// Puts the vertices of quads that are no good to where they were before, as triangles have them or not yet lifted: no quad
+/// was turned over there.
+fn take_back(work: &mut Work, before: &[DVec3], source: &Source) {
+    for _ in 0..TAKEN_BACK {
         let bad: Vec<usize> = validate::faults(work, source).map(|(q, _)| q).collect();
         let mut moved = false;
         for v in bad.iter().flat_map(|&q| work.faces.face(q)).map(|&v| v as usize) {
-            moved |= work.points[v] != straight.points[v];
-            work.points[v] = straight.points[v];
+            moved |= work.points[v] != before[v];
+            work.points[v] = before[v];
         }
         if !moved {
             return;

@@ -121,16 +121,19 @@ struct Search {
     from: Vec<Option<(State, u32, i64)>>,
     reached: Vec<State>,
     queue: BinaryHeap<Reverse<(u64, u32, i64)>>,
+    /// All that were reached by searches before.
+    steps: u64,
 }
 
 impl Search {
     fn new(conditions: usize) -> Self {
         let states = 2 * conditions;
         let (cost, from) = (vec![f64::INFINITY; states], vec![None; states]);
-        Search { cost, from, reached: Vec::new(), queue: BinaryHeap::new() }
+        Search { cost, from, reached: Vec::new(), queue: BinaryHeap::new(), steps: 0 }
     }
 
     fn clear(&mut self) {
+        self.steps += self.reached.len() as u64;
         for state in self.reached.drain(..) {
             self.cost[state] = f64::INFINITY;
             self.from[state] = None;
@@ -216,18 +219,19 @@ impl Layout {
         let mut search = Search::new(conditions.list.len());
         let mut failed = Vec::new();
         // Grids first: a patch that gives its own up may be odd.
-        for demand in [Demand::Same, Demand::Even] {
+        'all: for demand in [Demand::Same, Demand::Even] {
             for start in 0..conditions.list.len() {
                 if conditions.list[start].demand == demand
                     && let Err(patch) = self.meet(start, &mut conditions, length, &mut search)
                 {
                     failed.push(patch);
                     if failed.len() >= most {
-                        return failed;
+                        break 'all;
                     }
                 }
             }
         }
+        self.steps += search.steps;
         failed.sort_unstable();
         failed.dedup();
         failed

@@ -4,6 +4,7 @@
 //! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
 //! too, it is joined to its neighbours.
 
+use super::budget::Budget;
 use super::ceiling::worst_shapes;
 use super::cut::open_holes;
 use super::draw::{Drawn, draw, place};
@@ -81,12 +82,19 @@ pub struct Wish<'a> {
 }
 
 /// Quads as wished.
-pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context) -> Result<Outcome> {
+pub fn regular(
+    source: &Source,
+    wish: &Wish,
+    feature_deg: f64,
+    budget: &mut Budget,
+    context: &Context,
+) -> Result<Outcome> {
     let Drawn { coarse, mut sheet, traced, .. } =
         match draw(source, wish.length, wish.finer * wish.length, feature_deg, context)? {
             Ok(drawn) => drawn,
             Err(why) => return Ok(Err(why)),
         };
+    budget.triangles(coarse.mesh.face_count());
     let mut state = vec![State::Fresh; sheet.triangles.len()];
     // Where features lost their shape, round by round.
     let mut lost_places = Vec::new();
@@ -99,6 +107,10 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
     // What is there in any case, while patches with useless quads give way.
     let mut spare: Option<Made> = None;
     for round in 0..ROUNDS {
+        if budget.is_spent() {
+            why = format!("{why}, and there were too many attempts");
+            break;
+        }
         let place = |v: u32| place(&sheet, &coarse, v);
         let sag = SAG * NEAR * source.diagonal;
         let Some(mut layout) = Layout::new(&sheet, sag, |v| place(v) == Some(Place::Fixed)) else {
@@ -115,6 +127,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
         layout.refine(&sheet, &lost_places, wish.length);
         layout.tighten(&sheet, wish.tight);
         quantise(&mut layout, wish, aim);
+        budget.steps(layout.steps);
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
         tracing::debug!(target: "carreau::quad", round, dropped = traced.dropped, grids, patterns, others);
@@ -140,6 +153,7 @@ pub fn regular(source: &Source, wish: &Wish, feature_deg: f64, context: &Context
                     }
                 }
                 smoothing.run(&mut work, source, context)?;
+                budget.quads(work.faces.len());
                 for (q, what) in faults(&work, source) {
                     why = format!("quad {q} {what}");
                     bad.push(patch[q] as usize);

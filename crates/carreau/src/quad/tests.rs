@@ -189,3 +189,42 @@ fn the_tip_of_a_cone_is_a_vertex() {
         assert!(nearest < 1e-9, "{quads_wanted}: {nearest}");
     }
 }
+
+#[test]
+fn without_a_budget_there_is_no_attempt() {
+    let (mesh, context) = (part("bracket"), Context::new());
+    let options = FeatureOptions::default();
+    let source = Source::new(&mesh, &options, &context).unwrap();
+    let length = (source.area / 1500.0).sqrt();
+    let wish = Wish { length, quads: Some(1500), finer: 1.0, first: true, tight: &[] };
+    let angle = options.angle_deg.unwrap();
+    let mut budget = Budget::new(1500.0);
+    assert!(regular(&source, &wish, angle, &mut budget, &context).unwrap().is_ok());
+    budget.triangles(usize::MAX);
+    let why = regular(&source, &wish, angle, &mut budget, &context).unwrap().err().unwrap();
+    assert!(why.contains("too many attempts"), "{why}");
+}
+
+#[test]
+fn quads_that_are_no_good_are_taken_back_and_no_others() {
+    let (mesh, context) = (grid(4), Context::new());
+    let source = Source::new(&mesh, &FeatureOptions::default(), &context).unwrap();
+    let at = |k: u32| DVec3::new(f64::from(k % 5), f64::from(k / 5), 0.0);
+    let mut work = Work {
+        points: (0..25).map(at).collect(),
+        place: vec![Place::Region(0); 25],
+        faces: Polygons::new(),
+        region: vec![0; 16],
+        features: Vec::new(),
+    };
+    (0..16u32).map(|q| q / 4 * 5 + q % 4).for_each(|v| work.faces.push(&[v, v + 1, v + 6, v + 5]));
+    let before = work.points.clone();
+    // One vertex across its quad, another one a little.
+    work.points[6] = DVec3::new(2.5, 2.5, 0.0);
+    work.points[18] += DVec3::new(0.1, 0.0, 0.0);
+    let little = work.points[18];
+    assert!(validate::faults(&work, &source).next().is_some());
+    take_back(&mut work, &before, &source);
+    assert!(validate::faults(&work, &source).next().is_none());
+    assert_eq!((work.points[6], work.points[18]), (before[6], little));
+}
