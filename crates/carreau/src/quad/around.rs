@@ -10,6 +10,8 @@ use glam::DVec3;
 pub const BAD: f64 = 0.02;
 /// A quad may turn by less than this cosine in one move.
 const TURN: f64 = 0.5;
+/// So many of those around it will do: many may meet in one vertex.
+const ENOUGH: usize = 64;
 /// How much more a worse shape counts.
 const STEEP: f64 = 10.0;
 
@@ -92,6 +94,7 @@ fn shapes(work: &Work, around: &Around, v: u32, at: DVec3) -> impl Iterator<Item
             };
         }
         let up: DVec3 = beside(work, around, q)
+            .take(ENOUGH)
             .map(|other| work.faces.face(other as usize))
             .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
             .filter(|&p| scaled_jacobian(p) > BAD)

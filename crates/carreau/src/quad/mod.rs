@@ -70,7 +70,7 @@ use ceiling::worst_shape;
 use glam::DVec3;
 use halve::{Middle, halve};
 use lift::{Gap, Tight, lift};
-use regular::{Made, USELESS, Wish, regular};
+use regular::{MOST, Made, USELESS, Wish, regular};
 use serde::{Deserialize, Serialize};
 use source::Source;
 use work::{Place, Work};
@@ -162,6 +162,8 @@ const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
 const USUAL: usize = 2;
 /// Attempts with smaller quads where others were too far from the surface, that may come to nothing.
 const FRUITLESS: u32 = 2;
+/// Attempts that come to nothing before the next rung takes over, where none came to anything: others hardly ever do then.
+const FUTILE: usize = 2;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -280,13 +282,18 @@ fn first(
         if k >= USUAL && best.as_ref().is_some_and(|b| !b.cost.useless && b.cost.grades == 0) {
             break;
         }
-        if budget.is_spent() {
+        if budget.is_spent() || k >= FUTILE && best.is_none() {
             break;
         }
         // Again with smaller quads where they were too far from the surface, as long as that helps.
         let (mut tight, mut before) = (Vec::new(), None);
         loop {
-            let wish = Wish { length, quads, finer, first: options.rung == 1, tight: &tight };
+            // A number that is missed by more than the best attempt is off speaks for that one.
+            let most = best
+                .as_ref()
+                .filter(|b| !b.cost.useless)
+                .map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST));
+            let wish = Wish { length, quads, most, finer, first: options.rung == 1, tight: &tight };
             let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
                 Ok(found) => found,
                 Err(why) => {

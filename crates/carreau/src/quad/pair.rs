@@ -159,6 +159,7 @@ pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, contex
         min_size: SMALLEST * largest,
         max_size: largest,
         ridge_tolerance: loose * RIDGE_TOLERANCE,
+        ragged_borders: false,
         ..RemeshOptions::default()
     };
     let made = simplify(&mesh, &options, context)?.mesh;

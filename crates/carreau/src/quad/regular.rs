@@ -54,7 +54,7 @@ const STUCK: f64 = 0.005;
 const UNMOVED: usize = 4;
 
 /// Layouts with more quads than so many times those wanted are not filled.
-const MOST: f64 = 2.5;
+pub const MOST: f64 = 2.5;
 
 /// Quads with the rung of every region.
 pub struct Made {
@@ -73,6 +73,8 @@ pub struct Wish<'a> {
     pub length: f64,
     /// Their number; `None`: the length is what counts.
     pub quads: Option<usize>,
+    /// More of them than so many times their number are of no interest.
+    pub most: f64,
     /// Edges of the triangles that carry the field, over those of the quads.
     pub finer: f64,
     /// Rung 1 may do.
@@ -132,7 +134,7 @@ pub fn regular(
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
         tracing::debug!(target: "carreau::quad", round, dropped = traced.dropped, grids, patterns, others);
         let count = layout.quads();
-        if wish.quads.is_some_and(|n| count > MOST * n as f64) {
+        if wish.quads.is_some_and(|n| count > wish.most * n as f64) {
             why = format!("its features would need {count:.0} quads");
             break;
         }

@@ -112,6 +112,19 @@ fn wrong_options_are_refused() {
 }
 
 #[test]
+fn a_box_of_loose_faces_is_one_of_grids() {
+    let mesh = cube(DVec3::ZERO, 1.0);
+    let corners = mesh.faces().corners().iter().map(|&v| mesh.points()[v as usize]).collect();
+    let faces = (0..6u32).map(|f| [0, 1, 2, 3].map(|k| 4 * f + k)).collect::<Vec<_>>();
+    let loose = SurfaceMesh::new(corners, faces.iter().map(|f| &f[..]).collect()).unwrap();
+    let result = quads(&loose, &QuadOptions { quads: 600, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&loose, &result);
+    assert_eq!((result.rung(), result.quality.irregular), (1, 0));
+    let corners = mesh.points().iter().filter(|&&p| result.mesh.points().iter().filter(|&&q| q == p).count() == 3);
+    assert_eq!(corners.count(), 8);
+}
+
+#[test]
 fn a_box_has_eight_irregular_vertices_and_grids() {
     let mesh = cube(DVec3::ZERO, 2.0);
     let result = quads(&mesh, &QuadOptions { quads: 600, ..QuadOptions::default() }, &Context::new()).unwrap();
@@ -196,7 +209,7 @@ fn without_a_budget_there_is_no_attempt() {
     let options = FeatureOptions::default();
     let source = Source::new(&mesh, &options, &context).unwrap();
     let length = (source.area / 1500.0).sqrt();
-    let wish = Wish { length, quads: Some(1500), finer: 1.0, first: true, tight: &[] };
+    let wish = Wish { length, quads: Some(1500), most: MOST, finer: 1.0, first: true, tight: &[] };
     let angle = options.angle_deg.unwrap();
     let mut budget = Budget::new(1500.0);
     assert!(regular(&source, &wish, angle, &mut budget, &context).unwrap().is_ok());

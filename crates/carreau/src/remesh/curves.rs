@@ -38,6 +38,9 @@ const RIDGE_TURN_DEG: f64 = 40.0;
 /// The same for borders, at the scale of the size map.
 const BORDER_TURN_DEG: f64 = 60.0;
 
+/// They are read over no more than this share of a closed border: half a side of a square.
+const LOOP_SHARE: f64 = 0.125;
+
 /// A curve of the source between two corners, or closed.
 #[derive(Debug, Clone)]
 pub struct Chain {
@@ -308,27 +311,57 @@ impl Tracer {
     fn find_border_corners(&mut self, mesh: &EditMesh, size: &[f64]) {
         let is_smooth_border =
             |v: u32| self.rank[v as usize] == Rank::Curve && self.of(v).first().is_some_and(|e| e.kind == Kind::Border);
+        let smooth: Vec<u32> = (0..mesh.vertex_slots()).filter(|&v| is_smooth_border(v)).collect();
+        let reach = self.reaches(mesh, &smooth, size);
         let mut turn = vec![0.0; self.rank.len()];
-        for v in (0..mesh.vertex_slots()).filter(|&v| is_smooth_border(v)) {
-            let reach = size[v as usize];
+        for &v in &smooth {
+            let reach = reach[v as usize];
             let [a, b] = [0, 1].map(|side| self.point_at(mesh, v, side, reach));
             let p = mesh.points[v as usize];
             turn[v as usize] = angle_between(p - a, b - p);
         }
         let limit = BORDER_TURN_DEG.to_radians();
         let mut corners = Vec::new();
-        for v in (0..mesh.vertex_slots()).filter(|&v| is_smooth_border(v) && turn[v as usize] > limit) {
-            let reach = size[v as usize];
+        for v in smooth.into_iter().filter(|&v| turn[v as usize] > limit) {
+            let reach = reach[v as usize];
             let own = (turn[v as usize], v);
             let mut largest = true;
             for side in 0..2 {
-                self.walk(mesh, v, side, reach, |w, _| largest &= (turn[w as usize], w) <= own);
+                self.walk(mesh, v, side, reach, |w, way| largest &= way > reach || (turn[w as usize], w) <= own);
             }
             if largest {
                 corners.push(v);
             }
         }
         corners.into_iter().for_each(|v| self.rank[v as usize] = Rank::Corner);
+    }
+
+    /// How far to look from every vertex: a size, but no farther than to the next side of what is closed.
+    fn reaches(&self, mesh: &EditMesh, smooth: &[u32], size: &[f64]) -> Vec<f64> {
+        let mut reach = size.to_vec();
+        let mut seen = vec![false; size.len()];
+        for &v in smooth {
+            if seen[v as usize] {
+                continue;
+            }
+            // All of it: to the one side, and where that comes to an end, to the other.
+            let (mut around, mut length) = (Vec::new(), 0.0);
+            self.walk(mesh, v, 0, f64::INFINITY, |w, way| {
+                around.push(w);
+                length = way;
+            });
+            let is_closed = around.last() == Some(&v);
+            if !is_closed {
+                self.walk(mesh, v, 1, f64::INFINITY, |w, _| around.push(w));
+            }
+            for &w in &around {
+                seen[w as usize] = true;
+                if is_closed {
+                    reach[w as usize] = reach[w as usize].min(LOOP_SHARE * length);
+                }
+            }
+        }
+        reach
     }
 
     /// Visits the vertices of a curve from `v` on one side, as far as the reach, corners included, with the way.

@@ -7,6 +7,7 @@ use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::normals::angle_between;
 use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, area_vector};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 /// How a mesh is read.
 pub struct Reading {
@@ -42,7 +43,8 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
     let kind = |c: usize| {
         let c = CornerId::new(c);
         match mesh.side(c) {
-            Side::Border => Some(Kind::Border),
+            Side::Border if options.ragged_borders => Some(Kind::Border),
+            Side::Border => Some(Kind::Ridge),
             Side::Inconsistent | Side::NonManifold => Some(Kind::Seam),
             Side::Inner(o) => {
                 let label = |c: CornerId| labels.map(|l| l[mesh.face_of(c).index()]);
@@ -87,7 +89,8 @@ const FLAT_SHARE: f64 = 0.2;
 const LOOSE_SHARE: f64 = 0.1;
 /// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
 const RIDGE_SHARE: f64 = 0.02;
-/// Edges with a smaller angle are flat, in degrees.
+const MANY_SIDES: usize = 4;
+/// Edges with a smaller angle are flat, in degrees; borders with a smaller one go straight on.
 const FLAT_DEG: f64 = 0.1;
 /// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
 const EDGES_PER_LOOSE_END: usize = 40;
@@ -155,7 +158,7 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
 /// Whether a surface has no flat places to speak of, as scans have none.
 ///
 /// Faces that lie in one plane make one flat. Those of a scan are its triangles, even where they have been divided since,
-/// and border on three others; the flats of a CAD model have many sides.
+/// and have three sides: other flats, or straight borders. The flats of a CAD model have many.
 fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
     let bent = feature_edges(mesh, &bent)?.corners;
@@ -169,15 +172,32 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     }
     let flat = flats.leaders();
     let mut neighbours = vec![[NONE; 3]; mesh.face_count()];
+    let mut straight: FxHashMap<u32, Vec<DVec3>> = FxHashMap::default();
     let mut is_large = vec![false; mesh.face_count()];
     for c in 0..mesh.corner_count() {
         let own = flat[face(c) as usize];
-        let Some(other) = across(c).map(|f| flat[f as usize]).filter(|&f| f != own) else { continue };
+        let Some(other) = across(c).map(|f| flat[f as usize]) else {
+            let c = CornerId::new(c);
+            let along = (mesh.point(mesh.vertex(mesh.next(c))) - mesh.point(mesh.vertex(c))).normalize_or_zero();
+            let known = straight.entry(own).or_default();
+            let is_other = |side: &DVec3| side.distance(along) > FLAT_DEG.to_radians();
+            if known.len() < MANY_SIDES && known.iter().all(is_other) {
+                known.push(along);
+            }
+            continue;
+        };
+        if other == own {
+            continue;
+        }
         let known = &mut neighbours[own as usize];
         match known.iter().position(|&k| k == other || k == NONE) {
             Some(k) => known[k] = other,
             None => is_large[own as usize] = true,
         }
+    }
+    for (own, straight) in straight {
+        let others = neighbours[own as usize].iter().filter(|&&k| k != NONE).count();
+        is_large[own as usize] |= others + straight.len() >= MANY_SIDES;
     }
     let in_large = flat.iter().filter(|&&k| is_large[k as usize]).count();
     Ok(in_large as f64 <= FLAT_SHARE * mesh.face_count() as f64)
@@ -188,7 +208,7 @@ mod tests {
     use super::*;
     use crate::Context;
     use crate::mesh::Polygons;
-    use crate::mesh::test_models::{cube, moved, sphere};
+    use crate::mesh::test_models::{cube, grid, moved, sphere, triangles};
     use crate::sample;
 
     /// Every triangle in four, in its plane.
@@ -214,7 +234,11 @@ mod tests {
         assert!(is_scan(&scan).unwrap() && is_scan(&divided(&divided(&scan))).unwrap());
         let part = sample::make("bracket", None, &Context::new()).unwrap().triangulated().unwrap();
         let cube = cube(DVec3::ZERO, 1.0).triangulated().unwrap();
-        for mesh in [part, cube] {
+        // Flats that are all there is, with borders alone around them.
+        let triangle = triangles(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]]);
+        assert!(is_scan(&triangle).unwrap() && is_scan(&divided(&divided(&triangle))).unwrap());
+        let plate = grid(1);
+        for mesh in [part, cube, plate] {
             assert!(!is_scan(&mesh).unwrap() && !is_scan(&divided(&mesh)).unwrap());
         }
     }
@@ -227,7 +251,7 @@ mod tests {
         faces.push(&[0, 1, 2, 3]);
         faces.push(&[1, 4, 5, 2]);
         let mesh = SurfaceMesh::new(points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec(), faces).unwrap();
-        let (triangles, _) = crate::remesh::clean(&mesh, &Context::new()).unwrap();
+        let (divided, _) = crate::remesh::clean(&mesh, &Context::new()).unwrap();
         let options = RemeshOptions { feature_angle: 25.0, ..RemeshOptions::default() };
         let ridges = |mesh: &SurfaceMesh| {
             let marks = read(mesh, &options).unwrap().marks;
@@ -235,9 +259,9 @@ mod tests {
             let ridges = (0..mesh.corner_count()).filter(|&c| marks[c] == Some(Kind::Ridge));
             ridges.map(|c| ends(CornerId::new(c))).collect::<Vec<_>>()
         };
-        assert_eq!(triangles.face_count(), 6);
-        assert_eq!(ridges(&triangles), [[1.0; 2]; 2], "the edge to the wall alone, seen from both sides");
-        let mut forgotten = triangles;
+        assert_eq!(divided.face_count(), 6);
+        assert_eq!(ridges(&divided), [[1.0; 2]; 2], "the edge to the wall alone, seen from both sides");
+        let mut forgotten = divided;
         forgotten.attributes.face.clear();
         assert!(ridges(&forgotten).len() > 2);
     }

@@ -91,6 +91,9 @@ pub struct RemeshOptions {
     pub max_size: f64,
     /// How far ridges may move, as a share of the diagonal.
     pub ridge_tolerance: f64,
+    /// Borders may be ragged, as those of scans are: they move more freely than ridges. Else they are ridges.
+    #[serde(skip)]
+    pub ragged_borders: bool,
     /// Factor on the sizes.
     pub scale: f64,
     /// A wanted number of triangles, met within 1 %: the sizes are scaled.
@@ -119,6 +122,7 @@ impl Default for RemeshOptions {
             min_size: 2e-4,
             max_size: 0.2,
             ridge_tolerance: 4.8e-4,
+            ragged_borders: true,
             scale: 1.0,
             triangles: None,
             distance: None,

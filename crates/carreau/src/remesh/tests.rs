@@ -4,8 +4,11 @@ use super::search::CLOSE_LOOK;
 use super::*;
 use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
-use crate::mesh::{Column, CornerId, Topology};
+use crate::mesh::test_models::{grid, moved, without};
+use crate::mesh::{Column, CornerId, Topology, area_vector};
 use crate::sample;
+use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 fn model(name: &str) -> SurfaceMesh {
     let mesh = sample::make(name, None, &Context::new()).unwrap();
@@ -26,6 +29,37 @@ fn topology_stays_and_shapes_are_good() {
         assert_eq!((after.euler, after.components, after.genus), (before.euler, before.components, before.genus));
         assert!(after.manifold && after.consistently_oriented && after.degenerate_faces == 0, "{name}");
         assert!(out.quality.shape_min > 0.1 && out.quality.shape_mean > 0.8, "{name}: {:?}", out.quality);
+    }
+}
+
+/// Vertices where a border turns.
+fn border_corners(mesh: &SurfaceMesh) -> usize {
+    let borders = (0..mesh.corner_count()).map(CornerId::new).filter(|&c| mesh.opposite(c).is_none());
+    let next: FxHashMap<_, _> = borders.map(|c| (mesh.vertex(c), mesh.vertex(mesh.next(c)))).collect();
+    let along = |v| mesh.point(next[&v]) - mesh.point(v);
+    next.iter().filter(|&(&v, &w)| along(v).angle_between(along(w)) > 1.0).count()
+}
+
+fn area(mesh: &SurfaceMesh) -> f64 {
+    mesh.faces().iter().map(|f| area_vector(mesh.points(), f).length() / 2.0).sum()
+}
+
+#[test]
+fn corners_of_borders_stay() {
+    // A hole of a thousandth of its plate.
+    let graded = moved(&grid(13), |p| (2.0 / 13.0 * p - DVec3::new(1.0, 1.0, 0.0)).powf(3.0));
+    let pierced = without(&graded, &[168, 169]);
+    for (mesh, corners) in [(grid(1), 4), (pierced, 8)] {
+        for ragged_borders in [true, false] {
+            for max_size in [0.01, 0.2] {
+                let options = RemeshOptions { max_size, ragged_borders, ..RemeshOptions::default() };
+                for run in [simplify, enrich] {
+                    let out = run(&mesh, &options, &Context::new()).unwrap().mesh;
+                    assert_eq!(border_corners(&out), corners, "{max_size} {ragged_borders}");
+                    assert!((area(&out) - area(&mesh)).abs() < 1e-9 * area(&mesh));
+                }
+            }
+        }
     }
 }
 
@@ -62,7 +96,7 @@ fn ridges_get_as_few_edges_as_their_sag_allows() {
     let ends = |c: CornerId| [c, out.next(c)].map(|c| out.points()[out.vertex(c).index()]);
     let radius = rims.iter().flat_map(|&c| ends(c)).map(|p| p.truncate().length()).fold(0.0, f64::max);
     let tolerance = options.ridge_tolerance * mesh.diagonal();
-    let sag = |c: &CornerId| radius - ends(*c).into_iter().sum::<glam::DVec3>().truncate().length() / 2.0;
+    let sag = |c: &CornerId| radius - ends(*c).into_iter().sum::<DVec3>().truncate().length() / 2.0;
     // The tolerance is that from the edges of the source, which sag themselves.
     assert!(rims.iter().map(sag).fold(0.0, f64::max) <= 1.4 * tolerance);
     // Of a circle edges that sag by all they may make so many.
@@ -108,12 +142,12 @@ fn no_smooth_edge_becomes_a_crease() {
     };
     let marks = sharp(&out, 35.0);
     let half = sharp(&mesh, 17.5);
-    let ridge: Vec<[glam::DVec3; 2]> = (0..mesh.corner_count())
+    let ridge: Vec<[DVec3; 2]> = (0..mesh.corner_count())
         .filter(|&c| half[c])
         .map(CornerId::new)
         .map(|c| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| mesh.points()[v.index()]))
         .collect();
-    let far = |p: glam::DVec3| {
+    let far = |p: DVec3| {
         ridge
             .iter()
             .map(|&[a, b]| {
@@ -139,7 +173,7 @@ fn vertices_are_fitted_so_that_the_volume_stays() {
     let out = simplify(&mesh, &at(20.0), &context).unwrap().mesh;
     // A mesh with its vertices on the sphere would lose what all its sags hold.
     let radius = mesh.points()[0].length();
-    let inscribed: Vec<glam::DVec3> = out.points().iter().map(|p| p.normalize() * radius).collect();
+    let inscribed: Vec<DVec3> = out.points().iter().map(|p| p.normalize() * radius).collect();
     let faces: Vec<[u32; 3]> = out.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
     let inscribed = SurfaceMesh::from_triangles(inscribed, &faces).unwrap();
     let [lost, kept] = [&inscribed, &out].map(|m| (volume(m) / volume(&mesh) - 1.0).abs());
@@ -194,7 +228,7 @@ fn a_strip_with_one_side_stays_one() {
 fn sizes_that_are_given_are_kept() {
     let (mut mesh, context) = (model("torus"), Context::new());
     let fine = 0.03 * mesh.diagonal();
-    let size = |p: &glam::DVec3| if p.x > 0.0 { fine } else { 1e9 };
+    let size = |p: &DVec3| if p.x > 0.0 { fine } else { 1e9 };
     let given = mesh.points().iter().map(size).collect();
     mesh.attributes.vertex.insert("wanted".into(), Column::Scalar(given));
     let options = RemeshOptions { sizes: Some("wanted".into()), ..at(40.0) };
@@ -213,7 +247,7 @@ fn ridges_that_fade_are_followed() {
     let n = 40u32;
     let point = |k: u32| {
         let [x, y] = [f64::from(k % (n + 1)) / f64::from(n), f64::from(k / (n + 1)) / f64::from(n) - 0.5];
-        glam::DVec3::new(x, y, -0.8 * y.abs() * (1.0 - x))
+        DVec3::new(x, y, -0.8 * y.abs() * (1.0 - x))
     };
     let quad = |k: u32| {
         let a = k / n * (n + 1) + k % n;
