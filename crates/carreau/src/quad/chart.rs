@@ -10,6 +10,8 @@ use rustc_hash::FxHashMap;
 
 /// Cotangents in needles.
 const MOST_COTANGENT: f64 = 1e3;
+/// Less area, over the square of an edge, is a triangle along an outline.
+const TURNED: f64 = 1e-9;
 
 /// The triangles of a patch.
 pub struct Chart<'a> {
@@ -60,24 +62,43 @@ impl<'a> Chart<'a> {
         self.corners.iter().copied().zip(self.triangles.iter().map(move |&t| of(t)))
     }
 
-    /// Places for all vertices: those that are given, the others at the weighted mean of their neighbours (Tutte; positive
-    /// weights, so that nothing folds where the outline is convex). `None` where a part has no given place.
+    /// Places for all vertices: those that are given, the others so that the map is harmonic (cotangents: what is flat stays
+    /// as it is, however its triangles are graded). Where that turns a triangle over, by the mean of neighbours (Tutte:
+    /// positive weights, so that nothing folds where the outline is convex). `None` where a part has no given place.
     pub fn spread(&self, given: Vec<Option<DVec2>>) -> Result<Option<Vec<DVec2>>> {
+        if let Ok(Some(harmonic)) = self.solved(&given, cotangent)
+            && !self.turns_over(&harmonic)
+        {
+            return Ok(Some(harmonic));
+        }
+        self.solved(&given, |points, k| points[k].distance(points[(k + 1) % 3]).max(f64::MIN_POSITIVE).recip())
+    }
+
+    /// Whether a triangle looks the other way in the plane; those along an outline may be flat.
+    fn turns_over(&self, at: &[DVec2]) -> bool {
+        self.corners.iter().any(|vertices| {
+            let [p, q, r] = vertices.map(|v| at[v as usize]);
+            !((q - p).perp_dot(r - p) > -TURNED * (q - p).length().max((r - p).length()).powi(2))
+        })
+    }
+
+    /// Places for all vertices by weights for the edges of triangles in space, from corner k to the next.
+    fn solved(&self, given: &[Option<DVec2>], weight: impl Fn([DVec3; 3], usize) -> f64) -> Result<Option<Vec<DVec2>>> {
         let mut number = vec![NONE; self.count];
         let mut inner = 0u32;
-        for (n, _) in number.iter_mut().zip(&given).filter(|(_, g)| g.is_none()) {
+        for (n, _) in number.iter_mut().zip(given).filter(|(_, g)| g.is_none()) {
             *n = inner;
             inner += 1;
         }
         if inner == 0 {
-            return Ok(given.into_iter().collect());
+            return Ok(given.iter().copied().collect());
         }
         let mut matrix = Matrix::new(inner as usize);
         let mut rhs = [vec![0.0; inner as usize], vec![0.0; inner as usize]];
         for (vertices, points) in self.faces() {
             for k in 0..3 {
                 let [a, b] = [k, (k + 1) % 3];
-                let weight = points[a].distance(points[b]).max(f64::MIN_POSITIVE).recip();
+                let weight = weight(points, k);
                 for (v, other) in
                     [(vertices[a] as usize, vertices[b] as usize), (vertices[b] as usize, vertices[a] as usize)]
                 {
@@ -99,11 +120,10 @@ impl<'a> Chart<'a> {
         }
         let factor = matrix.factor(&mut None)?;
         let (x, y) = (factor.solve(&rhs[0])?, factor.solve(&rhs[1])?);
-        let place = |(v, given): (usize, Option<DVec2>)| match given {
-            Some(p) => p,
-            None => DVec2::new(x[number[v] as usize], y[number[v] as usize]),
+        let place = |(v, given): (usize, &Option<DVec2>)| {
+            given.unwrap_or_else(|| DVec2::new(x[number[v] as usize], y[number[v] as usize]))
         };
-        let all: Vec<DVec2> = given.into_iter().enumerate().map(place).collect();
+        let all: Vec<DVec2> = given.iter().enumerate().map(place).collect();
         Ok(all.iter().all(|p| p.is_finite()).then_some(all))
     }
 
@@ -150,8 +170,7 @@ impl<'a> Chart<'a> {
         for (vertices, points) in self.faces() {
             for k in 0..3 {
                 let [a, b] = [k, (k + 1) % 3].map(|k| vertices[k] as usize);
-                let [x, y] = [k, (k + 1) % 3].map(|i| points[i] - points[(k + 2) % 3]);
-                let weight = 0.5 * (x.dot(y) / x.cross(y).length()).clamp(-MOST_COTANGENT, MOST_COTANGENT);
+                let weight = 0.5 * cotangent(points, k);
                 for i in 0..2 {
                     add((a, i), (a, i), weight);
                     add((b, i), (b, i), weight);
@@ -222,6 +241,12 @@ impl<'a> Chart<'a> {
         }
         best.into_iter().map(|b| b.1).collect()
     }
+}
+
+/// The cotangent opposite to the edge from corner k of a triangle to the next.
+fn cotangent(points: [DVec3; 3], k: usize) -> f64 {
+    let [x, y] = [k, (k + 1) % 3].map(|i| points[i] - points[(k + 2) % 3]);
+    (x.dot(y) / x.cross(y).length()).clamp(-MOST_COTANGENT, MOST_COTANGENT)
 }
 
 /// Barycentric coordinates.

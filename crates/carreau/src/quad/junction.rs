@@ -1,6 +1,8 @@
-//! Borders that lie on each other with different vertices (T-junctions, as in careless exports): border vertices that all but
-//! coincide take the same place, and every border edge is divided where vertices of another one are inside of it, so that
-//! whatever is made of both sides can meet.
+//! Borders that lie on each other: those of a surface that was cut where it is not manifold, or never sewn.
+//!
+//! With different vertices (T-junctions, as in careless exports) border vertices that all but coincide take the same place, and
+//! every border edge is divided where vertices of another one are inside of it, so that whatever is made of both sides can
+//! meet. Divided alike into edges that stay, it does.
 
 use crate::error::Result;
 use crate::geometry::search_tree::TriangleTree;
@@ -12,6 +14,8 @@ use rustc_hash::FxHashMap;
 const TOUCH: f64 = 1e-6;
 /// Rounds: each divides one edge of a triangle.
 const ROUNDS: usize = 3;
+/// Parts of an edge.
+const MOST_PARTS: f64 = 1e5;
 
 /// The mesh with borders that meet in vertices, and what was done, one sentence each; `None` where there was nothing to do.
 pub fn meeting_borders(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, Vec<String>)>> {
@@ -80,6 +84,11 @@ fn round(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, usize)>> {
     if of_face.is_empty() {
         return Ok(None);
     }
+    Ok(Some((divided(mesh, &of_face)?, of_face.len())))
+}
+
+/// The mesh with vertices on edges of triangles: for every triangle the corner that the edge leaves, and its vertices.
+fn divided(mesh: &SurfaceMesh, of_face: &FxHashMap<usize, (CornerId, Vec<DVec3>)>) -> Result<SurfaceMesh> {
     let (mut points, mut faces) = (mesh.points().to_vec(), Polygons::new());
     let mut tagged = mesh.tagged_edges.clone();
     for (f, face) in mesh.faces().iter().enumerate() {
@@ -105,7 +114,47 @@ fn round(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, usize)>> {
     }
     let mut next = SurfaceMesh::new(points, faces)?;
     next.tagged_edges = tagged;
-    Ok(Some((next, of_face.len())))
+    Ok(next)
+}
+
+/// The border edges that lie on others with the same ends.
+pub fn shared_borders(mesh: &SurfaceMesh) -> Vec<CornerId> {
+    let key = |c: CornerId| in_order(ends(mesh, c).map(|v| mesh.point(v))).map(|p| p.to_array().map(f64::to_bits));
+    let borders = border_edges(mesh);
+    let mut count: FxHashMap<_, u32> = FxHashMap::default();
+    borders.iter().for_each(|&c| *count.entry(key(c)).or_default() += 1);
+    borders.into_iter().filter(|&c| count[&key(c)] > 1).collect()
+}
+
+/// Two points, the same one first whichever way an edge runs.
+fn in_order([a, b]: [DVec3; 2]) -> [DVec3; 2] {
+    let order = |k: usize| a[k].total_cmp(&b[k]);
+    if order(0).then(order(1)).then(order(2)).is_le() { [a, b] } else { [b, a] }
+}
+
+/// The mesh with those edges in parts up to a length, the same on all sides.
+pub fn with_shared_borders_divided(mesh: &SurfaceMesh, length: f64) -> Result<SurfaceMesh> {
+    let mut mesh = mesh.clone();
+    for _ in 0..ROUNDS {
+        let mut of_face = FxHashMap::default();
+        for c in shared_borders(&mesh) {
+            let [a, b] = ends(&mesh, c).map(|v| mesh.point(v));
+            let [from, to] = in_order([a, b]);
+            let parts = (from.distance(to) / length).ceil().min(MOST_PARTS);
+            let mut places: Vec<DVec3> = (1..parts as u32).map(|k| from.lerp(to, f64::from(k) / parts)).collect();
+            if from != a {
+                places.reverse();
+            }
+            if !places.is_empty() {
+                of_face.entry(mesh.face_of(c).index()).or_insert((c, places));
+            }
+        }
+        if of_face.is_empty() {
+            break;
+        }
+        mesh = divided(&mesh, &of_face)?;
+    }
+    Ok(mesh)
 }
 
 /// For every border edge the places of border vertices inside of it, in order.
@@ -136,6 +185,22 @@ fn inside(mesh: &SurfaceMesh, edges: &[[VertexId; 2]]) -> Vec<Vec<DVec3>> {
 mod tests {
     use super::*;
     use crate::mesh::test_models::triangles;
+
+    #[test]
+    fn shared_borders_are_divided_alike() {
+        // Three sheets at an edge, which two of them run along the other way, and one beside.
+        let points = [DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X];
+        let soup: Vec<DVec3> =
+            [[0, 1, 2], [1, 0, 3], [1, 0, 4], [2, 3, 5]].as_flattened().iter().map(|&v| points[v as usize]).collect();
+        let mesh = triangles(&soup, &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
+        assert_eq!(shared_borders(&mesh).len(), 3);
+        let fine = with_shared_borders_divided(&mesh, 0.5).unwrap();
+        let shared = shared_borders(&fine);
+        assert_eq!((shared.len(), fine.face_count()), (3 * 8, 3 * 8 + 1));
+        let longest = shared.iter().map(|&c| ends(&fine, c).map(|v| fine.point(v))).map(|[a, b]| a.distance(b));
+        assert!(longest.fold(0.0, f64::max) <= 0.5);
+        assert_eq!(with_shared_borders_divided(&fine, 0.5).unwrap().faces(), fine.faces());
+    }
 
     #[test]
     fn border_edges_are_divided_and_vertices_meet() {

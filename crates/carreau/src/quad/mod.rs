@@ -277,12 +277,14 @@ fn first(
     let mut best: Option<Attempt> = None;
     let mut refused = String::new();
     let mut fruitless = 0;
+    // Borders that lie on each other meet by chance here, by force on rung 3.
+    let futile = if source.is_shared.contains(&true) { 1 } else { FUTILE };
     let mut budget = Budget::new(source.area / length.powi(2));
     for (k, finer) in FINER.into_iter().enumerate() {
         if k >= USUAL && best.as_ref().is_some_and(|b| !b.cost.useless && b.cost.grades == 0) {
             break;
         }
-        if budget.is_spent() || k >= FUTILE && best.is_none() {
+        if budget.is_spent() || k >= futile && best.is_none() {
             break;
         }
         // Again with smaller quads where they were too far from the surface, as long as that helps.
@@ -298,6 +300,7 @@ fn first(
                 Ok(found) => found,
                 Err(why) => {
                     refused = why;
+                    fruitless += u32::from(before.is_some());
                     break;
                 }
             };
@@ -383,6 +386,9 @@ fn third(
         Some(length) => 2.0 * length,
         None => (source.area / triangles * 4.0 / 3f64.sqrt()).sqrt(),
     };
+    // Borders that lie on each other get the same vertices.
+    let held = source.held(length, context)?;
+    let source = held.as_ref().unwrap_or(source);
     let mut loose = 1.0;
     let mut best: Option<Work> = None;
     let mut refused = String::new();
@@ -396,6 +402,7 @@ fn third(
             continue;
         };
         let mut work = halve(&coarse, source, Middle::OnSurface);
+        source.hold(&mut work);
         budget.triangles(coarse.faces.len());
         budget.quads(work.faces.len());
         smooth::smooth(&mut work, source, context)?;

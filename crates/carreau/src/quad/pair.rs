@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::field::{self, FieldOptions};
 use crate::geometry::features::FeatureOptions;
 use crate::geometry::quality::scaled_jacobian;
-use crate::mesh::{Column, CornerId, NONE, Polygons, SurfaceMesh, Triangles, VertexId};
+use crate::mesh::{Column, CornerId, NONE, Polygons, SurfaceMesh, TaggedEdge, Triangles, VertexId};
 use crate::numeric::matching::{Edge, minimum_cost_matching};
 use crate::remesh::{RemeshOptions, simplify};
 use glam::DVec3;
@@ -23,6 +23,8 @@ const RIDGE_TOLERANCE: f64 = 8e-4;
 /// Features are recognised within this share of the diagonal and this angle.
 const NEAR: f64 = 1.5e-3;
 const ALONG_DEG: f64 = 20.0;
+/// Edges with this tag stay as they are; others have another one.
+const HELD: i32 = 2;
 /// Vertices on features are as near as this share of the diagonal.
 const ON: f64 = 1e-5;
 /// Prices: of a pair, of a single triangle, of a corner off a right angle, of edges off the frames, of a fold.
@@ -151,6 +153,8 @@ pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, contex
     let mut mesh = source.surface.mesh.clone();
     mesh.attributes = Default::default();
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
+    let held = source.held_edges().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: HELD });
+    mesh.tagged_edges.extend(held);
     let largest = length / source.diagonal;
     let options = RemeshOptions {
         deviation: loose * DEVIATION,
@@ -160,6 +164,7 @@ pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, contex
         max_size: largest,
         ridge_tolerance: loose * RIDGE_TOLERANCE,
         ragged_borders: false,
+        held_tag: Some(HELD),
         ..RemeshOptions::default()
     };
     let made = simplify(&mesh, &options, context)?.mesh;

@@ -29,6 +29,9 @@ const TANGLED: usize = 24;
 const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
 const PATIENCE: usize = 4;
 
+/// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
+const HOPELESS: f64 = 0.5;
+
 /// Puts vertices on features to where these bend, and smooths what may move.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     Smoothing::new(work, source).run(work, source, context)
@@ -51,6 +54,9 @@ impl Smoothing {
     pub fn run(self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
         let _stage = context.stage("smooth");
         let Smoothing { around, held } = self;
+        if turned(work).len() as f64 > HOPELESS * work.faces.len() as f64 {
+            return Ok(());
+        }
         for _ in 0..SWEEPS {
             let mut moved = 0usize;
             for v in 0..work.points.len() as u32 {
@@ -89,21 +95,27 @@ fn look_after(work: &mut Work, around: &Around, source: &Source, context: &Conte
     Ok(())
 }
 
+fn jacobian(work: &Work, q: u32) -> f64 {
+    let face = work.faces.face(q as usize);
+    scaled_jacobian([0, 1, 2, 3].map(|k| work.points[face[k] as usize]))
+}
+
+/// Quads that are turned over, or all but.
+fn turned(work: &Work) -> Vec<u32> {
+    (0..work.faces.len() as u32).filter(|&q| jacobian(work, q) <= BAD).collect()
+}
+
 /// Moves the vertices of quads that are turned over, and of those beside, until there are none or it is of no use. Returns
 /// whether it found that there are none.
 fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<bool> {
     let mut least = (usize::MAX, 0);
     for round in 0..TANGLED {
-        let jacobian = |q: u32| {
-            let face = work.faces.face(q as usize);
-            scaled_jacobian([0, 1, 2, 3].map(|k| work.points[face[k] as usize]))
-        };
-        let bad: Vec<u32> = (0..work.faces.len() as u32).filter(|&q| jacobian(q) <= BAD).collect();
+        let bad = turned(work);
         if bad.len() < least.0 {
             least = (bad.len(), round);
         }
         if bad.is_empty() || round > least.1 + PATIENCE {
-            return Ok(bad.iter().all(|&q| jacobian(q) > 0.0));
+            return Ok(bad.iter().all(|&q| jacobian(work, q) > 0.0));
         }
         let mut near: Vec<u32> = bad
             .iter()

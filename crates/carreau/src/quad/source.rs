@@ -1,8 +1,9 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
 use super::bends::bends;
-use super::junction::meeting_borders;
+use super::junction::{meeting_borders, shared_borders, with_shared_borders_divided};
 use super::tips::tips;
+use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FeaturedSurface};
@@ -10,13 +11,16 @@ use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A curve bends more than this at a corner, in degrees.
 const CORNER_DEG: f64 = 35.0;
 
 /// Places of a chord where it is compared with its curve.
 const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
+
+/// The features that are marked already.
+const AS_MARKED: FeatureOptions = FeatureOptions { angle_deg: None, borders: true, tags: true, edges: Vec::new() };
 
 /// The surface, its regions and its feature curves.
 pub struct Source {
@@ -41,17 +45,47 @@ pub struct Source {
     pub tips: Vec<DVec3>,
     /// Curves with the same region on both sides.
     pub is_seam: Vec<bool>,
+    /// Curves that are borders and lie on others.
+    pub is_shared: Vec<bool>,
+    /// The edges of these stay as they are.
+    pub is_held: bool,
 }
 
 impl Source {
     pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
         let mut surface = FeaturedSurface::new(mesh, options, context)?;
         if let Some((met, what)) = meeting_borders(&surface.mesh)? {
-            let as_marked = FeatureOptions { angle_deg: None, borders: true, tags: true, edges: Vec::new() };
-            let again = FeaturedSurface::new(&met, &as_marked, context)?;
+            let again = FeaturedSurface::new(&met, &AS_MARKED, context)?;
             let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
             surface = FeaturedSurface { repaired, missing: surface.missing, ..again };
         }
+        Self::of(surface, context)
+    }
+
+    /// The same with the borders that lie on others in edges up to a length, which stay as they are; `None` where there are
+    /// none. Regions keep their numbers, curves do not.
+    pub fn held(&self, length: f64, context: &Context) -> Result<Option<Self>> {
+        if !self.is_shared.contains(&true) {
+            return Ok(None);
+        }
+        let mesh = with_shared_borders_divided(&self.surface.mesh, length)?;
+        let surface = FeaturedSurface::new(&mesh, &AS_MARKED, context)?;
+        Ok(Some(Source { is_held: true, ..Self::of(surface, context)? }))
+    }
+
+    /// Where the edges of borders that lie on others are, nothing moves.
+    pub fn hold(&self, work: &mut Work) {
+        let held = work.features.iter().filter(|(_, curve)| self.is_held && self.is_shared[*curve as usize]);
+        held.flat_map(|(ends, _)| ends).for_each(|&v| work.place[v as usize] = Place::Fixed);
+    }
+
+    /// The edges that are held, by their ends.
+    pub fn held_edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let is_held = |&(_, &curve): &(&[u32; 2], &u32)| self.is_held && self.is_shared[curve as usize];
+        self.edges.iter().zip(&self.curve).filter(is_held).map(|(&ends, _)| ends)
+    }
+
+    fn of(surface: FeaturedSurface, context: &Context) -> Result<Self> {
         let mesh = &surface.mesh;
         if mesh.face_count() == 0 {
             return Err(Error::input("the mesh has no faces", "", ""));
@@ -75,6 +109,11 @@ impl Source {
             is_seam[curve as usize] |= other == Some(region[mesh.face_of(c).index()]);
         }
         let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
+        let mut is_shared = vec![false; curve_count];
+        let shared: FxHashSet<[u32; 2]> = shared_borders(mesh).into_iter().map(|c| ends(mesh, c)).collect();
+        for (ends, &curve) in edges.iter().zip(&curve) {
+            is_shared[curve as usize] |= shared.contains(ends);
+        }
         let line = |list: Vec<u32>| {
             let tree = TriangleTree::of_segments(mesh.points(), list.iter().map(|&e| edges[e as usize]));
             (list, tree)
@@ -95,6 +134,8 @@ impl Source {
             edges,
             curve,
             is_seam,
+            is_shared,
+            is_held: false,
             surface,
         })
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::Topology;
-use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, triangles};
+use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, triangles};
 use crate::sample;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -109,6 +109,34 @@ fn wrong_options_are_refused() {
     assert!(wrong(QuadOptions { edge_length: Some(f64::NAN), ..QuadOptions::default() }));
     let empty = triangles(&[DVec3::ZERO], &[]);
     assert!(matches!(quads(&empty, &QuadOptions::default(), &Context::new()), Err(Error::Input { .. })));
+}
+
+#[test]
+fn sheets_that_meet_in_an_edge_have_the_same_vertices_there() {
+    // Three triangles, of which each has the edge from 0 to X as its own.
+    let apexes = [DVec3::new(0.2, 1.0, 0.0), DVec3::new(0.9, -0.7, 0.3), DVec3::new(0.5, 0.1, 1.5)];
+    let points: Vec<DVec3> = apexes.iter().flat_map(|&apex| [DVec3::ZERO, DVec3::X, apex]).collect();
+    let mesh = triangles(&points, &[[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+    for rung in [1, 3] {
+        let options = QuadOptions { quads: 600, rung, ..QuadOptions::default() };
+        let result = quads(&mesh, &options, &Context::new()).unwrap();
+        check(&mesh, &result);
+        assert!(result.rung() <= 3, "{:?}", result.warnings);
+        let on_edge = |p: &&DVec3| p.y.abs() + p.z.abs() < 1e-9 && p.x > -1e-9 && p.x < 1.0 + 1e-9;
+        let mut along: Vec<f64> = result.mesh.points().iter().filter(on_edge).map(|p| p.x).collect();
+        along.sort_by(f64::total_cmp);
+        assert!(along.len() > 12 && along.chunks(3).all(|same| same.len() == 3 && same[2] - same[0] < 1e-9));
+    }
+}
+
+#[test]
+fn flat_grids_are_straight_however_their_triangles_are_graded() {
+    // The triangles of a thin plate are small along its rim.
+    let mesh = moved(&cube(DVec3::ZERO, 1.0), |p| p * DVec3::new(10.0, 6.0, 0.15));
+    let result = quads(&mesh, &QuadOptions::default(), &Context::new()).unwrap();
+    check(&mesh, &result);
+    let quality = &result.quality;
+    assert!(quality.scaled_jacobian_min > 0.99 && quality.irregular == 8, "{quality:?}");
 }
 
 #[test]

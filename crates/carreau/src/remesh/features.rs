@@ -5,9 +5,9 @@ use super::{RemeshOptions, fading, warped};
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::normals::angle_between;
-use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, area_vector};
+use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector};
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// How a mesh is read.
 pub struct Reading {
@@ -40,9 +40,13 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
             _ => return Err(Error::Options(format!("the mesh has no face property '{name}' of integers"))),
         },
     };
+    let sorted = |[a, b]: [VertexId; 2]| [a.min(b), a.max(b)];
+    let has_held_tag = |e: &&TaggedEdge| options.held_tag == Some(e.tag);
+    let held: FxHashSet<_> = mesh.tagged_edges.iter().filter(has_held_tag).map(|e| sorted(e.ends)).collect();
     let kind = |c: usize| {
         let c = CornerId::new(c);
         match mesh.side(c) {
+            _ if held.contains(&sorted([mesh.vertex(c), mesh.vertex(mesh.next(c))])) => Some(Kind::Seam),
             Side::Border if options.ragged_borders => Some(Kind::Border),
             Side::Border => Some(Kind::Ridge),
             Side::Inconsistent | Side::NonManifold => Some(Kind::Seam),

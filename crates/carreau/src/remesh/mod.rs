@@ -94,6 +94,9 @@ pub struct RemeshOptions {
     /// Borders may be ragged, as those of scans are: they move more freely than ridges. Else they are ridges.
     #[serde(skip)]
     pub ragged_borders: bool,
+    /// Edges with this tag stay as they are.
+    #[serde(skip)]
+    pub held_tag: Option<i32>,
     /// Factor on the sizes.
     pub scale: f64,
     /// A wanted number of triangles, met within 1 %: the sizes are scaled.
@@ -123,6 +126,7 @@ impl Default for RemeshOptions {
             max_size: 0.2,
             ridge_tolerance: 4.8e-4,
             ragged_borders: true,
+            held_tag: None,
             scale: 1.0,
             triangles: None,
             distance: None,
