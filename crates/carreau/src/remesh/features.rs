@@ -7,7 +7,8 @@ use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::normals::angle_between;
 use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector};
 use glam::DVec3;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
+use std::collections::BTreeMap;
 
 /// How a mesh is read.
 pub struct Reading {
@@ -176,7 +177,7 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
     }
     let flat = flats.leaders();
     let mut neighbours = vec![[NONE; 3]; mesh.face_count()];
-    let mut straight: FxHashMap<u32, Vec<DVec3>> = FxHashMap::default();
+    let mut straight: BTreeMap<u32, Vec<DVec3>> = BTreeMap::new();
     let mut is_large = vec![false; mesh.face_count()];
     for c in 0..mesh.corner_count() {
         let own = flat[face(c) as usize];
