@@ -1,7 +1,6 @@
-//! Quads in patches. One with a grid is mapped to a rectangle, each side in proportion to length on every arc, the inside by
-//! the mean of neighbours; the points of the grid are read off. One with a pattern is mapped to a regular polygon in the same
-//! way. All others take triangles of twice the size, paired, and halved, so that their outlines have the edges that they
-//! should.
+//! Quads in patches. One with a grid is mapped to a rectangle, each side in proportion to length on every arc, the inside
+//! by a harmonic map; the points of the grid are read off. One with a pattern is mapped to a regular polygon in the same way.
+//! All others take triangles of twice the size, paired, and halved, so that their outlines have the edges that they should.
 
 use super::chart::Chart;
 use super::layout::{Arc, Kind, Layout, Patch, Side};
