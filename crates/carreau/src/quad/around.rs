@@ -80,38 +80,74 @@ pub fn normal(q: [DVec3; 4]) -> DVec3 {
     (q[2] - q[0]).cross(q[3] - q[1]).normalize_or_zero()
 }
 
-/// The shape of the quads around a vertex that would be elsewhere: the scaled Jacobian at every corner over what it can be
-/// there; −1 where one turned over. One that is turned over already is measured against the quads around.
-fn shapes(work: &Work, around: &Around, v: u32, at: DVec3) -> impl Iterator<Item = [f64; 4]> {
-    around.quads[v as usize].iter().map(move |&q| {
-        let (before, after) = (corners(work, q, v, work.points[v as usize]), corners(work, q, v, at));
-        if scaled_jacobian(before) > BAD {
+/// The quads around a vertex, and how they look before it moves: what its moves are judged by.
+pub struct Ring<'a> {
+    work: &'a Work,
+    around: &'a Around,
+    vertex: u32,
+    quads: Vec<Before>,
+}
+
+/// A quad before its vertex moves.
+struct Before {
+    quad: u32,
+    /// Where it looks; one that is turned over, where those around it do.
+    up: DVec3,
+    is_good: bool,
+}
+
+impl<'a> Ring<'a> {
+    pub fn new(work: &'a Work, around: &'a Around, vertex: u32) -> Self {
+        let at = work.points[vertex as usize];
+        let before = |&quad: &u32| {
+            let own = corners(work, quad, vertex, at);
+            let is_good = scaled_jacobian(own) > BAD;
+            let up = if is_good { normal(own) } else { up_beside(work, around, quad).normalize_or(normal(own)) };
+            Before { quad, up, is_good }
+        };
+        let quads = around.quads[vertex as usize].iter().map(before).collect();
+        Ring { work, around, vertex, quads }
+    }
+
+    /// The shapes where the vertex would be elsewhere: the scaled Jacobian at every corner over what it can be there; −1
+    /// where a quad turned over.
+    fn shapes(&self, at: DVec3) -> impl Iterator<Item = [f64; 4]> {
+        self.quads.iter().map(move |before| {
+            let after = corners(self.work, before.quad, self.vertex, at);
+            let ceilings = &self.around.ceilings[before.quad as usize];
+            if !before.is_good {
+                return shape(after, before.up, ceilings);
+            }
             let up = normal(after);
-            return if up.dot(normal(before)) < TURN {
-                [-1.0; 4]
-            } else {
-                shape(after, up, &around.ceilings[q as usize])
-            };
-        }
-        let up: DVec3 = beside(work, around, q)
-            .take(ENOUGH)
-            .map(|other| work.faces.face(other as usize))
-            .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
-            .filter(|&p| scaled_jacobian(p) > BAD)
-            .map(normal)
-            .sum();
-        shape(after, up.normalize_or(normal(before)), &around.ceilings[q as usize])
-    })
+            if up.dot(before.up) < TURN { [-1.0; 4] } else { shape(after, up, ceilings) }
+        })
+    }
+
+    /// The worst of the shapes.
+    pub fn worst(&self, at: DVec3) -> f64 {
+        self.shapes(at).flatten().fold(f64::INFINITY, f64::min)
+    }
+
+    /// A sum that the worst of the shapes make most of: what cannot become better does not hide what can.
+    pub fn distress(&self, at: DVec3) -> f64 {
+        self.shapes(at).flatten().map(|shape| (-STEEP * shape).exp()).sum()
+    }
 }
 
-/// The worst of the shapes.
-pub fn worst(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
-    shapes(work, around, v, at).flatten().fold(f64::INFINITY, f64::min)
+/// The worst shape around a vertex where it is.
+pub fn worst(work: &Work, around: &Around, vertex: u32) -> f64 {
+    Ring::new(work, around, vertex).worst(work.points[vertex as usize])
 }
 
-/// A sum that the worst of the shapes make most of: what cannot become better does not hide what can.
-pub fn distress(work: &Work, around: &Around, v: u32, at: DVec3) -> f64 {
-    shapes(work, around, v, at).flatten().map(|shape| (-STEEP * shape).exp()).sum()
+/// The normals of the quads beside one, those that have one.
+fn up_beside(work: &Work, around: &Around, q: u32) -> DVec3 {
+    beside(work, around, q)
+        .take(ENOUGH)
+        .map(|other| work.faces.face(other as usize))
+        .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
+        .filter(|&p| scaled_jacobian(p) > BAD)
+        .map(normal)
+        .sum()
 }
 
 /// The quads that share a vertex with a quad, some of them more than once.

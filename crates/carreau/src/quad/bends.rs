@@ -13,7 +13,7 @@
 //! The vertex nearest to a bend moves there and stays; those beside it share what is left of the curve as before: where it
 //! turns more they are nearer to each other.
 
-use super::around::{Around, worst};
+use super::around::{Around, Ring, worst};
 use super::source::Source;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
@@ -72,8 +72,9 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
     }
     let mut held = Vec::new();
     for Moved { vertex, from, place, worst: before } in moved {
-        let now = worst(work, around, vertex, work.points[vertex as usize]);
-        if now < before.min(FAIR) && worst(work, around, vertex, from) > now {
+        let ring = Ring::new(work, around, vertex);
+        let now = ring.worst(work.points[vertex as usize]);
+        if now < before.min(FAIR) && ring.worst(from) > now {
             work.points[vertex as usize] = from;
             work.place[vertex as usize] = place;
         } else {
@@ -86,7 +87,7 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
 /// Vertices held at bends may move along their curves again where no smoothing has made the quads around good. Returns whether
 /// there are any.
 pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
-    let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v, work.points[v as usize]) < TIGHT;
+    let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v) < TIGHT;
     let poor: Vec<(u32, Place)> = held.iter().filter(is_poor).copied().collect();
     poor.iter().for_each(|&(v, place)| work.place[v as usize] = place);
     !poor.is_empty()
@@ -136,7 +137,7 @@ impl Strand {
             let is_free = !taken[b] && work.place[v] != Place::Fixed;
             if is_free && around.shortest_edge(work, vertex, to) >= LEFT * edges[k] {
                 let (from, place) = (work.points[v], work.place[v]);
-                moved.push(Moved { vertex, from, place, worst: worst(work, around, vertex, from) });
+                moved.push(Moved { vertex, from, place, worst: worst(work, around, vertex) });
                 taken[b] = true;
                 work.points[v] = to;
                 work.place[v] = Place::Fixed;

@@ -12,13 +12,26 @@ use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, HalfEdges};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// No ceiling is lower.
 const LOWEST: f64 = 0.01;
 
-/// The ceiling of every corner.
+/// The ceiling of every corner, for the quads that are there.
 pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
+    of_sectors(work, |angle, quads| (angle / f64::from(quads)).min(FRAC_PI_2).sin())
+}
+
+/// The ceiling of every corner, for the best number of quads in its sector.
+fn best_ceilings(work: &Work) -> Vec<[f64; 4]> {
+    of_sectors(work, |angle, _| {
+        let few = (angle / FRAC_PI_2).floor().max(1.0);
+        (angle / few).min(PI).sin().max((angle / (few + 1.0)).sin())
+    })
+}
+
+/// What the angle of a sector between features and the number of its quads say of their corners there.
+fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64) -> Vec<[f64; 4]> {
     let corners = work.faces.corners();
     let next = |c: u32| c / 4 * 4 + (c + 1) % 4;
     let mut sectors = DisjointSets::new(corners.len());
@@ -41,9 +54,8 @@ pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
         angle[s as usize] += angle_between(ahead, back);
         quads[s as usize] += 1;
     }
-    let share = |s: u32| angle[s as usize] / f64::from(quads[s as usize]);
     let of = |c: usize| match is_on_feature[corners[c] as usize] {
-        true => share(sector[c]).min(FRAC_PI_2).sin().max(LOWEST),
+        true => ceiling(angle[sector[c] as usize], quads[sector[c] as usize]).max(LOWEST),
         false => 1.0,
     };
     (0..work.faces.len()).map(|q| [0, 1, 2, 3].map(|k| of(4 * q + k))).collect()
@@ -55,10 +67,10 @@ pub fn shape(p: [DVec3; 4], up: DVec3, ceilings: &[f64; 4]) -> [f64; 4] {
     [0, 1, 2, 3].map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up) / ceilings[k])
 }
 
-/// The worst shape of every quad.
+/// The worst shape of every quad, over what the best numbers of quads between features allow.
 pub fn worst_shapes(work: &Work) -> impl Iterator<Item = f64> + '_ {
     let quads = work.faces.iter().map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]));
-    quads.zip(ceilings(work)).map(|(p, c)| shape(p, normal(p), &c).into_iter().fold(f64::INFINITY, f64::min))
+    quads.zip(best_ceilings(work)).map(|(p, c)| shape(p, normal(p), &c).into_iter().fold(f64::INFINITY, f64::min))
 }
 
 /// The worst shape there is.
@@ -92,6 +104,9 @@ mod tests {
         assert!((one[0] - 60f64.to_radians().sin()).abs() < 1e-12 && one[2] == 1.0, "{one:?}");
         let two = ceilings(&kite(true));
         assert!(two.iter().all(|c| (c[0] - 0.5).abs() < 1e-12), "{two:?}");
+        // One quad would have been better there.
+        let best = best_ceilings(&kite(true));
+        assert!(best.iter().all(|c| (c[0] - 60f64.to_radians().sin()).abs() < 1e-12), "{best:?}");
     }
 
     #[test]

@@ -62,16 +62,16 @@ impl<'a> Chart<'a> {
         self.corners.iter().copied().zip(self.triangles.iter().map(move |&t| of(t)))
     }
 
-    /// Places for all vertices: those that are given, the others so that the map is harmonic (cotangents: what is flat stays
-    /// as it is, however its triangles are graded). Where that turns a triangle over, by the mean of neighbours (Tutte:
-    /// positive weights, so that nothing folds where the outline is convex). `None` where a part has no given place.
-    pub fn spread(&self, given: Vec<Option<DVec2>>) -> Result<Option<Vec<DVec2>>> {
-        if let Ok(Some(harmonic)) = self.solved(&given, cotangent)
-            && !self.turns_over(&harmonic)
-        {
-            return Ok(Some(harmonic));
-        }
-        self.solved(&given, |points, k| points[k].distance(points[(k + 1) % 3]).max(f64::MIN_POSITIVE).recip())
+    /// Places for all vertices: those that are given, the others at the weighted mean of their neighbours (Tutte; positive
+    /// weights, so that nothing folds where the outline is convex). `None` where a part has no given place.
+    pub fn spread(&self, given: &[Option<DVec2>]) -> Result<Option<Vec<DVec2>>> {
+        self.solved(given, |points, k| points[k].distance(points[(k + 1) % 3]).max(f64::MIN_POSITIVE).recip())
+    }
+
+    /// The same by a harmonic map (cotangents): what is flat stays as it is, however its triangles are graded. `None` where
+    /// that turns a triangle over, too.
+    pub fn harmonic(&self, given: &[Option<DVec2>]) -> Option<Vec<DVec2>> {
+        self.solved(given, cotangent).ok().flatten().filter(|at| !self.turns_over(at))
     }
 
     /// Whether a triangle looks the other way in the plane; those along an outline may be flat.

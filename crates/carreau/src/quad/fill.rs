@@ -1,6 +1,7 @@
 //! Quads in patches. One with a grid is mapped to a rectangle, each side in proportion to length on every arc, the inside
-//! by a harmonic map; the points of the grid are read off. One with a pattern is mapped to a regular polygon in the same way.
-//! All others take triangles of twice the size, paired, and halved, so that their outlines have the edges that they should.
+//! by the mean of neighbours or by a harmonic map; the points of the grid are read off. One with a pattern is mapped to a
+//! regular polygon. All others take triangles of twice the size, paired, and halved, so that their outlines have the edges
+//! that they should.
 
 use super::chart::Chart;
 use super::layout::{Arc, Kind, Layout, Patch, Side};
@@ -11,6 +12,7 @@ use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::planar;
+use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::{NONE, Polygons};
 use glam::{DVec2, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -22,6 +24,9 @@ const SHORTEST: f64 = 0.7;
 const STEEPEST: f64 = 0.3;
 /// Corners of outlines with a lower cosine are nearly straight.
 const FLAT: f64 = -0.6;
+/// A harmonic map is taken where it makes the worst quad of a grid better by this much: where triangles are graded. Else the
+/// two are nearly alike, and the means of neighbours never fold.
+const CLEARLY: f64 = 0.1;
 
 /// The quads of a layout with the patch of each.
 pub struct Filled {
@@ -161,7 +166,7 @@ impl Filler<'_> {
             let on = |x: f64| [DVec2::new(x, 0.0), DVec2::new(w, x), DVec2::new(w - x, h), DVec2::new(0.0, h - x)][k];
             side.places.iter().for_each(|p| settle(&chart, &mut given, *p, on));
         }
-        let Ok(Some(uv)) = chart.spread(given) else { return Ok(None) };
+        let Ok(Some(uv)) = chart.spread(&given) else { return Ok(None) };
         // Vertices of the grid, row by row.
         let mut ids = vec![NONE; (m + 1) * (n + 1)];
         for i in 0..=m {
@@ -170,7 +175,13 @@ impl Filler<'_> {
         for j in 0..=n {
             (ids[j * (m + 1)], ids[j * (m + 1) + m]) = (sides[3].ids[n - j], sides[1].ids[j]);
         }
-        let points = chart.read_off(&uv, m, n);
+        let mut points = chart.read_off(&uv, m, n);
+        if let Some(uv) = chart.harmonic(&given) {
+            let harmonic = chart.read_off(&uv, m, n);
+            if worst_shape(work, &ids, &harmonic, m) > worst_shape(work, &ids, &points, m) + CLEARLY {
+                points = harmonic;
+            }
+        }
         for j in 1..n {
             for i in 1..m {
                 let Some(p) = points[j * (m + 1) + i] else { return Ok(None) };
@@ -198,7 +209,7 @@ impl Filler<'_> {
         for (k, side) in sides.iter().enumerate() {
             side.places.iter().for_each(|p| settle(&chart, &mut given, *p, |x| outline.at(k, x)));
         }
-        let Ok(Some(uv)) = chart.spread(given) else { return Ok(None) };
+        let Ok(Some(uv)) = chart.spread(&given) else { return Ok(None) };
         let around: Vec<DVec2> = counts
             .iter()
             .enumerate()
@@ -365,6 +376,16 @@ struct Flat {
     scale: f64,
 }
 
+/// The smallest scaled Jacobian of a grid of `m` quads a row: its outline's vertices are there, its inside is at `points`.
+fn worst_shape(work: &Work, ids: &[u32], points: &[Option<DVec3>], m: usize) -> f64 {
+    let at = |k: usize| if ids[k] == NONE { points[k] } else { Some(work.points[ids[k] as usize]) };
+    let shape = |k: usize| match [k, k + 1, k + m + 2, k + m + 1].map(at) {
+        [Some(a), Some(b), Some(c), Some(d)] => scaled_jacobian([a, b, c, d]),
+        _ => f64::NEG_INFINITY,
+    };
+    (0..ids.len() - m - 1).filter(|k| k % (m + 1) < m).map(shape).fold(f64::INFINITY, f64::min)
+}
+
 /// Looked at from the side that most of it faces; `None` where some of it looks away, or meets itself along a cut.
 fn projected(sheet: &Sheet, patch: &Patch, chart: &Chart, rings: &[Vec<u32>], work: &Work) -> Option<Flat> {
     let mean = patch.triangles.iter().map(|&t| sheet.normal(t) * sheet.area(t)).sum::<DVec3>().normalize_or_zero();
@@ -422,7 +443,7 @@ fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) 
         offset += arc.length;
     }
     let scale = (std::f64::consts::PI * radius * radius / patch.area).sqrt();
-    Ok(chart.spread(given)?.map(|at| Flat { outlines: vec![outline], at, scale }))
+    Ok(chart.spread(&given)?.map(|at| Flat { outlines: vec![outline], at, scale }))
 }
 
 /// New points inside, and triangles over the outlines and them.

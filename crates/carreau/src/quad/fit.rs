@@ -11,7 +11,7 @@
 //!
 //! Along the planes it goes to the mean of its neighbours.
 
-use super::around::{Around, Moves, worst};
+use super::around::{Around, Moves, Ring};
 use super::smooth::{GOOD, SHARES};
 use super::source::Source;
 use super::work::{Place, Work};
@@ -68,11 +68,12 @@ fn settled(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -
     let length = around.mean_edge(work, v);
     let step = beneath(work, around, source, v, region).optimum(mean, STEADY).clamp_length_max(REACH * shortest(from));
     let is_far = step.dot(around.up(work, v)).abs() > FAR * source.diagonal;
-    let before = worst(work, around, v, from).min(if is_far { FAIR } else { GOOD });
+    let ring = Ring::new(work, around, v);
+    let before = ring.worst(from).min(if is_far { FAIR } else { GOOD });
     SHARES
         .into_iter()
         .map(|share| work.put_back(source, v, from + share * step))
-        .find(|&to| shortest(to) >= shortest(from).min(LEFT * length) && worst(work, around, v, to) >= before)
+        .find(|&to| shortest(to) >= shortest(from).min(LEFT * length) && ring.worst(to) >= before)
 }
 
 /// The planes beneath the quarters of the quads at a vertex, from where it is.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CornerId, Polygons, Side, SurfaceMesh, VertexId};
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A vertex is on an edge within this share of the diagonal.
 const TOUCH: f64 = 1e-6;
@@ -119,11 +119,15 @@ fn divided(mesh: &SurfaceMesh, of_face: &FxHashMap<usize, (CornerId, Vec<DVec3>)
 
 /// The border edges that lie on others with the same ends.
 pub fn shared_borders(mesh: &SurfaceMesh) -> Vec<CornerId> {
-    let key = |c: CornerId| in_order(ends(mesh, c).map(|v| mesh.point(v))).map(|p| p.to_array().map(f64::to_bits));
     let borders = border_edges(mesh);
     let mut count: FxHashMap<_, u32> = FxHashMap::default();
-    borders.iter().for_each(|&c| *count.entry(key(c)).or_default() += 1);
-    borders.into_iter().filter(|&c| count[&key(c)] > 1).collect()
+    borders.iter().for_each(|&c| *count.entry(place(mesh, c)).or_default() += 1);
+    borders.into_iter().filter(|&c| count[&place(mesh, c)] > 1).collect()
+}
+
+/// What tells where an edge is, whichever way it runs.
+fn place(mesh: &SurfaceMesh, c: CornerId) -> [[u64; 3]; 2] {
+    in_order(ends(mesh, c).map(|v| mesh.point(v))).map(|p| p.to_array().map(f64::to_bits))
 }
 
 /// Two points, the same one first whichever way an edge runs.
@@ -135,9 +139,11 @@ fn in_order([a, b]: [DVec3; 2]) -> [DVec3; 2] {
 /// The mesh with those edges in parts up to a length, the same on all sides.
 pub fn with_shared_borders_divided(mesh: &SurfaceMesh, length: f64) -> Result<SurfaceMesh> {
     let mut mesh = mesh.clone();
+    // A triangle's turn comes for one edge after the other: what they shared at first counts.
+    let shared: FxHashSet<_> = shared_borders(&mesh).into_iter().map(|c| place(&mesh, c)).collect();
     for _ in 0..ROUNDS {
         let mut of_face = FxHashMap::default();
-        for c in shared_borders(&mesh) {
+        for c in border_edges(&mesh).into_iter().filter(|&c| shared.contains(&place(&mesh, c))) {
             let [a, b] = ends(&mesh, c).map(|v| mesh.point(v));
             let [from, to] = in_order([a, b]);
             let parts = (from.distance(to) / length).ceil().min(MOST_PARTS);
@@ -200,6 +206,18 @@ mod tests {
         let longest = shared.iter().map(|&c| ends(&fine, c).map(|v| fine.point(v))).map(|[a, b]| a.distance(b));
         assert!(longest.fold(0.0, f64::max) <= 0.5);
         assert_eq!(with_shared_borders_divided(&fine, 0.5).unwrap().faces(), fine.faces());
+    }
+
+    #[test]
+    fn all_shared_borders_of_a_triangle_are_divided() {
+        // Sheets that meet at all three edges of a triangle, one edge of each.
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        let sheets = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| [corners[b], corners[a], DVec3::ONE]);
+        let soup: Vec<DVec3> = corners.into_iter().chain(sheets.into_iter().flatten()).collect();
+        let faces: Vec<[u32; 3]> = (0..4).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let fine = with_shared_borders_divided(&triangles(&soup, &faces), 0.5).unwrap();
+        // The sheets share their sides with each other, too.
+        assert_eq!(shared_borders(&fine).len(), 2 * 6 * 3);
     }
 
     #[test]

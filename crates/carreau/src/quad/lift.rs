@@ -7,7 +7,7 @@
 //!   v────────v           v╯      ╰v
 //! ```
 
-use super::around::{Around, worst};
+use super::around::{Around, Ring};
 use super::quality::halves;
 use super::smooth::{GOOD, SHARES};
 use super::source::Source;
@@ -110,10 +110,11 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
                 && let Some(step) = step(work, around, &now, v, far)
             {
                 let from = work.points[v];
-                let least = worst(work, around, v as u32, from).min(GOOD);
+                let ring = Ring::new(work, around, v as u32);
+                let least = ring.worst(from).min(GOOD);
                 let may_be = |&to: &DVec3| {
                     source.on_region(region, to).is_some_and(|found| found.0.distance(to) <= far)
-                        && worst(work, around, v as u32, to) >= least
+                        && ring.worst(to) >= least
                 };
                 if let Some(to) = SHARES.map(|share| from + share * step).into_iter().find(may_be) {
                     work.points[v] = to;

@@ -137,6 +137,10 @@ const WITHIN: f64 = 0.1;
 /// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
 const RUNS: usize = 6;
 const SHORTER: f64 = 0.7;
+/// No other is tried where the last one came no nearer by this share of the number.
+const NEARER: f64 = 0.04;
+/// Quads of less than this share of the wanted length would be far too many.
+const SHORTEST: f64 = 0.45;
 /// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
 const MANY: f64 = 1.2;
 const LOOSER: f64 = 1.5;
@@ -163,7 +167,7 @@ const USUAL: usize = 2;
 /// Attempts with smaller quads where others were too far from the surface, that may come to nothing.
 const FRUITLESS: u32 = 2;
 /// Attempts that come to nothing before the next rung takes over, where none came to anything: others hardly ever do then.
-const FUTILE: usize = 2;
+const FUTILE: usize = 3;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -393,8 +397,9 @@ fn third(
     let mut best: Option<Work> = None;
     let mut refused = String::new();
     let mut budget = Budget::new(2.0 * source.area / length.powi(2));
+    let shortest = SHORTEST * length;
     for _ in 0..RUNS {
-        if budget.is_spent() {
+        if budget.is_spent() || length < shortest {
             break;
         }
         let Some(coarse) = attempt(pair::paired(source, length, loose, feature_deg, context))? else {
@@ -408,21 +413,22 @@ fn third(
         smooth::smooth(&mut work, source, context)?;
         take_back(&mut work, &halve(&coarse, source, Middle::Straight).points, source);
         lifted(&mut work, source, context)?;
-        if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
+        let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
+        if why.is_none() && quality::straying(&work, source, context)? > LOST {
+            why = Some(LEFT_OUT.into());
+        }
+        if let Some(why) = why {
             refused = why;
             length *= SHORTER;
             continue;
         }
-        if quality::straying(&work, source, context)? > LOST {
-            refused = LEFT_OUT.into();
-            length *= SHORTER;
-            continue;
-        }
         let count = work.faces.len();
-        if best.as_ref().is_none_or(|b| off(count, options.quads) < off(b.faces.len(), options.quads)) {
+        let missed = off(count, options.quads);
+        let gain = best.as_ref().map_or(f64::INFINITY, |b| off(b.faces.len(), options.quads) - missed);
+        if gain > 0.0 {
             best = Some(work);
         }
-        if options.edge_length.is_some() || off(count, options.quads) < 0.5 * WITHIN {
+        if options.edge_length.is_some() || missed < 0.5 * WITHIN || gain < NEARER {
             break;
         }
         let ratio = count as f64 / options.quads as f64;

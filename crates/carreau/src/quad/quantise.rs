@@ -114,11 +114,18 @@ impl Conditions {
 /// A state is a condition and the sign of the change of its value that is still owed.
 type State = usize;
 
+/// The bit of an arc; others share it.
+fn bit(arc: u32) -> u64 {
+    1 << (arc % u64::BITS)
+}
+
 /// What a search for a chain has found so far: kept between searches, so that each pays for the states it reaches only.
 struct Search {
     cost: Vec<f64>,
     /// The state before, and the arc with its change that led from there.
     from: Vec<Option<(State, u32, i64)>>,
+    /// A bit for some of all arcs: set for those of the steps that led there.
+    passed: Vec<u64>,
     reached: Vec<State>,
     queue: BinaryHeap<Reverse<(u64, u32, i64)>>,
     /// All that were reached by searches before.
@@ -128,8 +135,8 @@ struct Search {
 impl Search {
     fn new(conditions: usize) -> Self {
         let states = 2 * conditions;
-        let (cost, from) = (vec![f64::INFINITY; states], vec![None; states]);
-        Search { cost, from, reached: Vec::new(), queue: BinaryHeap::new(), steps: 0 }
+        let (cost, from, passed) = (vec![f64::INFINITY; states], vec![None; states], vec![0; states]);
+        Search { cost, from, passed, reached: Vec::new(), queue: BinaryHeap::new(), steps: 0 }
     }
 
     fn clear(&mut self) {
@@ -144,12 +151,16 @@ impl Search {
     fn reach(&mut self, state: State, cost: f64, from: Option<(State, u32, i64)>, (condition, owed): (u32, i64)) {
         self.cost[state] = cost;
         self.from[state] = from;
+        self.passed[state] = from.map_or(0, |(before, arc, _)| self.passed[before] | bit(arc));
         self.reached.push(state);
         self.queue.push(Reverse((cost.to_bits(), condition, owed)));
     }
 
     /// What the steps that led to a state have changed an arc by.
     fn so_far(&self, mut at: State, arc: u32) -> i64 {
+        if self.passed[at] & bit(arc) == 0 {
+            return 0;
+        }
         let mut sum = 0;
         while let Some((before, step, change)) = self.from[at] {
             sum += if step == arc { change } else { 0 };

@@ -1,7 +1,7 @@
 //! Smoothing: vertices move to the mean of their neighbours, back to their curve or region, and only as far as the worst
 //! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
-use super::around::{Around, BAD, Moves, beside, distress, worst};
+use super::around::{Around, BAD, Moves, Ring, beside};
 use super::bends;
 use super::fit::fit;
 use super::source::Source;
@@ -29,6 +29,8 @@ const TANGLED: usize = 24;
 const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
 const PATIENCE: usize = 4;
 
+/// Vertices that slide along a curve leave edges of this share of those beside them.
+const APART: f64 = 0.4;
 /// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
 const HOPELESS: f64 = 0.5;
 
@@ -61,7 +63,12 @@ impl Smoothing {
             let mut moved = 0usize;
             for v in 0..work.points.len() as u32 {
                 context.check_every(v as usize)?;
-                moved += usize::from(relax(work, &around, source, v));
+                let has_moved = match work.place[v as usize] {
+                    Place::Region(_) => relax(work, &around, source, v),
+                    Place::Curve(_) => slide(work, &around, source, v),
+                    Place::Fixed => false,
+                };
+                moved += usize::from(has_moved);
             }
             if moved * 100 < work.points.len() {
                 break;
@@ -127,31 +134,63 @@ fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context
         near.dedup();
         for v in near {
             context.check_every(v as usize)?;
-            relax(work, around, source, v);
+            if let Place::Region(_) = work.place[v as usize] {
+                relax(work, around, source, v);
+            }
             improve(work, around, source, v, TANGLED_STEPS[round % TANGLED_STEPS.len()]);
         }
     }
     Ok(false)
 }
 
-/// Moves a vertex towards the mean of its neighbours.
+/// Moves a vertex inside a region towards the mean of its neighbours.
 fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let neighbours = &around.neighbours[v as usize];
-    // Vertices on features are where these turn, and stay there.
-    if !matches!(work.place[v as usize], Place::Region(_)) || neighbours.is_empty() {
+    if neighbours.is_empty() {
         return false;
     }
     let from = work.points[v as usize];
     let mean = neighbours.iter().map(|&w| work.points[w as usize]).sum::<DVec3>() / neighbours.len() as f64;
-    let before = worst(work, around, v, from);
-    for share in SHARES {
-        let to = work.put_back(source, v, from + (mean - from) * share);
-        if worst(work, around, v, to) >= before.min(GOOD) {
-            work.points[v as usize] = to;
-            return to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize]);
+    let ring = Ring::new(work, around, v);
+    let least = ring.worst(from).min(GOOD);
+    let mut places = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share));
+    let Some(to) = places.find(|&to| ring.worst(to) >= least) else { return false };
+    work.points[v as usize] = to;
+    to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize])
+}
+
+/// Moves a vertex on a curve along it towards the mean of its neighbours, but only where the quads around are skewed: else it
+/// is where its curve turns, and stays.
+///
+/// ```text
+///  ━━━━━╾─v──╼━━━━        ━━━━━━━v━━━━
+///    ╱   ╱   ╱       →      │    │    │
+///   ╱   ╱   ╱               │    │    │
+/// ```
+fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
+    let from = work.points[v as usize];
+    let ring = Ring::new(work, around, v);
+    let before = ring.worst(from);
+    if before >= GOOD {
+        return false;
+    }
+    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+    for &q in &around.quads[v as usize] {
+        let face = work.faces.face(q as usize);
+        for k in (0..4).filter(|&k| face[(k + 1) % 4] == v || face[(k + 3) % 4] == v) {
+            (sum, count) = (sum + work.points[face[k] as usize], count + 1.0);
         }
     }
-    false
+    let (mean, length) = (sum / count, around.mean_edge(work, v));
+    let least = around.shortest_edge(work, v, from).min(APART * length);
+    let to = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share)).find(|&to| {
+        ring.worst(to) >= before
+            && around.shortest_edge(work, v, to) >= least
+            && keeps_feature_at(work, around, source, v, to)
+    });
+    let Some(to) = to else { return false };
+    work.points[v as usize] = to;
+    to.distance_squared(from) > 1e-4 * length.powi(2)
 }
 
 /// Looks around a vertex with a poor quad for a better place.
@@ -160,17 +199,18 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
         return;
     }
     let from = work.points[v as usize];
-    if worst(work, around, v, from) >= POOR {
+    let ring = Ring::new(work, around, v);
+    if ring.worst(from) >= POOR {
         return;
     }
-    let mut best = (distress(work, around, v, from), from);
+    let mut best = (ring.distress(from), from);
     let length = around.mean_edge(work, v);
     let least = around.shortest_edge(work, v, from).min(LEAST * length);
     let (x, y) = around.up(work, v).any_orthonormal_pair();
     for k in 0..8 {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
         let to = work.put_back(source, v, from + (x * cos + y * sin) * step * length);
-        let found = distress(work, around, v, to);
+        let found = ring.distress(to);
         if found < best.0 * (1.0 - 1e-6)
             && around.shortest_edge(work, v, to) >= least
             && keeps_feature_at(work, around, source, v, to)
@@ -186,4 +226,63 @@ fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: D
     let Place::Curve(curve) = work.place[v as usize] else { return true };
     let keeps = |w: u32, at: DVec3| keeps_feature(source, curve, [work.points[w as usize], at]);
     around.neighbours[v as usize].iter().all(|&w| keeps(w, at) || !keeps(w, work.points[v as usize]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ceiling::worst_shape;
+    use super::*;
+    use crate::geometry::features::FeatureOptions;
+    use crate::mesh::{Polygons, SurfaceMesh};
+    use std::f64::consts::PI;
+
+    /// A rectangle ten times as long as wide, in ten quads whose vertices on the upper side are where those of the lower are,
+    /// and `skew` farther in the middle.
+    fn strip(skew: f64) -> (Work, Source, Context) {
+        let context = Context::new();
+        let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let outline = vec![at(0.0, 0.0), at(10.0, 0.0), at(10.0, 1.0), at(0.0, 1.0)];
+        let mut faces = Polygons::new();
+        [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| faces.push(t));
+        let mesh = SurfaceMesh::new(outline, faces).unwrap();
+        let source = Source::new(&mesh, &FeatureOptions::default(), &context).unwrap();
+        let mut work = Work::default();
+        for k in 0..=10u32 {
+            let (x, y) = (f64::from(k), skew * (0.1 * PI * f64::from(k)).sin());
+            work.points.extend([at(x, 0.0), at(x + y, 1.0)]);
+        }
+        let ends: Vec<[u32; 2]> =
+            (0..10).flat_map(|k| [[2 * k, 2 * k + 2], [2 * k + 1, 2 * k + 3]]).chain([[0, 1], [20, 21]]).collect();
+        let curve_of = |[a, b]: [u32; 2]| {
+            let [p, q] = [a, b].map(|v| work.points[v as usize]);
+            source.curve[source.feature_along(p.midpoint(q), (q - p).normalize(), 0.1, 0.9).unwrap() as usize]
+        };
+        work.features = ends.iter().map(|&e| (e, curve_of(e))).collect();
+        work.place = vec![Place::Fixed; 22];
+        work.features[..20].iter().for_each(|(ends, curve)| {
+            ends.iter().filter(|&&v| (2..20).contains(&v)).for_each(|&v| work.place[v as usize] = Place::Curve(*curve));
+        });
+        (0..10).for_each(|k| work.faces.push(&[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]));
+        work.region = vec![0; 10];
+        (work, source, context)
+    }
+
+    #[test]
+    fn vertices_slide_along_features_where_quads_are_skewed() {
+        let (mut work, source, context) = strip(1.5);
+        assert!(worst_shape(&work) < 0.6);
+        smooth(&mut work, &source, &context).unwrap();
+        assert!(worst_shape(&work) >= GOOD, "{}", worst_shape(&work));
+        // On their curves still, in order.
+        assert!((0..10).all(|k| (0..2).all(|j| work.points[2 * k + 2 + j].x - work.points[2 * k + j].x > 0.4)));
+        assert!(work.points.iter().enumerate().all(|(v, p)| p.y == (v % 2) as f64));
+    }
+
+    #[test]
+    fn vertices_on_features_stay_where_quads_are_good() {
+        let (mut work, source, context) = strip(0.3);
+        let before = work.points.clone();
+        smooth(&mut work, &source, &context).unwrap();
+        assert_eq!(work.points, before);
+    }
 }
