@@ -96,7 +96,7 @@ pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
 impl Strand {
     /// Whether its edges keep the curve.
     fn is_kept(&self, work: &Work, source: &Source) -> bool {
-        let keeps = |ends: &[u32; 2]| keeps_feature(source, self.curve, ends.map(|v| work.points[v as usize]));
+        let keeps = |ends: &[u32; 2]| keeps_feature(source, self.curve, ends.map(|v| work.points[v as usize]), 1.0);
         self.edges.iter().all(keeps)
     }
 

@@ -204,20 +204,20 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
             warnings
                 .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
         }
-        made = Some(Made { work, rung: vec![3; source.regions], tracks: Vec::new() });
+        made = Some(Made::all_on(3, work, &source));
     }
-    let Made { work, rung, tracks } = made.unwrap_or_else(|| {
+    let made = made.unwrap_or_else(|| {
         warnings.push("every triangle becomes three quads".into());
-        Made { work: fourth(&source), rung: vec![4; source.regions], tracks: Vec::new() }
+        Made::all_on(4, fourth(&source), &source)
     });
-    let count = work.faces.len();
+    let count = made.work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
-        let rung = rung.iter().max().copied().unwrap_or(0);
+        let rung = made.rung.iter().max().copied().unwrap_or(0);
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
-    let mut quality = quality::measure(&work, &source);
-    quality.distance_max = Some(quality::distance(&work, &source, context)?);
-    finish(&source, Made { work, rung, tracks }, quality, warnings)
+    let mut quality = quality::measure(&made.work, &source);
+    quality.distance_max = Some(quality::distance(&made.work, &source, context)?);
+    finish(&source, made, quality, warnings)
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
@@ -292,14 +292,14 @@ fn first(
             break;
         }
         // Again with smaller quads where they were too far from the surface, as long as that helps.
-        let (mut tight, mut before) = (Vec::new(), None);
+        let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
         loop {
             // A number that is missed by more than the best attempt is off speaks for that one.
             let most = best
                 .as_ref()
                 .filter(|b| !b.cost.useless)
                 .map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST));
-            let wish = Wish { length, quads, most, finer, first: options.rung == 1, tight: &tight };
+            let wish = Wish { length, quads, most, finer, first: options.rung == 1, tight: &tight, tried: &tried };
             let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
                 Ok(found) => found,
                 Err(why) => {
@@ -317,6 +317,7 @@ fn first(
             let again =
                 helps && !budget.is_spent() && fruitless < FRUITLESS && !found.tight.is_empty() && !found.cost.useless;
             tight.extend(found.tight.iter().copied());
+            tried.clone_from(&found.made.numbers);
             if best.as_ref().is_none_or(|b| found.cost < b.cost) {
                 best = Some(found);
             }
@@ -495,7 +496,7 @@ fn fourth(source: &Source) -> Work {
 }
 
 fn finish(source: &Source, made: Made, quality: QuadQuality, warnings: Vec<String>) -> Result<Quads> {
-    let Made { mut work, rung, mut tracks } = made;
+    let Made { mut work, rung, mut tracks, .. } = made;
     drop_unused(&mut work, &mut tracks);
     let mut mesh = work.to_mesh()?;
     let mut counts = vec![0; source.regions];

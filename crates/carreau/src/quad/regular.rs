@@ -62,6 +62,15 @@ pub struct Made {
     pub rung: Vec<u32>,
     /// Edges along the motorcycle graph.
     pub tracks: Vec<[u32; 2]>,
+    /// Numbers of quads along the arcs of its first layout.
+    pub numbers: Vec<i64>,
+}
+
+impl Made {
+    /// Quads that are all made on one rung, without a graph.
+    pub fn all_on(rung: u32, work: Work, source: &Source) -> Self {
+        Made { work, rung: vec![rung; source.regions], tracks: Vec::new(), numbers: Vec::new() }
+    }
 }
 
 /// What comes of it, or why nothing does.
@@ -81,6 +90,8 @@ pub struct Wish<'a> {
     pub first: bool,
     /// Where quads were too far from the surface before.
     pub tight: &'a [Tight],
+    /// Numbers that have been tried.
+    pub tried: &'a [i64],
 }
 
 /// Quads as wished.
@@ -98,6 +109,7 @@ pub fn regular(
         };
     budget.triangles(coarse.mesh.face_count());
     let mut state = vec![State::Fresh; sheet.triangles.len()];
+    let mut numbers = Vec::new();
     // Where features lost their shape, round by round.
     let mut lost_places = Vec::new();
     let mut why = "a patch could not be filled".to_string();
@@ -130,6 +142,12 @@ pub fn regular(
         layout.tighten(&sheet, wish.tight);
         quantise(&mut layout, wish, aim);
         budget.steps(layout.steps);
+        if round == 0 {
+            numbers = layout.arcs.iter().map(|arc| arc.count).collect();
+            if numbers == wish.tried {
+                return Ok(Err("smaller quads would change nothing".into()));
+            }
+        }
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
         let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
         tracing::debug!(target: "carreau::quad", round, dropped = traced.dropped, grids, patterns, others);
@@ -181,7 +199,7 @@ pub fn regular(
                     let count = work.faces.len() as f64;
                     let useless = worst_shapes(&work).zip(&patch).filter(|(shape, _)| *shape < USELESS);
                     bad.extend(useless.map(|(_, &p)| p as usize));
-                    let made = Made { work, rung, tracks };
+                    let made = Made { work, rung, tracks, numbers: numbers.clone() };
                     if bad.is_empty() || spare.is_some() || nearest.is_some() {
                         let off = wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
                         if nearest.as_ref().is_some_and(|n| off >= n.0) {

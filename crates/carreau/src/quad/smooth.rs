@@ -31,6 +31,8 @@ const PATIENCE: usize = 4;
 
 /// Vertices that slide along a curve leave edges of this share of those beside them.
 const APART: f64 = 0.4;
+/// They stay as near and parallel to it as this share of what counts.
+const SURE: f64 = 0.7;
 /// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
 const HOPELESS: f64 = 0.5;
 
@@ -186,7 +188,7 @@ fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let to = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share)).find(|&to| {
         ring.worst(to) >= before
             && around.shortest_edge(work, v, to) >= least
-            && keeps_feature_at(work, around, source, v, to)
+            && keeps_feature_at(work, around, source, v, to, SURE)
     });
     let Some(to) = to else { return false };
     work.points[v as usize] = to;
@@ -213,7 +215,7 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
         let found = ring.distress(to);
         if found < best.0 * (1.0 - 1e-6)
             && around.shortest_edge(work, v, to) >= least
-            && keeps_feature_at(work, around, source, v, to)
+            && keeps_feature_at(work, around, source, v, to, 1.0)
         {
             best = (found, to);
         }
@@ -221,11 +223,12 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     work.points[v as usize] = best.1;
 }
 
-/// Whether a vertex on a curve may be elsewhere on it: its edges must not come off it.
-fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: DVec3) -> bool {
+/// Whether a vertex on a curve may be elsewhere on it: its edges must not come off it, by a share of what counts as off.
+fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: DVec3, share: f64) -> bool {
     let Place::Curve(curve) = work.place[v as usize] else { return true };
-    let keeps = |w: u32, at: DVec3| keeps_feature(source, curve, [work.points[w as usize], at]);
-    around.neighbours[v as usize].iter().all(|&w| keeps(w, at) || !keeps(w, work.points[v as usize]))
+    let keeps = |w: u32, at: DVec3, share: f64| keeps_feature(source, curve, [work.points[w as usize], at], share);
+    let neighbours = &around.neighbours[v as usize];
+    neighbours.iter().all(|&w| keeps(w, at, share) || !keeps(w, work.points[v as usize], 1.0))
 }
 
 #[cfg(test)]

@@ -232,15 +232,20 @@ fn the_tip_of_a_cone_is_a_vertex() {
 }
 
 #[test]
-fn without_a_budget_there_is_no_attempt() {
+fn there_is_no_attempt_without_a_budget_nor_twice_the_same() {
     let (mesh, context) = (part("bracket"), Context::new());
     let options = FeatureOptions::default();
     let source = Source::new(&mesh, &options, &context).unwrap();
     let length = (source.area / 1500.0).sqrt();
-    let wish = Wish { length, quads: Some(1500), most: MOST, finer: 1.0, first: true, tight: &[] };
+    let wish = Wish { length, quads: Some(1500), most: MOST, finer: 1.0, first: true, tight: &[], tried: &[] };
     let angle = options.angle_deg.unwrap();
     let mut budget = Budget::new(1500.0);
-    assert!(regular(&source, &wish, angle, &mut budget, &context).unwrap().is_ok());
+    let made = regular(&source, &wish, angle, &mut budget, &context).unwrap().ok().unwrap();
+    // Nor is there another with the same numbers.
+    let again = Wish { tried: &made.numbers, ..wish };
+    let why = regular(&source, &again, angle, &mut budget, &context).unwrap().err().unwrap();
+    assert!(why.contains("change nothing"), "{why}");
+    let wish = Wish { tried: &[], ..again };
     budget.triangles(usize::MAX);
     let why = regular(&source, &wish, angle, &mut budget, &context).unwrap().err().unwrap();
     assert!(why.contains("too many attempts"), "{why}");

@@ -118,9 +118,9 @@ pub fn lost_features(work: &Work, source: &Source, near: f64) -> Vec<(u32, DVec3
     if missing > (1.0 - RECALL) * total { places } else { Vec::new() }
 }
 
-/// Whether edges between two places keep the curve that they are on.
-pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2]) -> bool {
-    source.is_along(curve, ends, NEAR * source.diagonal, ALONG_DEG.to_radians().cos())
+/// Whether edges between two places keep the curve that they are on, by a share of what may be between them.
+pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2], share: f64) -> bool {
+    source.is_along(curve, ends, share * NEAR * source.diagonal, (share * ALONG_DEG).to_radians().cos())
 }
 
 /// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.
