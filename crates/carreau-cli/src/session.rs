@@ -249,9 +249,14 @@ impl Session {
         Ok(net)
     }
 
-    /// Reads a surface; polygons are fanned from their first corner.
+    /// Reads a surface; its polygons are cut into triangles.
     pub fn read_triangles(&mut self, file: &Path) -> Result<SurfaceMesh, Error> {
         self.read(file)?.into_surface()?.triangulated()
+    }
+
+    /// Reads a surface; its polygons become fans from their first corners, so that everybody numbers the triangles alike.
+    pub fn read_fans(&mut self, file: &Path) -> Result<SurfaceMesh, Error> {
+        self.read(file)?.into_surface()?.fanned()
     }
 
     /// Writes a mesh file.

@@ -181,7 +181,7 @@ impl Patch {
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_triangles(&self.input)?;
+        let mesh = session.read_fans(&self.input)?;
         let context = session.context.clone();
         let mut limits = options.patch.clone();
         if let Some(file) = &options.features {

@@ -156,7 +156,7 @@ impl Segment {
     }
 
     fn segment(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_triangles(&self.input)?;
+        let mesh = session.read_fans(&self.input)?;
         let context = session.context.clone();
         let mut wanted = options.segment.clone();
         wanted.radius = options.radius.map(|r| r.resolve(mesh.diagonal()));

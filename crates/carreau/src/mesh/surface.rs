@@ -4,7 +4,7 @@ use super::attributes::{Attributes, gather_columns};
 use super::half_edges::HalfEdges;
 use super::id::{CornerId, FaceId, VertexId};
 use super::polygons::Polygons;
-use super::triangulate::{Cut, triangulate};
+use super::triangulate::{Cut, fans, triangulate};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -256,10 +256,20 @@ impl SurfaceMesh {
     /// the polygon allows. Face attributes follow, corner attributes of cut polygons too. A triangular mesh is returned
     /// as it is.
     pub fn triangulated(self) -> Result<Self> {
+        self.divided(triangulate)
+    }
+
+    /// As [`Self::triangulated`], but every polygon is a fan from its first corner, turned triangles or not: for results
+    /// that name triangles by their number.
+    pub fn fanned(self) -> Result<Self> {
+        self.divided(fans)
+    }
+
+    fn divided(self, cut: impl FnOnce(&[DVec3], &Polygons) -> Cut) -> Result<Self> {
         if self.is_triangular() {
             return Ok(self);
         }
-        let Cut { triangles, corners, parent } = triangulate(&self.points, &self.faces);
+        let Cut { triangles, corners, parent } = cut(&self.points, &self.faces);
         let mut out = Self::from_triangles(self.points, &triangles)?;
         out.attributes = Attributes {
             vertex: self.attributes.vertex,

@@ -1,5 +1,5 @@
 //! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
-//! of the fan would be turned or flat, or a diagonal an edge already, ears instead, the best shaped first (Meisters,
+//! of the fan would be turned or flat, or a diagonal an edge already, [`triangulate`] takes ears instead, the best shaped first (Meisters,
 //! "Polygons have ears", 1975). A polygon that is folded however it is cut is a fan where that has a clearly smaller area: the
 //! rest lies on itself.
 //!
@@ -41,18 +41,25 @@ pub struct Cut {
 
 /// Cuts all polygons, in their order.
 pub fn triangulate(points: &[DVec3], faces: &Polygons) -> Cut {
-    let mut cutter = Cutter {
-        points,
-        edges: HalfEdges::new(faces, points.len()),
-        diagonals: HashSet::new(),
-        cut: Cut { triangles: Vec::new(), corners: Vec::new(), parent: Vec::new() },
-        rest: Vec::new(),
-        scores: Vec::new(),
-    };
+    let mut cutter = Cutter::new(points, faces);
     for (f, face) in faces.iter().enumerate() {
         cutter.add(f as u32, face, faces.offsets()[f]);
     }
     cutter.cut
+}
+
+/// Cuts all polygons from their first corners, whatever becomes of the triangles.
+pub fn fans(points: &[DVec3], faces: &Polygons) -> Cut {
+    let mut cutter = Cutter::new(points, faces);
+    for (f, face) in faces.iter().enumerate() {
+        cutter.push(f as u32, face, faces.offsets()[f], fan(face));
+    }
+    cutter.cut
+}
+
+/// The triangles of a fan, as positions in the polygon.
+fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> + Clone + use<> {
+    (1..(face.len() as u32).saturating_sub(1)).map(|k| [0, k, k + 1])
 }
 
 struct Cutter<'a> {
@@ -67,17 +74,27 @@ struct Cutter<'a> {
     scores: Vec<f64>,
 }
 
-impl Cutter<'_> {
+impl<'a> Cutter<'a> {
+    fn new(points: &'a [DVec3], faces: &Polygons) -> Self {
+        Self {
+            points,
+            edges: HalfEdges::new(faces, points.len()),
+            diagonals: HashSet::new(),
+            cut: Cut { triangles: Vec::new(), corners: Vec::new(), parent: Vec::new() },
+            rest: Vec::new(),
+            scores: Vec::new(),
+        }
+    }
+
     fn add(&mut self, parent: u32, face: &[u32], first: u32) {
-        let last = (face.len() as u32).saturating_sub(1);
-        let fan = (1..last).map(|k| [0, k, k + 1]);
+        let fan = fan(face);
         if face.len() > MOST_CORNERS {
             self.push(parent, face, first, fan);
             return;
         }
         let normal = area_vector(self.points, face);
         let is_upright = |triangle: [u32; 3]| self.shape(face, normal, triangle) > 0.0;
-        let fan_is_new = (2..last).all(|k| self.is_new(face[0], face[k as usize]));
+        let fan_is_new = fan.clone().skip(1).all(|[_, k, _]| self.is_new(face[0], face[k as usize]));
         if fan_is_new && fan.clone().all(is_upright) {
             self.push(parent, face, first, fan);
             return;
@@ -225,12 +242,15 @@ mod tests {
     }
 
     #[test]
-    fn a_dart_is_cut_at_its_reflex_corner_wherever_that_is() {
+    fn a_dart_is_cut_at_its_reflex_corner_wherever_that_is_and_fanned_from_its_first_where_numbers_count() {
         let dart = flat(&[(0.0, 0.0), (2.0, -1.0), (0.5, 0.0), (2.0, 1.0)]);
         for turn in 0..4 {
             let face: Vec<u32> = (0..4).map(|k| (k + turn) % 4).collect();
             let found = cut(&dart, &[&face]);
             assert!(found.triangles.iter().all(|t| t.contains(&0) && t.contains(&2)));
+            let Cut { triangles, corners, parent } = fans(&dart, &[face.as_slice()].into_iter().collect());
+            assert_eq!(triangles, [[face[0], face[1], face[2]], [face[0], face[2], face[3]]]);
+            assert_eq!((corners, parent), (vec![0, 1, 2, 0, 2, 3], vec![0, 0]));
         }
     }
 
