@@ -416,7 +416,8 @@ fn segment_tells_faces_surfaces_and_boundaries() {
 #[test]
 fn polygons_are_fans_where_results_name_triangles() {
     let folder = TempDir::new().expect("a folder");
-    let (dart, off, layout) = (folder.path().join("dart.off"), folder.path().join("out.off"), folder.path().join("l.json"));
+    let (dart, off, layout) =
+        (folder.path().join("dart.off"), folder.path().join("out.off"), folder.path().join("l.json"));
     // Two darts, each with its reflex corner second: a fan from the first corner has a turned triangle.
     std::fs::write(&dart, "OFF 5 2 0\n2 -1 0\n.5 0 0\n2 1 0\n0 0 0\n-2 0 0\n4 0 1 2 3\n4 0 3 2 4\n").expect("written");
     record(&["segment", text(&dart), "-o", text(&off)]);

@@ -7,7 +7,7 @@
 //!
 //! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
 
-use super::optimise::{Optimiser, Spring};
+use super::optimise::{Optimiser, Spring, Ties, relieve};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::face_normals;
@@ -26,6 +26,8 @@ const BULGE: f64 = 0.3;
 const SAMPLES: usize = 20_000;
 /// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
 const SWELL: f64 = 8e-5;
+/// Strength of the springs to the surface along its normal, and across, while poor cells are improved.
+const SLIDING: [f64; 2] = [1000.0, 1e-3];
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
 
@@ -345,17 +347,85 @@ pub fn pull(
         let mut places = skin.places(points, &shape, target);
         skin.reach_out(points, &shape, target, &mut places);
         for (vertex, to, normal) in places {
-            springs.push(Spring { vertex, to, normal, along: strength, across: 1e-3 * strength.min(1.0) });
-            if let Part::Rim(k) = skin.parts[vertex as usize] {
-                // Along the border it slides.
-                let lid = &target.lids()[k as usize];
-                springs.push(Spring { vertex, to, normal: lid.normal, along: strength, across: 0.0 });
-            }
+            let across = 1e-3 * strength.min(1.0);
+            springs.extend(springs_to(target, skin.parts[vertex as usize], vertex, to, normal, strength, across));
         }
         optimiser.tie(springs);
         optimiser.descend(points, 0.0, rise.power, rise.iterations, context)?;
         optimiser.retarget(points);
     }
+    Ok(())
+}
+
+/// What pulls a boundary vertex to its place.
+fn springs_to(
+    target: &Target,
+    part: Part,
+    vertex: u32,
+    to: DVec3,
+    normal: DVec3,
+    along: f64,
+    across: f64,
+) -> impl Iterator<Item = Spring> + use<> {
+    // Along the border of a lid it slides.
+    let in_plane = match part {
+        Part::Rim(k) => Some(Spring { vertex, to, normal: target.lids()[k as usize].normal, along, across: 0.0 }),
+        _ => None,
+    };
+    [Some(Spring { vertex, to, normal, along, across }), in_plane].into_iter().flatten()
+}
+
+/// The boundary slides along the surface.
+struct Sliding<'a> {
+    skin: &'a Skin,
+    target: &'a Target<'a>,
+    shape: Shape,
+    /// Vertices that are on the surface.
+    placed: &'a [bool],
+}
+
+impl Sliding<'_> {
+    fn place(&self, v: usize, at: DVec3) -> (DVec3, DVec3) {
+        self.target.place(self.skin.parts[v], at, self.shape.normals[v], 4.0 * self.shape.sizes[v])
+    }
+}
+
+impl Ties for Sliding<'_> {
+    fn springs(&self, vertex: u32, at: DVec3) -> Vec<Spring> {
+        let v = vertex as usize;
+        if !self.placed[v] {
+            return Vec::new();
+        }
+        let (to, normal) = self.place(v, at);
+        springs_to(self.target, self.skin.parts[v], vertex, to, normal, SLIDING[0], SLIDING[1]).collect()
+    }
+
+    /// What could not be put onto the surface stays as near as it is.
+    fn is_fixed(&self, vertex: u32) -> bool {
+        self.skin.has(vertex as usize) && !self.placed[vertex as usize]
+    }
+
+    fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
+        let v = vertex as usize;
+        self.placed[v].then(|| {
+            let to = self.place(v, at).0;
+            if self.skin.parts[v] == Part::Wall { self.target.closest_wall(to).map_or(to, |c| c.0) } else { to }
+        })
+    }
+}
+
+/// Lets boundary vertices slide where cells are poor. `free` are those that are inside or could not be put onto the surface.
+pub fn slide(
+    points: &mut [DVec3],
+    hexes: &[[u32; 8]],
+    skin: &Skin,
+    target: &Target,
+    free: &[bool],
+    context: &Context,
+) -> Result<()> {
+    let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
+    let sliding = Sliding { skin, target, shape: skin.shape(points), placed: &placed };
+    relieve(points, hexes, &sliding, context)?;
     Ok(())
 }
 

@@ -53,7 +53,7 @@ use crate::error::{Error, Result};
 use crate::geometry::hexes::uncertified;
 use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
 use glam::DVec3;
-use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring};
+use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
 use refine::{CORE, TubeMesh};
 use resample::Step;
 use rustc_hash::FxHashSet;
@@ -118,6 +118,8 @@ const MANY_SEGMENTS: usize = 1500;
 const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
 /// Branchings closer than this share of the smaller radius become one.
 const MERGE: f64 = 0.3;
+/// Vertices at nodes this near to one that lies outside are held, in its radii.
+const NEAR: f64 = 2.0;
 /// Strength of the springs: of ends to their planes, of the wall to its radius and across it, of nodes to their places.
 const PLANE: f64 = 10.0;
 const WALL: f64 = 0.3;
@@ -212,19 +214,22 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
         return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
     }
     let (given, net, mut warnings) = prepare(net, options, context)?;
-    let mut best: Option<(usize, TubeMesh, BaseMesh)> = None;
-    for nodes in [Nodes::Drawn, Nodes::Held] {
-        let base = valid_base(&net, nodes, context)?;
-        let tube = refined(&net, &base, nodes, options, context)?;
-        let outside = cover::outside_cells(&given, &tube).len();
-        if best.as_ref().is_none_or(|b| outside < b.0) {
-            best = Some((outside, tube, base));
+    let mut best: Option<([usize; 2], TubeMesh, BaseMesh)> = None;
+    let mut held = Vec::new();
+    for _ in 0..2 {
+        let base = valid_base(&net, &held, context)?;
+        let tube = refined(&net, &base, &held, options, context)?;
+        let outside = cover::outside_cells(&given, &tube);
+        let score = [uncertified(&tube.points, &tube.hexes).len(), outside.len()];
+        if best.as_ref().is_none_or(|b| score < b.0) {
+            best = Some((score, tube, base));
         }
-        if outside == 0 {
+        if outside.is_empty() {
             break;
         }
+        held = outside.iter().map(|&v| (given.points[v as usize], NEAR * given.radii[v as usize])).collect();
     }
-    let Some((outside, tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
+    let Some(([_, outside], tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
     warn_of_poor(&base, &mut warnings);
     if outside > 0 {
         warnings.push(format!("{outside} nodes of the skeleton lie outside of the cells"));
@@ -232,43 +237,42 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     deliver(tube, net, warnings, options, context)
 }
 
-/// How the vertices at the nodes of the skeleton are held; extremities stay in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Nodes {
-    /// Springs draw them to their places: cells have better shapes.
-    Drawn,
-    /// They stay.
-    Held,
-}
+/// Places, with a radius, around which the vertices at the nodes of the skeleton stay, as extremities do; others are drawn
+/// to their nodes by springs: cells have better shapes.
+type Held = [(DVec3, f64)];
 
 /// The base mesh padded, halved, and optimised.
-fn refined(net: &CurveNet, base: &BaseMesh, nodes: Nodes, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
+fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
     // What is not halved is not optimised again.
     let halved = options.refine_across() + options.refine_along > 0;
-    let mut tube = padded(net, base, options, if halved { &PASSING } else { &COARSE }, nodes, context)?;
+    let mut tube = padded(net, base, options, if halved { &PASSING } else { &COARSE }, held, context)?;
     (0..options.refine_across()).for_each(|_| tube.refine_across());
     (0..options.refine_along).for_each(|_| tube.refine_along(|_| true));
     if halved {
         let _stage = context.stage("optimise");
-        optimise(&mut tube, &FINE, nodes, context)?;
+        optimise(&mut tube, &FINE, held, context)?;
     }
+    let _stage = context.stage("poor cells");
+    let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+    hold(&mut optimiser, &tube, held);
+    relieve(&mut tube.points, &tube.hexes, &optimiser, context)?;
     Ok(tube)
 }
 
 /// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
-fn valid_base(net: &CurveNet, nodes: Nodes, context: &Context) -> Result<BaseMesh> {
+fn valid_base(net: &CurveNet, held: &Held, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
     let mut base = sew::base_mesh(net);
     let mut coarse = refine::pad(net, &base, Padding::None, CORE);
-    optimise(&mut coarse, &COARSE, nodes, context)?;
+    optimise(&mut coarse, &COARSE, held, context)?;
     base.points = coarse.points;
     Ok(base)
 }
 
 /// Untangles and smooths a mesh that has no surface.
-fn optimise(tube: &mut TubeMesh, effort: &Effort, nodes: Nodes, context: &Context) -> Result<()> {
+fn optimise(tube: &mut TubeMesh, effort: &Effort, held: &Held, context: &Context) -> Result<()> {
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
-    hold(&mut optimiser, tube, nodes);
+    hold(&mut optimiser, tube, held);
     optimiser.run(&mut tube.points, effort, context)
 }
 
@@ -332,9 +336,9 @@ fn shaped(net: &CurveNet, options: &HexOptions, stay: &FxHashSet<i64>, merge: f6
             notes.push(format!("{merged} branchings lie inside others and were merged with them"));
         }
     }
-    let zipped = zip::zip(&mut net);
+    let narrow = if options.stage == Stage::Full { zip::CLOSE_DEGREES } else { zip::NARROW_DEGREES };
+    let zipped = zip::zip(&mut net, narrow);
     if zipped > 0 {
-        let narrow = zip::NARROW_DEGREES;
         notes.push(format!("{zipped} pairs of directions are closer than {narrow}° and got a common trunk"));
     }
     if options.stage == Stage::Full {
@@ -397,7 +401,7 @@ fn padded(
     base: &BaseMesh,
     options: &HexOptions,
     effort: &Effort,
-    nodes: Nodes,
+    held: &Held,
     context: &Context,
 ) -> Result<TubeMesh> {
     let _stage = context.stage("padding");
@@ -406,7 +410,7 @@ fn padded(
         return Ok(tube);
     }
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
-    hold(&mut optimiser, &tube, nodes);
+    hold(&mut optimiser, &tube, held);
     let mut points = tube.points.clone();
     for core in CORES {
         if optimiser.is_valid(&points) {
@@ -421,7 +425,8 @@ fn padded(
 
 /// What holds a mesh that has no surface: springs pull the wall to its radius, ends to their planes, and the vertices at
 /// the nodes of the skeleton to these.
-fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, nodes: Nodes) {
+fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, held: &Held) {
+    let is_held = |p: DVec3| held.iter().any(|&(at, reach)| p.distance(at) <= reach);
     let mut springs = Vec::with_capacity(tube.points.len());
     for v in 0..tube.points.len() {
         let (vertex, c) = (v as u32, tube.centres[v]);
@@ -440,7 +445,7 @@ fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, nodes: Nodes) {
     for &vertex in &tube.nodes {
         let to = tube.centres[vertex as usize];
         springs.push(Spring { vertex, to, normal: DVec3::ZERO, along: 0.0, across: NODE });
-        fixed[vertex as usize] = nodes == Nodes::Held || tube.caps[vertex as usize] > 0;
+        fixed[vertex as usize] = tube.caps[vertex as usize] > 0 || is_held(to);
     }
     optimiser.tie(springs);
     optimiser.fix(fixed);

@@ -4,7 +4,7 @@ use super::fit::{self, Rise, Skin, Target};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
-use super::{HexOptions, HexResult, Nodes, Stage, deliver, limit, meet, padded, tips, zip};
+use super::{HexOptions, HexResult, Stage, deliver, limit, meet, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
@@ -28,6 +28,9 @@ const FEW: usize = 100;
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
 /// have no room for cells; but those of a tree do.
 const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
+/// Directions closer than this get a trunk, in degrees: both are tried with every share. Cells in wider forks have better
+/// shapes, but limbs beside each other on a body are none.
+const NARROW: [f64; 2] = [zip::CLOSE_DEGREES, zip::NARROW_DEGREES];
 /// Cells with vertices that cannot be put there are taken for so much farther from the surface.
 const STUCK: f64 = 1.5;
 /// A boundary this near to the surface, as a share of the diagonal, needs no second try.
@@ -65,8 +68,8 @@ pub fn from_surface(
     let target = Target::new(&closed);
     let mut best: Option<Coarse> = None;
     let mut known: Vec<CurveNet> = Vec::new();
-    for merge in MERGES {
-        let ready = Ready::new(&net, merge, &target, options, context)?;
+    for (merge, narrow) in MERGES.into_iter().flat_map(|merge| NARROW.map(|narrow| (merge, narrow))) {
+        let ready = Ready::new(&net, [merge, narrow], &target, options, context)?;
         if known.contains(&ready.net) {
             continue;
         }
@@ -74,6 +77,7 @@ pub fn from_surface(
         let tried = Coarse::new(ready, &target, context)?;
         tracing::debug!(
             merge,
+            narrow,
             left = tried.left,
             off = tried.off,
             mean = tried.mean,
@@ -124,11 +128,11 @@ struct Ready {
 }
 
 impl Ready {
-    fn new(net: &CurveNet, merge: f64, target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
+    fn new(net: &CurveNet, forks: [f64; 2], target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
         let _stage = context.stage("skeleton");
         let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
         let evenly = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
-        let lid_of_node = prepare(&mut net, merge, target, &mut options, &mut warnings)?;
+        let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
         super::check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
         Ok(Ready { net, options, lid_of, evenly, warnings })
@@ -161,9 +165,9 @@ impl Coarse {
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, .. } = &ready;
         let mut warnings = Vec::new();
-        let base = super::valid_base(net, Nodes::Drawn, context)?;
+        let base = super::valid_base(net, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
-        let mut tube = padded(net, &base, options, &PASSING, Nodes::Drawn, context)?;
+        let mut tube = padded(net, &base, options, &PASSING, &[], context)?;
         let is_even = *evenly && even_out(&mut tube, net);
         let _stage = context.stage("fit");
         let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
@@ -206,8 +210,9 @@ impl Coarse {
             if level == levels {
                 fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
                 // What cannot be put onto the surface at once may have room when its neighbours are there.
+                let mut free = Vec::new();
                 for (attempt, kept) in KEPT.into_iter().enumerate() {
-                    let free = fit::snap(&optimiser, points, &skin, target, kept);
+                    free = fit::snap(&optimiser, points, &skin, target, kept);
                     left = stuck(&free, &skin);
                     if left == 0 || attempt + 1 == KEPT.len() {
                         optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
@@ -219,6 +224,7 @@ impl Coarse {
                 }
                 optimiser.tie(Vec::new());
                 optimiser.run(points, &super::optimise::INNER, context)?;
+                fit::slide(points, hexes, &skin, target, &free, context)?;
             }
         }
         Ok(left)
@@ -266,10 +272,11 @@ fn skeleton_of(
     }
 }
 
-/// Clean-up, resampling and the size asked for; the answer says in which lid (from 1) a node lies, zero for none.
+/// Clean-up with the shares of branchings that become one and the angle of forks that get a trunk, resampling and the size
+/// asked for; the answer says in which lid (from 1) a node lies, zero for none.
 fn prepare(
     net: &mut CurveNet,
-    merge: f64,
+    [merge, narrow]: [f64; 2],
     target: &Target,
     options: &mut HexOptions,
     warnings: &mut Vec<String>,
@@ -287,7 +294,7 @@ fn prepare(
     }
     if options.stage == Stage::Full {
         meet::meet(net, target);
-        zip::zip(net);
+        zip::zip(net, narrow);
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {

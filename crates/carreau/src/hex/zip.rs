@@ -10,22 +10,26 @@
 use crate::mesh::CurveNet;
 use glam::DVec3;
 
-/// Directions closer than this are zipped.
+/// Directions closer than this are zipped in any case, as the paper's connection surfaces have no room for them.
 pub const NARROW_DEGREES: f64 = 15.0;
+/// Directions closer than this are zipped where the skeleton may be worked on: the cells between two segments at an angle θ
+/// have a scaled Jacobian of about sin θ/2 where both leave one node, and twice that at the end of a trunk.
+pub const CLOSE_DEGREES: f64 = 30.0;
 /// The trunk ends where the directions are this far apart.
 const APART_DEGREES: f64 = 40.0;
 /// Rounds; every zip makes one trunk, whose end may be narrow again.
 const ROUNDS: usize = 4;
 
-/// Zips all narrow pairs; returns how many.
-pub fn zip(net: &mut CurveNet) -> usize {
+/// Zips all pairs of directions closer than an angle; returns how many.
+pub fn zip(net: &mut CurveNet, degrees: f64) -> usize {
+    let narrow = degrees.to_radians().cos();
     let mut zipped = 0;
     for round in 0..ROUNDS {
         let mut found = 0;
         let around = net.incidence();
         for v in (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2) {
             let mut at: Vec<u32> = around.of(v).iter().map(|s| s[0]).collect();
-            while let Some(pair) = narrowest(net, v, &at) {
+            while let Some(pair) = narrowest(net, v, &at, narrow) {
                 at.retain(|e| !pair.contains(e));
                 at.push(part(net, v, pair));
                 found += 1;
@@ -39,13 +43,13 @@ pub fn zip(net: &mut CurveNet) -> usize {
     zipped
 }
 
-/// The two segments with the smallest angle of those at a branching, where it is narrow.
-fn narrowest(net: &CurveNet, v: u32, at: &[u32]) -> Option<[u32; 2]> {
+/// The two segments with the smallest angle of those at a branching, where its cosine is larger than `narrow`.
+fn narrowest(net: &CurveNet, v: u32, at: &[u32], narrow: f64) -> Option<[u32; 2]> {
     if at.len() < 3 {
         return None;
     }
     let direction = |e: u32| (net.points[other(net, e, v) as usize] - net.points[v as usize]).normalize_or_zero();
-    let mut best = (NARROW_DEGREES.to_radians().cos(), None);
+    let mut best = (narrow, None);
     for (k, &a) in at.iter().enumerate() {
         for &b in &at[k + 1..] {
             let cos = direction(a).dot(direction(b));
@@ -98,11 +102,12 @@ mod tests {
         let points = vec![DVec3::ZERO, -DVec3::X, DVec3::new(2.0, 0.1, 0.0), DVec3::new(2.0, -0.1, 0.0)];
         let mut net = CurveNet::new(points, vec![0.1; 4], vec![[0, 1], [0, 2], [0, 3]]);
         let cycles = net.cycles();
-        assert_eq!(zip(&mut net), 1);
+        assert_eq!(zip(&mut net.clone(), 5.0), 0);
+        assert_eq!(zip(&mut net, NARROW_DEGREES), 1);
         assert_eq!((net.points.len(), net.edges.len(), net.cycles()), (5, 4, cycles));
         let around = net.incidence();
         let at = |v: u32| around.of(v).iter().map(|s| s[0]).collect::<Vec<u32>>();
-        assert!((0..5).all(|v| narrowest(&net, v, &at(v)).is_none()));
-        assert_eq!(zip(&mut net), 0);
+        assert!((0..5).all(|v| narrowest(&net, v, &at(v), CLOSE_DEGREES.to_radians().cos()).is_none()));
+        assert_eq!(zip(&mut net, CLOSE_DEGREES), 0);
     }
 }

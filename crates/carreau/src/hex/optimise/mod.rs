@@ -1,14 +1,20 @@
 //! Geometry: untangling and smoothing (spec 1.6).
 //!
-//! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs).
+//! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs); first for
+//!    the folded cells and their surroundings alone (patches.rs), then for all.
 //! 2. Then ε = 0: the energy is infinite outside the valid set, which no step leaves. The power p rises, so that the
 //!    worst cells count more and more; target lengths follow the cells, so that only angles are asked for.
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
 //!    and step 2 is repeated.
 //!
+//! 4. The worst cells once more, with their surroundings alone.
+//!
 //! Wall vertices are tied to where they belong by springs, stiff along the normal and weak along the surface.
 
 mod energy;
+mod patches;
+
+pub use patches::{Ties, relieve};
 
 use crate::context::Context;
 use crate::error::Result;
@@ -83,6 +89,22 @@ fn regularised(d: f64, epsilon: f64) -> f64 {
     if d > 0.0 { 0.5 * (d + root) } else { 0.5 * epsilon * epsilon / (root - d).max(1e-300) }
 }
 
+/// Corners (8 × cell + corner) by vertex, and where those of each vertex begin.
+fn corners_at(vertices: usize, hexes: &[[u32; 8]]) -> (Vec<u32>, Vec<u32>) {
+    let mut offsets = vec![0u32; vertices + 1];
+    hexes.as_flattened().iter().for_each(|&v| offsets[v as usize + 1] += 1);
+    for v in 0..vertices {
+        offsets[v + 1] += offsets[v];
+    }
+    let mut next = offsets.clone();
+    let mut corners = vec![0; 8 * hexes.len()];
+    for (&v, k) in hexes.as_flattened().iter().zip(0..) {
+        corners[next[v as usize] as usize] = k;
+        next[v as usize] += 1;
+    }
+    (offsets, corners)
+}
+
 /// Cells, and what is asked of them.
 pub struct Optimiser<'a> {
     hexes: &'a [[u32; 8]],
@@ -94,6 +116,7 @@ pub struct Optimiser<'a> {
     first: Vec<[f64; 3]>,
     weight: Vec<f64>,
     scale: Vec<f64>,
+    /// In the order of their vertices.
     springs: Vec<Spring>,
     /// Vertices that stay; empty for none.
     fixed: Vec<bool>,
@@ -102,17 +125,7 @@ pub struct Optimiser<'a> {
 impl<'a> Optimiser<'a> {
     /// Targets are taken from the positions.
     pub fn new(points: &[DVec3], hexes: &'a [[u32; 8]]) -> Self {
-        let mut offsets = vec![0u32; points.len() + 1];
-        hexes.as_flattened().iter().for_each(|&v| offsets[v as usize + 1] += 1);
-        for v in 0..points.len() {
-            offsets[v + 1] += offsets[v];
-        }
-        let mut next = offsets.clone();
-        let mut corners = vec![0; 8 * hexes.len()];
-        for (&v, k) in hexes.as_flattened().iter().zip(0..) {
-            corners[next[v as usize] as usize] = k;
-            next[v as usize] += 1;
-        }
+        let (offsets, corners) = corners_at(points.len(), hexes);
         let weight = vec![1.0; hexes.len()];
         let mut all = Optimiser {
             hexes,
@@ -131,7 +144,8 @@ impl<'a> Optimiser<'a> {
     }
 
     /// Ties vertices; replaces the springs of before.
-    pub fn tie(&mut self, springs: Vec<Spring>) {
+    pub fn tie(&mut self, mut springs: Vec<Spring>) {
+        springs.sort_by_key(|s| s.vertex);
         self.springs = springs;
     }
 
@@ -293,6 +307,13 @@ impl<'a> Optimiser<'a> {
         Ok(least > VALID)
     }
 
+    /// The folded cells.
+    fn folded(&self, points: &[DVec3]) -> Vec<u32> {
+        let is_folded =
+            |&h: &u32| !(cell_energy(&self.cell(points, h as usize), self.inverse[h as usize], 1.0, 1).least > VALID);
+        (0..self.hexes.len() as u32).into_par_iter().with_min_len(MIN_CELLS).filter(is_folded).collect()
+    }
+
     /// Step 2; large meshes get fewer iterations.
     fn improve(&mut self, points: &mut Vec<DVec3>, powers: &[(i32, usize)], context: &Context) -> Result<()> {
         let share = (MANY_CELLS / self.hexes.len() as f64).clamp(0.3, 1.0);
@@ -326,9 +347,10 @@ impl<'a> Optimiser<'a> {
 
     /// All steps, until every cell has a certificate or nothing helps.
     pub fn run(&mut self, points: &mut Vec<DVec3>, effort: &Effort, context: &Context) -> Result<()> {
-        let mut valid = self.is_valid(points);
+        let mut valid = self.is_valid(points) || patches::unfold(self, points, effort, context)?;
         if !valid {
             valid = self.untangle(points, effort, context)?;
+            valid = valid || patches::unfold(self, points, effort, context)?;
             self.retarget(points);
         }
         if valid {

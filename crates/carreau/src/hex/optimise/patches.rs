@@ -1,0 +1,348 @@
+//! Folded cells, and the worst of the others, each with its surroundings alone.
+//!
+//! A few hundred cells take so many iterations as they need, and no step is cut short by what happens elsewhere. Patches
+//! without a common cell are worked on side by side; what does no cell good is not taken.
+//!
+//! ```text
+//! ┌──┬──┬──┬──┬──┐
+//! ├──┼──┼──┼──┼──┤     ▓ the cell; vertices on the rim of its patch stay
+//! ├──┼──┼▓▓┼──┼──┤
+//! ├──┼──┼──┼──┼──┤
+//! └──┴──┴──┴──┴──┘
+//! ```
+
+use super::{Effort, Optimiser, Spring, VALID};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::hexes::{scaled_jacobian, uncertified};
+use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Cells with a lower scaled Jacobian are worked on.
+const POOR: f64 = 0.4;
+/// Rings of cells around a poor one.
+const RINGS: usize = 5;
+/// Powers of the energy in turn, with the iterations of each.
+const POWERS: [(i32, usize); 3] = [(4, 40), (8, 80), (16, 80)];
+/// Inside once more, when the boundary is where it belongs.
+const INSIDE: (i32, usize) = (16, 60);
+/// A patch is taken when its worst cell is better by this share.
+const GAIN: f64 = 0.02;
+/// Rounds of patches side by side, and patches in all.
+const ROUNDS: usize = 20;
+const PATCHES: usize = 400;
+/// Rings around folded cells, round after round.
+const UNFOLDING: [usize; 4] = [2, 3, 4, 6];
+/// Where more than one of so many cells is folded, they are no exceptions.
+const EXCEPTIONS: usize = 10;
+
+/// What vertices are tied to while cells are improved.
+pub trait Ties: Sync {
+    /// The springs of a vertex that is here.
+    fn springs(&self, vertex: u32, at: DVec3) -> Vec<Spring>;
+    /// Whether a vertex stays where it is.
+    fn is_fixed(&self, vertex: u32) -> bool;
+    /// Where a vertex has to be that was moved here, if it is not free.
+    fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3>;
+}
+
+impl Ties for Optimiser<'_> {
+    fn springs(&self, vertex: u32, _: DVec3) -> Vec<Spring> {
+        let first = self.springs.partition_point(|s| s.vertex < vertex);
+        self.springs[first..].iter().take_while(|s| s.vertex == vertex).copied().collect()
+    }
+
+    fn is_fixed(&self, vertex: u32) -> bool {
+        self.fixed.get(vertex as usize) == Some(&true)
+    }
+
+    fn settled(&self, _: u32, _: DVec3) -> Option<DVec3> {
+        None
+    }
+}
+
+/// A mesh with the cells at every vertex.
+struct Mesh<'a> {
+    hexes: &'a [[u32; 8]],
+    offsets: Vec<u32>,
+    cells: Vec<u32>,
+}
+
+impl<'a> Mesh<'a> {
+    fn new(vertices: usize, hexes: &'a [[u32; 8]]) -> Self {
+        let (offsets, corners) = super::corners_at(vertices, hexes);
+        Mesh { hexes, offsets, cells: corners.into_iter().map(|c| c / 8).collect() }
+    }
+
+    fn at(&self, vertex: u32) -> &[u32] {
+        &self.cells[self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize]
+    }
+
+    /// A cell and those around it, in rings.
+    fn around(&self, cell: u32, rings: usize) -> Vec<u32> {
+        let mut found = vec![cell];
+        let mut known: FxHashSet<u32> = [cell].into_iter().collect();
+        let mut start = 0;
+        for _ in 0..rings {
+            let end = found.len();
+            for k in start..end {
+                for &v in &self.hexes[found[k] as usize] {
+                    found.extend(self.at(v).iter().copied().filter(|&c| known.insert(c)));
+                }
+            }
+            start = end;
+        }
+        found
+    }
+
+    /// Patches around cells in turn, as far as they have no cell in common.
+    fn disjoint(&self, cells: impl Iterator<Item = u32>, rings: usize, most: usize) -> Vec<Vec<u32>> {
+        let mut taken = vec![false; self.hexes.len()];
+        let mut patches = Vec::new();
+        for cell in cells {
+            if patches.len() >= most {
+                break;
+            }
+            if taken[cell as usize] {
+                continue;
+            }
+            let around = self.around(cell, rings);
+            if around.iter().all(|&c| !taken[c as usize]) {
+                around.iter().for_each(|&c| taken[c as usize] = true);
+                patches.push(around);
+            }
+        }
+        patches
+    }
+}
+
+/// Cells with numbers of their own for their vertices.
+struct Patch {
+    vertices: Vec<u32>,
+    places: Vec<DVec3>,
+    hexes: Vec<[u32; 8]>,
+    fixed: Vec<bool>,
+}
+
+impl Patch {
+    fn new(mesh: &Mesh, points: &[DVec3], cells: &[u32], ties: &impl Ties) -> Self {
+        let mut local: FxHashMap<u32, u32> = FxHashMap::default();
+        let mut vertices = Vec::new();
+        let mut number = |v: u32| {
+            *local.entry(v).or_insert_with(|| {
+                vertices.push(v);
+                vertices.len() as u32 - 1
+            })
+        };
+        let hexes: Vec<[u32; 8]> = cells.iter().map(|&c| mesh.hexes[c as usize].map(&mut number)).collect();
+        let mut used = vec![0; vertices.len()];
+        hexes.as_flattened().iter().for_each(|&v| used[v as usize] += 1);
+        let is_held = |(&v, used): (&u32, usize)| used < mesh.at(v).len() || ties.is_fixed(v);
+        let fixed = vertices.iter().zip(used).map(is_held).collect();
+        Patch { places: vertices.iter().map(|&v| points[v as usize]).collect(), vertices, hexes, fixed }
+    }
+
+    /// The springs of the vertices that may move.
+    fn springs(&self, places: &[DVec3], ties: &impl Ties) -> Vec<Spring> {
+        let own = |k: usize| {
+            ties.springs(self.vertices[k], places[k]).into_iter().map(move |s| Spring { vertex: k as u32, ..s })
+        };
+        (0..self.vertices.len()).filter(|&k| !self.fixed[k]).flat_map(own).collect()
+    }
+
+    fn worst(&self, places: &[DVec3]) -> f64 {
+        let quality = |h: &[u32; 8]| scaled_jacobian(&h.map(|v| places[v as usize]));
+        self.hexes.iter().map(quality).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Improves the worst cells.
+pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, context: &Context) -> Result<()> {
+    let mesh = Mesh::new(points.len(), hexes);
+    let mut given_up = vec![false; hexes.len()];
+    let (mut better, mut tried) = (0, 0);
+    for _ in 0..ROUNDS {
+        let quality = |c: usize| scaled_jacobian(&hexes[c].map(|v| points[v as usize]));
+        let mut poor: Vec<(f64, u32)> = (0..hexes.len())
+            .into_par_iter()
+            .filter(|&c| !given_up[c])
+            .map(|c| (quality(c), c as u32))
+            .filter(|c| c.0 < POOR)
+            .collect();
+        poor.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let patches = mesh.disjoint(poor.into_iter().map(|c| c.1), RINGS, PATCHES - tried);
+        if patches.is_empty() {
+            break;
+        }
+        tried += patches.len();
+        let here = &*points;
+        let ease = |cells: &Vec<u32>| eased(&Patch::new(&mesh, here, cells, ties), ties, context);
+        let found: Vec<_> = patches.par_iter().map(ease).collect::<Result<_>>()?;
+        for (cells, found) in patches.iter().zip(found) {
+            match found {
+                Some(moved) => {
+                    better += 1;
+                    moved.into_iter().for_each(|(v, p)| points[v as usize] = p);
+                }
+                None => given_up[cells[0] as usize] = true,
+            }
+        }
+    }
+    tracing::debug!(tried, better, "patches of poor cells");
+    Ok(())
+}
+
+/// The vertices of a patch where its worst cell is better; `None` where none is found.
+fn eased(patch: &Patch, ties: &impl Ties, context: &Context) -> Result<Option<Vec<(u32, DVec3)>>> {
+    let mut places = patch.places.clone();
+    let mut optimiser = Optimiser::new(&places, &patch.hexes);
+    if !optimiser.is_valid(&places) {
+        return Ok(None);
+    }
+    optimiser.fix(patch.fixed.clone());
+    for (power, iterations) in POWERS {
+        optimiser.tie(patch.springs(&places, ties));
+        optimiser.descend(&mut places, 0.0, power, iterations, context)?;
+        optimiser.retarget(&places);
+    }
+    let settled: Vec<Option<DVec3>> = (0..places.len())
+        .map(|k| (!patch.fixed[k]).then(|| ties.settled(patch.vertices[k], places[k])).flatten())
+        .collect();
+    if settled.iter().any(Option::is_some) {
+        settled.iter().zip(&mut places).for_each(|(to, p)| *p = to.unwrap_or(*p));
+        if !optimiser.is_valid(&places) {
+            return Ok(None);
+        }
+        optimiser.fix(patch.fixed.iter().zip(&settled).map(|(f, s)| *f || s.is_some()).collect());
+        optimiser.tie(Vec::new());
+        optimiser.descend(&mut places, 0.0, INSIDE.0, INSIDE.1, context)?;
+    }
+    let is_better = patch.worst(&places) > (1.0 + GAIN) * patch.worst(&patch.places)
+        && uncertified(&places, &patch.hexes).is_empty();
+    Ok(is_better.then(|| patch.vertices.iter().copied().zip(places).collect()))
+}
+
+/// Unfolds the folded cells where they are few; whether none is left.
+pub fn unfold(all: &Optimiser, points: &mut [DVec3], effort: &Effort, context: &Context) -> Result<bool> {
+    let mesh = Mesh::new(points.len(), all.hexes);
+    let mut folded = all.folded(points);
+    if folded.len() * EXCEPTIONS > all.hexes.len() {
+        return Ok(false);
+    }
+    for rings in UNFOLDING {
+        let mut given_up = FxHashSet::default();
+        loop {
+            let open = folded.iter().copied().filter(|c| !given_up.contains(c));
+            let patches = mesh.disjoint(open, rings, usize::MAX);
+            if patches.is_empty() {
+                break;
+            }
+            let here = &*points;
+            let one = |cells: &Vec<u32>| unfolded(all, &Patch::new(&mesh, here, cells, all), cells, effort, context);
+            let found: Vec<_> = patches.par_iter().map(one).collect::<Result<_>>()?;
+            for (cells, found) in patches.iter().zip(found) {
+                match found {
+                    Some(moved) => moved.into_iter().for_each(|(v, p)| points[v as usize] = p),
+                    None => _ = given_up.insert(cells[0]),
+                }
+            }
+            folded = all.folded(points);
+        }
+        tracing::debug!(rings, left = folded.len(), "folded cells by patches");
+        if folded.is_empty() {
+            break;
+        }
+    }
+    Ok(folded.is_empty())
+}
+
+/// The vertices of a patch without a folded cell; `None` where that is not reached.
+fn unfolded(
+    all: &Optimiser,
+    patch: &Patch,
+    cells: &[u32],
+    effort: &Effort,
+    context: &Context,
+) -> Result<Option<Vec<(u32, DVec3)>>> {
+    let mut optimiser = Optimiser::new(&patch.places, &patch.hexes);
+    optimiser.inverse = cells.iter().map(|&c| all.inverse[c as usize]).collect();
+    optimiser.fix(patch.fixed.clone());
+    optimiser.tie(patch.springs(&patch.places, all));
+    let mut places = patch.places.clone();
+    let is_valid = optimiser.untangle(&mut places, effort, context)? && optimiser.least(&places) > VALID;
+    Ok(is_valid.then(|| patch.vertices.iter().copied().zip(places).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::FINE;
+    use super::*;
+
+    const SIDE: u32 = 13;
+
+    /// A block of cubes, its boundary held.
+    fn block() -> (Vec<DVec3>, Vec<[u32; 8]>, Vec<bool>) {
+        let n = SIDE + 1;
+        let at = |i: u32, j: u32, k: u32| (k * n + j) * n + i;
+        let triples = |m: u32| (0..m * m * m).map(move |c| [c % m, c / m % m, c / m / m]);
+        let points = triples(n).map(|[i, j, k]| DVec3::new(f64::from(i), f64::from(j), f64::from(k))).collect();
+        let hex = |[i, j, k]: [u32; 3]| {
+            let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
+            let high = low.map(|v| v + n * n);
+            [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+        };
+        let fixed = triples(n).map(|c| c.iter().any(|&x| x == 0 || x == SIDE)).collect();
+        (points, triples(SIDE).map(hex).collect(), fixed)
+    }
+
+    fn held<'a>(hexes: &'a [[u32; 8]], straight: &[DVec3], fixed: &[bool]) -> Optimiser<'a> {
+        let mut optimiser = Optimiser::new(straight, hexes);
+        optimiser.fix(fixed.to_vec());
+        optimiser
+    }
+
+    #[test]
+    fn a_fold_is_undone_where_it_is_and_nothing_else_moves() {
+        let (straight, hexes, fixed) = block();
+        let mut points = straight.clone();
+        let n = (SIDE + 1) as usize;
+        let middle = (6 * n + 6) * n + 6;
+        points[middle] += DVec3::new(1.7, 0.2, -0.3);
+        let optimiser = held(&hexes, &straight, &fixed);
+        assert!(!optimiser.folded(&points).is_empty());
+        assert!(unfold(&optimiser, &mut points, &FINE, &Context::new()).unwrap());
+        assert!(optimiser.is_valid(&points) && uncertified(&points, &hexes).is_empty());
+        let far = |v: &usize| straight[*v].distance(straight[middle]) > 12.0;
+        assert!((0..points.len()).filter(far).all(|v| points[v] == straight[v]));
+    }
+
+    #[test]
+    fn where_everything_is_folded_patches_are_no_help() {
+        let (straight, hexes, fixed) = block();
+        let mut points: Vec<DVec3> = straight.iter().map(|p| DVec3::new(-p.x, p.y, p.z)).collect();
+        let before = points.clone();
+        assert!(!unfold(&held(&hexes, &straight, &fixed), &mut points, &FINE, &Context::new()).unwrap());
+        assert_eq!(points, before);
+    }
+
+    #[test]
+    fn poor_cells_become_better_and_what_is_held_stays() {
+        let (straight, hexes, fixed) = block();
+        let mut points = straight.clone();
+        for (v, p) in points.iter_mut().enumerate().filter(|(v, _)| !fixed[*v]) {
+            // Waves without a common period shear some cells much, and most a little.
+            let t = v as f64;
+            *p += 0.34 * DVec3::new((1.7 * t).sin(), (2.3 * t).cos(), (0.9 * t).sin());
+        }
+        let optimiser = held(&hexes, &straight, &fixed);
+        assert!(optimiser.is_valid(&points));
+        let worst = |points: &[DVec3]| optimiser.qualities(points).into_iter().fold(f64::INFINITY, f64::min);
+        let (before, start) = (worst(&points), points.clone());
+        assert!(before < POOR);
+        relieve(&mut points, &hexes, &optimiser, &Context::new()).unwrap();
+        assert!(worst(&points) > before.max(0.25), "{before} {}", worst(&points));
+        assert!((0..points.len()).filter(|&v| fixed[v]).all(|v| points[v] == start[v]));
+        assert!(uncertified(&points, &hexes).is_empty());
+    }
+}
