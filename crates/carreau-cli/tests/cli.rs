@@ -419,9 +419,9 @@ fn polygons_are_fans_where_results_name_triangles() {
     let (dart, off, layout) =
         (folder.path().join("dart.off"), folder.path().join("out.off"), folder.path().join("l.json"));
     // Two darts, each with its reflex corner second: a fan from the first corner has a turned triangle.
-    std::fs::write(&dart, "OFF 5 2 0\n2 -1 0\n.5 0 0\n2 1 0\n0 0 0\n-2 0 0\n4 0 1 2 3\n4 0 3 2 4\n").expect("written");
+    fs::write(&dart, "OFF 5 2 0\n2 -1 0\n.5 0 0\n2 1 0\n0 0 0\n-2 0 0\n4 0 1 2 3\n4 0 3 2 4\n").expect("written");
     record(&["segment", text(&dart), "-o", text(&off)]);
-    let written = std::fs::read_to_string(&off).expect("read");
+    let written = fs::read_to_string(&off).expect("read");
     let faces: Vec<&str> = written.lines().filter(|l| l.starts_with("3 ")).map(str::trim).collect();
     assert_eq!(faces.len(), 4, "{written}");
     for (face, expected) in faces.iter().zip(["3 0 1 2", "3 0 2 3", "3 0 3 2", "3 0 2 4"]) {
