@@ -1,7 +1,7 @@
 //! Geometry: untangling and smoothing (spec 1.6).
 //!
 //! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs); first for
-//!    the folded cells and their surroundings alone (patches.rs), then for all.
+//!    the folded cells of a large mesh and their surroundings alone (patches.rs), then for all, or the other way round.
 //! 2. Then ε = 0: the energy is infinite outside the valid set, which no step leaves. The power p rises, so that the
 //!    worst cells count more and more; target lengths follow the cells, so that only angles are asked for.
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
@@ -46,6 +46,8 @@ const WEIGHT_ROUNDS: usize = 4;
 /// No task is smaller than this.
 const MIN_CELLS: usize = 512;
 const MIN_VERTICES: usize = 4096;
+/// More cells than this are unfolded by patches first, fewer all together.
+const FEW_CELLS: usize = 4000;
 /// Cells from which on iterations are saved.
 const MANY_CELLS: f64 = 20_000.0;
 
@@ -347,7 +349,11 @@ impl<'a> Optimiser<'a> {
 
     /// All steps, until every cell has a certificate or nothing helps.
     pub fn run(&mut self, points: &mut Vec<DVec3>, effort: &Effort, context: &Context) -> Result<()> {
-        let mut valid = self.is_valid(points) || patches::unfold(self, points, effort, context)?;
+        let mut valid = self.is_valid(points);
+        // All cells together find better places, which costs little where they are few.
+        if !valid && self.hexes.len() > FEW_CELLS {
+            valid = patches::unfold(self, points, effort, context)?;
+        }
         if !valid {
             valid = self.untangle(points, effort, context)?;
             valid = valid || patches::unfold(self, points, effort, context)?;
