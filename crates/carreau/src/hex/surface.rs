@@ -22,7 +22,7 @@ const LONGEST: f64 = 1.6;
 /// Segments longer than this, in radii, are halved, at most so many times.
 const UNEVEN: f64 = 3.0;
 const EVENINGS: usize = 3;
-/// Fewer than one of so many vertices that cannot be put onto the surface are worth a second try.
+/// Fewer than one of so many vertices that cannot be put onto the surface are worth a try with other cells.
 const FEW: usize = 100;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
@@ -33,6 +33,8 @@ const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
 const NARROW: [f64; 2] = [zip::CLOSE_DEGREES, zip::NARROW_DEGREES];
 /// Cells with vertices that cannot be put there are taken for so much farther from the surface.
 const STUCK: f64 = 1.5;
+/// Cells this much farther from the surface than the nearest ones are a second try.
+const SECOND: f64 = 1.25;
 /// A boundary this near to the surface, as a share of the diagonal, needs no second try.
 const WELL: f64 = 0.02;
 /// How the boundary of the coarsest cells is compared with the surface.
@@ -66,7 +68,7 @@ pub fn from_surface(
     }
     let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
     let target = Target::new(&closed);
-    let mut best: Option<Coarse> = None;
+    let mut tried: Vec<Coarse> = Vec::new();
     let mut known: Vec<CurveNet> = Vec::new();
     for (merge, narrow) in MERGES.into_iter().flat_map(|merge| NARROW.map(|narrow| (merge, narrow))) {
         let ready = Ready::new(&net, [merge, narrow], &target, options, context)?;
@@ -74,33 +76,34 @@ pub fn from_surface(
             continue;
         }
         known.push(ready.net.clone());
-        let tried = Coarse::new(ready, &target, context)?;
+        let cells = Coarse::new(ready, &target, context)?;
         tracing::debug!(
             merge,
             narrow,
-            left = tried.left,
-            off = tried.off,
-            mean = tried.mean,
-            segments = tried.ready.net.edges.len(),
+            left = cells.left,
+            off = cells.off,
+            mean = cells.mean,
+            segments = cells.ready.net.edges.len(),
             "coarse cells"
         );
-        let fits = tried.left == 0 && tried.off < WELL * closed.mesh.diagonal();
-        if best.as_ref().is_none_or(|b| tried.score() < b.score()) {
-            best = Some(tried);
-        }
+        let fits = cells.left == 0 && cells.off < WELL * closed.mesh.diagonal();
+        tried.push(cells);
         if fits || options.stage == Stage::Base {
             break;
         }
     }
-    let Some(mut coarse) = best else { return Err(Error::Numeric("no cells were made".into())) };
+    tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let mut tried = tried.into_iter();
+    let Some(mut coarse) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
+    let second = tried.next().filter(|c| c.score() < SECOND * coarse.score());
     let mut left = coarse.fitted(&target, context)?;
-    // Halved segments have flat cells, which may be in each other's way.
-    if coarse.is_even && (1..coarse.tube.points.len() / FEW).contains(&left) {
-        let mut uneven = Coarse::new(Ready { evenly: false, ..coarse.ready.clone() }, &target, context)?;
-        let left_uneven = uneven.fitted(&target, context)?;
-        if left_uneven < left {
-            (coarse, left) = (uneven, left_uneven);
-        }
+    // Other cells may have room where these have none. Halved segments have flat ones, which may be in each other's way.
+    if coarse.is_even && coarse.is_stuck(left) {
+        let uneven = Coarse::new(Ready { evenly: false, ..coarse.ready.clone() }, &target, context)?;
+        (coarse, left) = coarse.or(left, uneven, &target, context)?;
+    }
+    if let Some(second) = second.filter(|_| coarse.is_stuck(left)) {
+        (coarse, left) = coarse.or(left, second, &target, context)?;
     }
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
@@ -228,6 +231,17 @@ impl Coarse {
             }
         }
         Ok(left)
+    }
+
+    /// Whether a few vertices could not be put onto the surface: that many are no accident.
+    fn is_stuck(&self, left: usize) -> bool {
+        (1..self.tube.points.len() / FEW).contains(&left)
+    }
+
+    /// The fitted cells, or others where fewer vertices are left, when these are fitted.
+    fn or(self, left: usize, mut other: Coarse, target: &Target, context: &Context) -> Result<(Coarse, usize)> {
+        let left_other = other.fitted(target, context)?;
+        Ok(if left_other < left { (other, left_other) } else { (self, left) })
     }
 }
 
