@@ -106,7 +106,8 @@ impl Work<'_> {
         (o != NONE).then(|| unit(self.face_normal(h / 3) + self.face_normal(o / 3)))
     }
 
-    fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
+    /// Splits an edge of a curve at a share of its way.
+    pub fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
         let (chain, [s0, s1]) = self.on_chain(h)?;
         if chain.kind == Kind::Seam {
             return None;

@@ -88,9 +88,11 @@ fn inside_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Result<Option<Vec<bool
     Ok(Some((0..mesh.corner_count()).map(|c| inside(CornerId::new(c))).collect()))
 }
 
-/// A surface is a scan where fewer of its faces than this lie in flats of many sides, and more of its ridge edges than
-/// the other share hang loose.
+/// A surface is a scan where fewer of its faces than this lie in flats of many sides, with less of its area than this (a
+/// box with round edges has six large flats and thousands of small triangles), and more of its ridge edges than the other
+/// share hang loose.
 const FLAT_SHARE: f64 = 0.2;
+const FLAT_AREA: f64 = 0.4;
 const LOOSE_SHARE: f64 = 0.1;
 /// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
 const RIDGE_SHARE: f64 = 0.02;
@@ -204,8 +206,15 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
         let others = neighbours[own as usize].iter().filter(|&&k| k != NONE).count();
         is_large[own as usize] |= others + straight.len() >= MANY_SIDES;
     }
-    let in_large = flat.iter().filter(|&&k| is_large[k as usize]).count();
-    Ok(in_large as f64 <= FLAT_SHARE * mesh.face_count() as f64)
+    let (mut count, mut area, mut total) = (0.0, 0.0, 0.0);
+    for (f, face) in mesh.faces().iter().enumerate() {
+        let own = area_vector(mesh.points(), face).length();
+        total += own;
+        if is_large[flat[f] as usize] {
+            (count, area) = (count + 1.0, area + own);
+        }
+    }
+    Ok(count < FLAT_SHARE * mesh.face_count() as f64 && area < FLAT_AREA * total)
 }
 
 #[cfg(test)]
@@ -243,7 +252,15 @@ mod tests {
         let triangle = triangles(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]]);
         assert!(is_scan(&triangle).unwrap() && is_scan(&divided(&divided(&triangle))).unwrap());
         let plate = grid(1);
-        for mesh in [part, cube, plate] {
+        // Hundreds of small triangles beside a large flat.
+        let small = moved(&scan, |p| 0.1 * p);
+        let shift = small.vertex_count() as u32;
+        let points = small.points().iter().chain(plate.points()).copied().collect::<Vec<_>>();
+        let fans = plate.clone().triangulated().unwrap();
+        let faces = small.faces().iter().map(|f| [f[0], f[1], f[2]]);
+        let faces = faces.chain(fans.faces().iter().map(|f| [f[0] + shift, f[1] + shift, f[2] + shift]));
+        let mostly_flat = triangles(&points, &faces.collect::<Vec<_>>());
+        for mesh in [part, cube, plate, mostly_flat] {
             assert!(!is_scan(&mesh).unwrap() && !is_scan(&divided(&mesh)).unwrap());
         }
     }

@@ -244,6 +244,7 @@ fn in_unit_scale(
 /// A clean mesh, refined.
 fn enriched(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<SurfaceMesh> {
     let mut source = Source::new(mesh, options, context)?;
+    source.support.ready_for_patches(source.noisy);
     source.set_sizes(options, context)?;
     source.adapted(mesh, options, true, context)
 }

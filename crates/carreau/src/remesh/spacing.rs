@@ -25,6 +25,8 @@ use crate::mesh::{Keep, NONE};
 const DEMAND: Demand = Demand { good_length: 0.0, longest: 2.2, least_shape: 0.2, ears: false };
 /// Sweeps in which the vertices of a ridge move to their places.
 const SWEEPS: usize = 4;
+/// Where else an edge that sags is split.
+const ELSEWHERE: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
 /// Edges that a closed chain keeps.
 const LEAST_CLOSED: usize = 3;
 
@@ -176,7 +178,8 @@ impl<'a> Work<'a> {
                 continue;
             };
             if self.mesh.curve(h) != NONE && !self.curve_allows(chain, self.span(chain, pair[0], pair[1]), 0.0) {
-                self.split(h);
+                // Where the middle would make needles or a crease, another place may not.
+                let _ = self.split(h).or_else(|| ELSEWHERE.into_iter().find_map(|t| self.split_curve(h, t)));
             }
         }
     }

@@ -6,10 +6,12 @@ use super::curves::Rank;
 use super::rings::Rings;
 use super::size::Metric;
 use crate::geometry::normals::{angle_between, unit};
+use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{EditMesh, NONE, next, previous, triangle_area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 /// Steps of a walk before it stops where it is.
 const WALK: usize = 256;
@@ -37,6 +39,15 @@ pub struct Support {
     pub stretch: Vec<DVec3>,
     /// Position of every vertex with the noise taken out.
     pub fitted: Vec<DVec3>,
+    patches: Option<Arc<Patches>>,
+}
+
+/// What points on curved patches need.
+struct Patches {
+    /// All triangles: a patch may come near other parts of the surface.
+    sheets: TriangleTree,
+    /// Unit normal of every wedge, where it is not the usual one.
+    normal: Option<Vec<DVec3>>,
 }
 
 /// Smallest principal radius at a vertex, near by and farther away.
@@ -104,19 +115,30 @@ impl Support {
             stretch: Vec::new(),
             fitted: mesh.points.clone(),
             rings: Rings::new(&mesh),
+            patches: None,
             mesh,
         };
-        out.normal = out.fan_normals(wedges as usize);
-        out.raw_normal.clone_from(&out.normal);
+        out.raw_normal = out.fan_normals(wedges as usize, unit);
+        out.normal.clone_from(&out.raw_normal);
         out
     }
 
-    /// Angle-weighted mean of the face normals of every wedge.
-    fn fan_normals(&self, wedges: usize) -> Vec<DVec3> {
+    /// Makes ready for points on patches. On clean models these have normals weighted by areas as well: where a face meets
+    /// the narrow strips of a fillet, or these the small triangles of a ball, the normal is that of the larger triangles,
+    /// whose patches would bulge otherwise. The strips of a cylinder have equal areas, and equal say.
+    pub fn ready_for_patches(&mut self, noisy: bool) {
+        let normal = (!noisy).then(|| self.fan_normals(self.normal.len(), |area| area));
+        let triangles: Vec<[u32; 3]> = (0..self.mesh.triangle_slots()).map(|t| self.mesh.triangle(t)).collect();
+        let sheets = TriangleTree::new(&self.mesh.points, &triangles);
+        self.patches = Some(Arc::new(Patches { sheets, normal }));
+    }
+
+    /// Mean of the face normals of every wedge, weighted by the angles and by what is made of the area vectors.
+    fn fan_normals(&self, wedges: usize, weighted: impl Fn(DVec3) -> DVec3 + Sync) -> Vec<DVec3> {
         let mesh = &self.mesh;
         let corner = |t: u32| {
             let [a, b, c] = mesh.positions(t);
-            let n = unit(triangle_area_vector(a, b, c));
+            let n = weighted(triangle_area_vector(a, b, c));
             [angle_between(b - a, c - a), angle_between(c - b, a - b), angle_between(a - c, b - c)].map(|w| w * n)
         };
         let corners: Vec<[DVec3; 3]> = (0..mesh.triangle_slots()).into_par_iter().map(corner).collect();
@@ -417,14 +439,38 @@ impl Support {
         if sum.length_squared() > 1e-12 { sum.normalize() } else { n(0) }
     }
 
+    /// The point on the curved patch, or half way to it or the point of the triangle itself where another sheet of the
+    /// surface, which looks the other way, would be nearer: thin walls are not pierced.
+    ///
+    /// ```text
+    ///      ╭──·──╮  ← patch: beyond the outer wall
+    ///    ─────────  outer wall
+    ///    ────·────  inner wall; its own point stays
+    /// ```
+    pub fn clear_at(&self, seat: Seat) -> DVec3 {
+        let flat = self.fitted_at(seat);
+        let Some(patches) = &self.patches else { return flat };
+        let curved = self.curved_at(seat, patches.normal.as_ref().unwrap_or(&self.normal));
+        let normal = self.normal_at(seat);
+        let is_clear = |p: &DVec3| {
+            let way = p.distance(flat);
+            let nearest = if way > 0.0 { patches.sheets.closest_within(*p, way) } else { None };
+            nearest.is_none_or(|found| {
+                let [a, b, c] = self.mesh.positions(found.triangle);
+                triangle_area_vector(a, b, c).dot(normal) >= 0.0
+            })
+        };
+        [curved, flat.midpoint(curved)].into_iter().find(is_clear).unwrap_or(flat)
+    }
+
     /// The point on the curved patch of the triangle: the mean of its projections into the tangent planes at the corners
     /// (Boubekeur, Alexa, "Phong tessellation", 2008), which is tangent-continuous at the corners and needs no more than
     /// the normals.
-    pub fn curved_at(&self, seat: Seat) -> DVec3 {
+    fn curved_at(&self, seat: Seat, normal: &[DVec3]) -> DVec3 {
         let p = self.fitted_at(seat);
         let mut way = DVec3::ZERO;
         for (k, v) in (0u32..).zip(self.mesh.triangle(seat.triangle)) {
-            let n = self.normal[self.mesh.wedge(3 * seat.triangle + k) as usize];
+            let n = normal[self.mesh.wedge(3 * seat.triangle + k) as usize];
             way -= n * (seat.weights[k as usize] * n.dot(p - self.fitted[v as usize]));
         }
         p + 0.75 * way

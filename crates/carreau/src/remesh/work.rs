@@ -304,7 +304,7 @@ impl<'a> Work<'a> {
     #[inline]
     pub fn spot(&self, from: u32, p: DVec3) -> Spot {
         let (seat, _) = self.support.locate(from, p);
-        let point = if self.curved { self.support.curved_at(seat) } else { self.support.fitted_at(seat) };
+        let point = if self.curved { self.support.clear_at(seat) } else { self.support.fitted_at(seat) };
         self.spot_at(seat, point)
     }
 
