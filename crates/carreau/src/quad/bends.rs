@@ -23,7 +23,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Curves are straight where they turn by less, in degrees.
-const BEND_DEG: f64 = 8.0;
+pub const BEND_DEG: f64 = 8.0;
+/// An edge across a bend by more is hardly along both sides of it.
+pub const SHARP_DEG: f64 = 18.0;
 /// A vertex goes no farther than this share of the shorter edge beside it: a little more than half, or bends between two would
 /// be left out.
 const REACH: f64 = 0.55;
@@ -182,8 +184,8 @@ fn strands(work: &Work, around: &Around) -> impl Iterator<Item = Strand> + use<>
     of_curve.into_values()
 }
 
-/// The points inside of every curve where it bends; `edges` by their ends, with the curve of each.
-pub fn bends(points: &[DVec3], edges: &[[u32; 2]], curve: &[u32]) -> FxHashMap<u32, Vec<DVec3>> {
+/// The points inside of every curve where it bends by more than an angle; `edges` by their ends, with the curve of each.
+pub fn bends(points: &[DVec3], edges: &[[u32; 2]], curve: &[u32], least_deg: f64) -> FxHashMap<u32, Vec<DVec3>> {
     let point = |v: u32| points[v as usize];
     let mut arms: FxHashMap<(u32, u32), Vec<u32>> = FxHashMap::default();
     let mut order = Vec::new();
@@ -196,7 +198,7 @@ pub fn bends(points: &[DVec3], edges: &[[u32; 2]], curve: &[u32]) -> FxHashMap<u
             list.push(w);
         }
     }
-    let straight = PI - BEND_DEG.to_radians();
+    let straight = PI - least_deg.to_radians();
     let mut bends: FxHashMap<u32, Vec<DVec3>> = FxHashMap::default();
     for (curve, v) in order {
         if let [a, b] = arms[&(curve, v)].as_slice()

@@ -75,7 +75,7 @@ fn mend(sheet: &mut Sheet, diagonal: f64, context: &Context) -> Result<[Vec<Vec<
         tried.insert(sheet.tail(start));
         along.extend(cut(sheet, start, diagonal, context)?);
     }
-    Ok([along, open_holes(sheet)])
+    Ok([along, open_holes(sheet, |_| false)])
 }
 
 /// Where a vertex of the sheet belongs, if it is on a feature.

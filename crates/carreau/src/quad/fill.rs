@@ -38,13 +38,13 @@ pub struct Filled {
     pub tracks: Vec<[u32; 2]>,
 }
 
-/// All quads of a layout, or a patch that takes none. `place` tells where the vertices of the sheet belong.
+/// All quads of a layout, or the patches that take none. `place` tells where the vertices of the sheet belong.
 pub fn fill(
     sheet: &Sheet,
     layout: &Layout,
     place: impl Fn(u32) -> Option<Place>,
     context: &Context,
-) -> Result<std::result::Result<Filled, usize>> {
+) -> Result<std::result::Result<Filled, Vec<usize>>> {
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
@@ -77,13 +77,18 @@ pub fn fill(
         }
         along.push(ids);
     }
-    let (mut patch_of_face, mut kinds) = (Vec::new(), Vec::new());
+    let (mut patch_of_face, mut kinds, mut unfilled) = (Vec::new(), Vec::new(), Vec::new());
     let filler = Filler { sheet, layout, along: &along, context };
     for (p, patch) in layout.patches.iter().enumerate() {
         context.check()?;
-        let Some(kind) = filler.fill(patch, &mut work)? else { return Ok(Err(p)) };
-        kinds.push(kind);
+        match filler.fill(patch, &mut work)? {
+            Some(kind) => kinds.push(kind),
+            None => unfilled.push(p),
+        }
         patch_of_face.resize(work.faces.len(), p as u32);
+    }
+    if !unfilled.is_empty() {
+        return Ok(Err(unfilled));
     }
     Ok(Ok(Filled { work, patch: patch_of_face, kind: kinds, tracks }))
 }

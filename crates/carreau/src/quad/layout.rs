@@ -122,8 +122,8 @@ pub fn patch_of(sheet: &Sheet) -> (Vec<u32>, usize) {
 /// A loop around a patch: its half-edges, and the quads in the corner at the head of each.
 type Loop = Vec<(u32, i32)>;
 
-/// The loops around every patch.
-pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loop>>> {
+/// The loops around every patch. Corners of triangles that go `by_shape` are told by their angle.
+pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize, by_shape: impl Fn(u32) -> bool) -> Option<Vec<Vec<Loop>>> {
     let mut all = vec![Vec::new(); patches];
     let mut seen = vec![false; 3 * sheet.triangles.len()];
     for start in 0..seen.len() as u32 {
@@ -144,7 +144,14 @@ pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loo
             }
             // Cuts have no part in the frames.
             let is_cut = [h, g].iter().any(|&x| sheet.wall[x as usize] == Wall::Cut);
-            list.push((h, if is_cut { (sector.angle / FRAC_PI_2).round().max(1.0) as i32 } else { sector.quads }));
+            list.push((
+                h,
+                if is_cut || by_shape(h / 3) {
+                    (sector.angle / FRAC_PI_2).round().max(1.0) as i32
+                } else {
+                    sector.quads
+                },
+            ));
             h = g;
             if h == start {
                 break;
@@ -161,7 +168,7 @@ pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loo
 /// Looks for patches that are not regular.
 pub fn audit(sheet: &Sheet) -> Vec<Fault> {
     let (patch, count) = patch_of(sheet);
-    let Some(loops) = loops(sheet, &patch, count) else { return vec![Fault::Irregular] };
+    let Some(loops) = loops(sheet, &patch, count, |_| false) else { return vec![Fault::Irregular] };
     let characteristic = characteristic(sheet, &patch, count);
     let fault = |p: usize| {
         let corners = |list: &Loop| list.iter().filter(|c| c.1 != 2).count();
@@ -218,10 +225,15 @@ fn characteristic(sheet: &Sheet, patch: &[u32], count: usize) -> Vec<i64> {
 
 impl Layout {
     /// The patches. `sag`: how far edges may be from the features that they are on; `is_fixed`: vertices that are nodes in
-    /// any case.
-    pub fn new(sheet: &Sheet, sag: f64, is_fixed: impl Fn(u32) -> bool) -> Option<Self> {
+    /// any case; `by_shape`: triangles in whose patches corners are told by their angle.
+    pub fn new(
+        sheet: &Sheet,
+        sag: f64,
+        is_fixed: impl Fn(u32) -> bool,
+        by_shape: impl Fn(u32) -> bool,
+    ) -> Option<Self> {
         let (patch, count) = patch_of(sheet);
-        let loops = loops(sheet, &patch, count)?;
+        let loops = loops(sheet, &patch, count, by_shape)?;
         let mut is_node: Vec<bool> = (0..sheet.points.len() as u32).map(is_fixed).collect();
         let mut degree = vec![0u32; sheet.points.len()];
         for h in (0..3 * sheet.triangles.len() as u32).filter(|&h| sheet.is_wall(h)) {

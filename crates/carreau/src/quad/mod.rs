@@ -17,7 +17,7 @@
 //! | patches, sides; numbers of quads; those that features need | `layout`; `quantise`; `chords` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
-//! | vertices where features bend, and where the surface comes to a point | `bends`, `tips` |
+//! | vertices where features bend, and where the surface comes to a point | `bends`, `pins`, `tips` |
 //!
 //! | shared | file |
 //! |---|---|
@@ -45,6 +45,7 @@ mod layout;
 mod lift;
 mod pair;
 mod pattern;
+mod pins;
 mod quality;
 mod quantise;
 mod regular;
@@ -158,6 +159,9 @@ const GRADE: f64 = 0.1;
 /// So does a distance from the surface above this share of the diagonal, by grades of the other.
 const FAR: f64 = 0.002;
 const FARTHER: f64 = 0.001;
+/// So do quads whose scaled Jacobian is less than this in the mean.
+const DULL: f64 = 0.93;
+const DULLER: f64 = 0.03;
 /// Where rungs 1 and 2 leave a useless quad, rung 3 may do better: its scaled Jacobians are above this.
 const USEFUL: f64 = 0.05;
 /// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
@@ -247,7 +251,7 @@ fn off(count: usize, wanted: usize) -> f64 {
 struct Cost {
     /// It strays from the surface, or a quad is of no use.
     useless: bool,
-    /// Grades of poor shapes, of a number missed, of a distance.
+    /// Grades of poor shapes, the worst and the mean, of a number missed, of a distance.
     grades: u32,
     irregular: usize,
 }
@@ -280,49 +284,59 @@ fn first(
     };
     let mut best: Option<Attempt> = None;
     let mut refused = String::new();
-    let mut fruitless = 0;
     // Borders that lie on each other meet by chance here, by force on rung 3.
     let futile = if source.is_shared.contains(&true) { 1 } else { FUTILE };
-    let mut budget = Budget::new(source.area / length.powi(2));
-    for (k, finer) in FINER.into_iter().enumerate() {
-        if k >= USUAL && best.as_ref().is_some_and(|b| !b.cost.useless && b.cost.grades == 0) {
-            break;
-        }
-        if budget.is_spent() || k >= futile && best.is_none() {
-            break;
-        }
-        // Again with smaller quads where they were too far from the surface, as long as that helps.
-        let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
-        loop {
-            // A number that is missed by more than the best attempt is off speaks for that one.
-            let most = best
-                .as_ref()
-                .filter(|b| !b.cost.useless)
-                .map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST));
-            let wish = Wish { length, quads, most, finer, first: options.rung == 1, tight: &tight, tried: &tried };
-            let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
-                Ok(found) => found,
-                Err(why) => {
-                    refused = why;
-                    fruitless += u32::from(before.is_some());
+    // Region by region only where nothing else came to anything.
+    for by_region in [false, true] {
+        let mut fruitless = 0;
+        let mut budget = Budget::new(source.area / length.powi(2));
+        for (k, finer) in FINER.into_iter().enumerate() {
+            let is_useful = best.as_ref().is_some_and(|b| !b.cost.useless);
+            if by_region && k == 0 && is_useful
+                || k >= USUAL && is_useful && best.as_ref().is_some_and(|b| b.cost.grades == 0)
+            {
+                break;
+            }
+            if budget.is_spent() || k >= futile && best.is_none() || by_region && k >= futile && !is_useful {
+                break;
+            }
+            // Again with smaller quads where they were too far from the surface, as long as that helps.
+            let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
+            loop {
+                // A number that is missed by more than the best attempt is off speaks for that one.
+                let most = best
+                    .as_ref()
+                    .filter(|b| !b.cost.useless)
+                    .map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST));
+                let first = options.rung == 1;
+                let wish = Wish { length, quads, most, finer, first, by_region, tight: &tight, tried: &tried };
+                let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
+                    Ok(found) => found,
+                    Err(why) => {
+                        refused = why;
+                        fruitless += u32::from(before.is_some());
+                        break;
+                    }
+                };
+                if found.is_good {
+                    return Ok(Some(found.made));
+                }
+                let helps = before.is_none_or(|before| found.cost < before);
+                fruitless += u32::from(!helps);
+                before = Some(found.cost);
+                let again = helps
+                    && !budget.is_spent()
+                    && fruitless < FRUITLESS
+                    && !found.tight.is_empty()
+                    && !found.cost.useless;
+                tight.extend(found.tight.iter().copied());
+                tried.clone_from(&found.made.numbers);
+                if best.as_ref().is_none_or(|b| found.cost < b.cost) {
+                    best = Some(found);
+                }
+                if !again {
                     break;
                 }
-            };
-            if found.is_good {
-                return Ok(Some(found.made));
-            }
-            let helps = before.is_none_or(|before| found.cost < before);
-            fruitless += u32::from(!helps);
-            before = Some(found.cost);
-            let again =
-                helps && !budget.is_spent() && fruitless < FRUITLESS && !found.tight.is_empty() && !found.cost.useless;
-            tight.extend(found.tight.iter().copied());
-            tried.clone_from(&found.made.numbers);
-            if best.as_ref().is_none_or(|b| found.cost < b.cost) {
-                best = Some(found);
-            }
-            if !again {
-                break;
             }
         }
     }
@@ -359,17 +373,18 @@ fn regular_attempt(
     let misses = wish.quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN, GRADE));
     let shape = worst_shape(&made.work);
     let poor = grade(POOR - shape, GRADE);
+    let dull = grade(DULL - quality::mean_jacobian(&made.work), DULLER);
     let far = grade(gap.largest / source.diagonal - FAR, FARTHER);
     let cost = Cost {
         useless: strays || shape < USELESS,
-        grades: poor + misses + far,
+        grades: poor + dull + misses + far,
         irregular: quality::irregular(&made.work),
     };
     let finer = wish.finer;
-    tracing::debug!(target: "carreau::quad", finer, shape, poor, misses, far, ?cost, "attempt");
+    tracing::debug!(target: "carreau::quad", finer, shape, poor, dull, misses, far, ?cost, "attempt");
     // Another field does not change what the features need, but smaller quads do.
     let misses_more = misses > 0 && !wish.tight.is_empty();
-    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + far == 0 && !misses_more;
+    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + dull + far == 0 && !misses_more;
     let tight = if far > 0 { gap.tight } else { Vec::new() };
     Ok(Ok(Attempt { made, cost, is_good, tight }))
 }

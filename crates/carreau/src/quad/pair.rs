@@ -198,13 +198,11 @@ fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f
         };
         let folded = || f.zip(g).is_some_and(|(f, g)| normal(f).dot(normal(g)) < cos_fold);
         let on = |p: DVec3| source.feature_along(p, along, ON * source.diagonal, -1.0).is_some();
-        let is_seam = |a: DVec3, b: DVec3| {
-            near().is_some_and(|e| source.is_seam[source.curve[e as usize] as usize]) && on(a) && on(b)
-        };
+        // Between triangles of the same region only a seam is a feature: other folds are where thin regions were folded over.
+        let seam = || near().filter(|&e| source.is_seam[source.curve[e as usize] as usize]);
         let edge = match must {
             true => Some(near().or_else(|| source.feature_along((a + b) / 2.0, along, source.diagonal, -1.0))?),
-            false if folded() => near(),
-            false if is_seam(a, b) => near(),
+            false if folded() || on(a) && on(b) => seam(),
             false => None,
         };
         if let Some(edge) = edge {

@@ -54,6 +54,11 @@ pub fn least_jacobian(work: &Work) -> f64 {
     jacobians(work).fold(f64::INFINITY, f64::min)
 }
 
+/// Their mean.
+pub fn mean_jacobian(work: &Work) -> f64 {
+    jacobians(work).sum::<f64>() / work.faces.len().max(1) as f64
+}
+
 /// A bound of the distance from the source, both ways.
 pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> {
     let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };

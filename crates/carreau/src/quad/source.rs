@@ -1,6 +1,6 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
-use super::bends::bends;
+use super::bends::{BEND_DEG, SHARP_DEG, bends};
 use super::junction::{meeting_borders, shared_borders, with_shared_borders_divided};
 use super::tips::tips;
 use super::work::{Place, Work};
@@ -41,6 +41,8 @@ pub struct Source {
     curves: Vec<(Vec<u32>, TriangleTree)>,
     /// Where every curve bends inside.
     pub bends: FxHashMap<u32, Vec<DVec3>>,
+    /// Those of them that are sharp.
+    pub sharp: FxHashMap<u32, Vec<DVec3>>,
     /// Where regions come to a point.
     pub tips: Vec<DVec3>,
     /// Curves with the same region on both sides.
@@ -122,7 +124,8 @@ impl Source {
         let every: Vec<u32> = (0..edges.len() as u32).collect();
         Ok(Source {
             diagonal: mesh.diagonal(),
-            bends: bends(mesh.points(), &edges, &curve),
+            bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
+            sharp: bends(mesh.points(), &edges, &curve, SHARP_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
             normals: face_normals(mesh),

@@ -173,13 +173,12 @@ impl Sheet {
         }
     }
 
-    /// Takes back the tracks and cuts around some triangles; returns whether there were any.
-    pub fn clear_around(&mut self, triangles: &[u32]) -> bool {
+    /// Takes back the tracks and cuts around some triangles.
+    pub fn clear_around(&mut self, triangles: &[u32]) {
         let is_free = |sheet: &Self, h: u32| matches!(sheet.wall[h as usize], Wall::Track | Wall::Cut);
         let free: Vec<u32> = triangles.iter().flat_map(|t| 3 * t..3 * t + 3).filter(|&h| is_free(self, h)).collect();
         free.iter().for_each(|&h| self.clear_wall(h));
         self.prune();
-        !free.is_empty()
     }
 
     /// Takes back what is left of tracks that end in no other wall.
