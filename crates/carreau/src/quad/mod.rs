@@ -216,6 +216,10 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
     let mut quality = quality::measure(&made.work, &source);
+    if quality.inverted > 0 {
+        let inverted = quality.inverted;
+        warnings.push(format!("{inverted} quads are turned over: the triangles that they come from have no area"));
+    }
     quality.distance_max = Some(quality::distance(&made.work, &source, context)?);
     finish(&source, made, quality, warnings)
 }
