@@ -14,7 +14,7 @@
 mod energy;
 mod patches;
 
-pub use patches::{Ties, relieve};
+pub use patches::{Ties, relieve, seat};
 
 use crate::context::Context;
 use crate::error::Result;
