@@ -168,7 +168,7 @@ impl Coarse {
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, .. } = &ready;
         let mut warnings = Vec::new();
-        let base = super::valid_base(net, &[], context)?;
+        let base = super::valid_base(net, false, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
         let mut tube = padded(net, &base, options, &PASSING, &[], context)?;
         let is_even = *evenly && even_out(&mut tube, net);
@@ -308,7 +308,7 @@ fn prepare(
     }
     if options.stage == Stage::Full {
         meet::meet(net, target);
-        zip::zip(net, narrow);
+        zip::zip(net, narrow, zip::APART_DEGREES);
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
