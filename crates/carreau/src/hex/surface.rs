@@ -186,7 +186,7 @@ impl Coarse {
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, flat, .. } = &ready;
         let mut warnings = Vec::new();
-        let mut base = sew::base_mesh(net);
+        let mut base = sew::base_mesh(net, false);
         let is_flat = *flat && flat::flatten(&mut base, net, target);
         let base = super::untangled(net, base, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
@@ -338,7 +338,7 @@ fn prepare(
     if options.stage == Stage::Full {
         meet::meet(net, target);
         meet::straighten_in_balls(net, target);
-        zip::zip(net, narrow);
+        zip::zip(net, narrow, zip::APART_DEGREES);
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
