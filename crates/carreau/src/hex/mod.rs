@@ -15,7 +15,6 @@
 //! | connection surfaces of the branchings | `connection` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
-//! | elliptic rings in flat limbs of a surface | `flat` |
 //! | padding, halving across and along | `refine` |
 //! | segments halved where a surface is far | `adapt` |
 //! | untangling, smoothing, certificate | `optimise` |
@@ -30,7 +29,6 @@ mod connection;
 mod cover;
 mod figures;
 mod fit;
-mod flat;
 mod frames;
 mod limit;
 mod meet;
@@ -265,12 +263,8 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
 
 /// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
 fn valid_base(net: &CurveNet, held: &Held, context: &Context) -> Result<BaseMesh> {
-    untangled(net, sew::base_mesh(net), held, context)
-}
-
-/// A base mesh without folds.
-fn untangled(net: &CurveNet, mut base: BaseMesh, held: &Held, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
+    let mut base = sew::base_mesh(net);
     let mut coarse = refine::pad(net, &base, Padding::None, CORE);
     optimise(&mut coarse, &COARSE, held, context)?;
     base.points = coarse.points;

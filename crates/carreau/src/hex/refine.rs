@@ -69,13 +69,14 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
     let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
     let is_centre = |v: u32| base.first[nodes[v as usize] as usize] == v;
-    let radius = |v: usize| base.reach.get(v).copied().unwrap_or(net.radii[nodes[v] as usize]);
     let mut mesh = TubeMesh {
         points: base.points.clone(),
         hexes: base.hexes.clone(),
         segments: (0..base.hexes.len() as u32).map(|h| h / 4).collect(),
         centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
-        radii: (0..count as u32).map(|v| if is_centre(v) { 0.0 } else { radius(v as usize) }).collect(),
+        radii: (0..count as u32)
+            .map(|v| if is_centre(v) { 0.0 } else { net.radii[nodes[v as usize] as usize] })
+            .collect(),
         caps: nodes.iter().map(|&n| end_of[n as usize]).collect(),
         ends,
         nodes: base.first[..net.points.len()].to_vec(),

@@ -36,8 +36,6 @@ pub struct BaseMesh {
     pub segments: Vec<[u32; 2]>,
     /// Branchings with a connection surface that does not include all directions.
     pub poor: Vec<u32>,
-    /// Distance of every vertex from its node, where rings are not round; empty where all are.
-    pub reach: Vec<f64>,
 }
 
 /// Builds the base mesh.
@@ -85,7 +83,7 @@ pub fn base_mesh(net: &CurveNet) -> BaseMesh {
     });
     let hexes = hexes.collect::<Vec<[[u32; 8]; 4]>>().into_flattened();
     let segments = (0..net.edges.len()).into_par_iter().map(seam).collect();
-    BaseMesh { points, hexes, first, segments, poor: surfaces.poor, reach: Vec::new() }
+    BaseMesh { points, hexes, first, segments, poor: surfaces.poor }
 }
 
 /// The connection surfaces of all branchings.
