@@ -380,6 +380,47 @@ mod tests {
         assert_eq!(points, before);
     }
 
+    /// The top of the block is tied to its plane, the rest of the boundary held.
+    struct Top<'a>(&'a [DVec3], &'a [bool]);
+
+    impl Top<'_> {
+        fn has(&self, v: u32) -> bool {
+            let p = self.0[v as usize];
+            p.z == f64::from(SIDE) && [p.x, p.y].iter().all(|x| *x > 0.0 && *x < f64::from(SIDE))
+        }
+    }
+
+    impl Ties for Top<'_> {
+        fn springs(&self, vertex: u32, at: DVec3) -> Vec<Spring> {
+            let to = self.settled(vertex, at);
+            let spring = |to| Spring { vertex, to, normal: DVec3::Z, along: 1000.0, across: 1e-3 };
+            to.map(spring).into_iter().collect()
+        }
+
+        fn is_fixed(&self, vertex: u32) -> bool {
+            self.1[vertex as usize] && !self.has(vertex)
+        }
+
+        fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
+            self.has(vertex).then(|| DVec3::new(at.x, at.y, f64::from(SIDE)))
+        }
+    }
+
+    #[test]
+    fn a_vertex_off_its_plane_is_put_there_with_its_surroundings() {
+        let (straight, hexes, fixed) = block();
+        let top = Top(&straight, &fixed);
+        let n = (SIDE + 1) as usize;
+        let vertex = (SIDE as usize * n + 6) * n + 6;
+        let mut points = straight.clone();
+        points[vertex] += DVec3::new(0.1, 0.05, -0.4);
+        let seated = seat(&mut points, &hexes, &top, &[vertex as u32], &Context::new()).unwrap();
+        assert!(seated.contains(&(vertex as u32)) && points[vertex].z == f64::from(SIDE));
+        assert!(uncertified(&points, &hexes).is_empty());
+        let far = |v: &usize| straight[*v].distance(straight[vertex]) > 7.0;
+        assert!((0..points.len()).filter(far).all(|v| points[v] == straight[v]));
+    }
+
     #[test]
     fn poor_cells_become_better_and_what_is_held_stays() {
         let (straight, hexes, fixed) = block();
