@@ -16,7 +16,6 @@
 //! | branchings at right angles | `cubic` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
-//! | elliptic rings in flat limbs of a surface | `flat` |
 //! | padding, halving across and along | `refine` |
 //! | segments halved where a surface is far | `adapt` |
 //! | cells inserted where branches grow thick | `insert` |
@@ -33,7 +32,6 @@ mod cover;
 mod cubic;
 mod figures;
 mod fit;
-mod flat;
 mod frames;
 mod insert;
 mod limit;
@@ -346,12 +344,8 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
 /// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
 /// `cubic` allows cubic junctions.
 fn valid_base(net: &CurveNet, cubic: bool, held: &Held, context: &Context) -> Result<BaseMesh> {
-    untangled(net, sew::base_mesh(net, cubic), held, context)
-}
-
-/// A base mesh without folds.
-fn untangled(net: &CurveNet, mut base: BaseMesh, held: &Held, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
+    let mut base = sew::base_mesh(net, cubic);
     let mut coarse = refine::pad(net, &base, Padding::None, CORE);
     optimise(&mut coarse, &COARSE, held, context)?;
     base.points = coarse.points;

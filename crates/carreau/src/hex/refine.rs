@@ -114,7 +114,7 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     let radius = |v: usize| match nodes[v] {
         // Where tubes meet the wall of a cube is farther than the radius.
         node if base.cubes.get(node).is_some() => base.points[v].distance(net.points[node as usize]),
-        node => base.reach.get(v).copied().unwrap_or(net.radii[node as usize]),
+        node => net.radii[node as usize],
     };
     let of_segments = 4 * base.segments.len();
     let mut mesh = TubeMesh {

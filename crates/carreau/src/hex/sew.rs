@@ -37,8 +37,6 @@ pub struct BaseMesh {
     pub segments: Vec<[u32; 2]>,
     /// Branchings with a connection surface that does not include all directions.
     pub poor: Vec<u32>,
-    /// Distance of every vertex from its node, where rings are not round; empty where all are.
-    pub reach: Vec<f64>,
     /// The cubic junctions.
     pub cubes: Cubes,
 }
@@ -91,7 +89,7 @@ pub fn base_mesh(net: &CurveNet, cubic: bool) -> BaseMesh {
         hexes.extend(cubic::hexes().map(|h| h.map(|v| first[*node as usize] + v)));
     }
     let segments = (0..net.edges.len()).into_par_iter().map(seam).collect();
-    BaseMesh { points, hexes, first, segments, poor: surfaces.poor, reach: Vec::new(), cubes }
+    BaseMesh { points, hexes, first, segments, poor: surfaces.poor, cubes }
 }
 
 /// The connection surfaces of all branchings.

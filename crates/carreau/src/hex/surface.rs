@@ -5,7 +5,7 @@ use super::fit::{self, Rise, Skin, Target};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
-use super::{HexOptions, HexResult, Stage, deliver, flat, limit, meet, padded, sew, tips, zip};
+use super::{HexOptions, HexResult, Stage, deliver, limit, meet, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
@@ -98,14 +98,6 @@ pub fn from_surface(
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
     let mut tried = tried.into_iter();
     let Some(mut coarse) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
-    // Flat cells may be in each other's way where limbs meet.
-    if coarse.is_flat {
-        let round = Coarse::new(Ready { flat: false, ..coarse.ready.clone() }, &target, context)?;
-        tracing::debug!(flat = coarse.score(), round = round.score(), "elliptic and round rings");
-        if round.score() < coarse.score() {
-            coarse = round;
-        }
-    }
     let second = tried.next().filter(|c| c.score() < SECOND * coarse.score());
     let mut left = coarse.fitted(&target, context)?;
     // Other cells may have room where these have none. Halved segments have flat ones, which may be in each other's way.
@@ -138,9 +130,8 @@ struct Ready {
     lid_of: Vec<u32>,
     /// Whether no size is asked for.
     freely: bool,
-    /// Whether long segments are halved, and rings in flat sections are elliptic.
+    /// Whether long segments are halved.
     evenly: bool,
-    flat: bool,
     warnings: Vec<String>,
 }
 
@@ -152,8 +143,7 @@ impl Ready {
         let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
         super::check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
-        let flat = options.stage == Stage::Full;
-        Ok(Ready { net, options, lid_of, freely, evenly: freely, flat, warnings })
+        Ok(Ready { net, options, lid_of, freely, evenly: freely, warnings })
     }
 }
 
@@ -172,9 +162,8 @@ struct Coarse {
     off: f64,
     /// Sum of the mean distances from the boundary to the surface and back: the less, the better the skeleton.
     mean: f64,
-    /// Whether segments were halved for their length, and whether rings are elliptic.
+    /// Whether segments were halved for their length.
     is_even: bool,
-    is_flat: bool,
 }
 
 impl Coarse {
@@ -184,11 +173,9 @@ impl Coarse {
     }
 
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
-        let Ready { net, options, lid_of, evenly, flat, .. } = &ready;
+        let Ready { net, options, lid_of, evenly, .. } = &ready;
         let mut warnings = Vec::new();
-        let mut base = sew::base_mesh(net, false);
-        let is_flat = *flat && flat::flatten(&mut base, net, target);
-        let base = super::untangled(net, base, &[], context)?;
+        let base = super::valid_base(net, false, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
         let mut tube = padded(net, &base, options, &PASSING, &[], context)?;
         // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
@@ -210,7 +197,7 @@ impl Coarse {
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even, is_flat })
+        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even })
     }
 
     /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns how

@@ -30,6 +30,8 @@ const WIDENS: f64 = 1.6;
 /// of the ball it stands on.
 const LONG: f64 = 1.1;
 const THIN: f64 = 0.1;
+/// The section at the tip of a short limb is that of its ball, within this factor.
+const ROUND: f64 = 1.3;
 /// A section is looked at in so many directions.
 const RAYS: usize = 16;
 /// A limb starts from a node this near to its first point, in radii, from where the way has at least this share of the room
@@ -132,7 +134,7 @@ fn branch(net: &CurveNet, way: &[u32], ball: f64, body: &Body) -> Option<(u32, V
     }
     let end = thinned.len() - 1;
     thinned[end] = tip;
-    let limb = limb(&thinned, largest_ball(net, way, ball, body), body)?;
+    let limb = limb(net, &thinned, largest_ball(net, way, ball, body), body)?;
     let (root, from) = root(net, limb, body)?;
     let is_sound = |w: &[DVec3]| w[0] != w[1] && room(w[0], w[1], body) > 0.0;
     limb[from..].windows(2).all(is_sound).then(|| (root, limb[from..].to_vec()))
@@ -150,7 +152,7 @@ fn largest_ball(net: &CurveNet, way: &[u32], at_foot: f64, body: &Body) -> f64 {
 
 /// The part of a way, up to its end, on which it is in a limb: sections across it are not much wider than the ball of the
 /// body and do not widen all at once, the part is longer than thick, and not too thin for cells.
-fn limb<'a>(way: &'a [DVec3], ball: f64, body: &Body) -> Option<&'a [DVec3]> {
+fn limb<'a>(net: &CurveNet, way: &'a [DVec3], ball: f64, body: &Body) -> Option<&'a [DVec3]> {
     let end = way.len() - 1;
     let (mut length, mut widths, mut first) = (0.0, Vec::new(), end);
     let mut widest = f64::INFINITY;
@@ -164,13 +166,21 @@ fn limb<'a>(way: &'a [DVec3], ball: f64, body: &Body) -> Option<&'a [DVec3]> {
         widths.push(across);
         first = k;
     }
-    widths.sort_unstable_by(f64::total_cmp);
-    let width = *widths.get(widths.len() / 2)?;
     let mut thickness: Vec<f64> = way[first..].iter().map(|&p| body.tree.distance(p)).collect();
     let at_tip = thickness[thickness.len() - 1];
     thickness.sort_unstable_by(f64::total_cmp);
-    let radius = thickness[thickness.len() / 2];
-    (length + at_tip > LONG * width && radius > THIN * ball).then(|| &way[first..])
+    let is_thick = thickness[thickness.len() / 2] > THIN * ball;
+    widths.sort_unstable_by(f64::total_cmp);
+    let is_long = widths.get(widths.len() / 2).is_some_and(|width| length + at_tip > LONG * width);
+    (is_thick && (is_long || is_stub(net, way, at_tip, body))).then(|| &way[first..])
+}
+
+/// Whether a way ends in a short limb, of which nearly all sections cut what it stands on: its last ball sticks out of those of
+/// the net by a radius and more, and the section there is round.
+fn is_stub(net: &CurveNet, way: &[DVec3], radius: f64, body: &Body) -> bool {
+    let tip = way[way.len() - 1];
+    let off = (0..net.points.len()).map(|v| net.points[v].distance(tip) - net.radii[v]).fold(f64::INFINITY, f64::min);
+    off > radius && section(tip, tip - way[way.len() - 2], body) < ROUND * radius
 }
 
 /// The radius of a circle as large as the section of the body across a direction, as far as it is seen from a point.
@@ -334,10 +344,10 @@ mod tests {
         }
     }
 
-    /// A knob that is wider than long is no limb.
+    /// A knob that is wider than long is no limb, a stub that sticks out by more than its radius is one.
     #[test]
-    fn a_knob_gets_no_branch() {
-        assert_eq!(grown(0.5, 0.4).3, 0);
+    fn a_stub_gets_a_branch_and_a_knob_gets_none() {
+        assert_eq!((grown(0.5, 0.4).3, grown(1.1, 0.4).3), (0, 1));
     }
 
     /// A line that leaves one finger for another is outside between them.

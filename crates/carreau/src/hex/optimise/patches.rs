@@ -413,7 +413,7 @@ mod tests {
         let n = (SIDE + 1) as usize;
         let vertex = (SIDE as usize * n + 6) * n + 6;
         let mut points = straight.clone();
-        points[vertex] += DVec3::new(0.3, 0.1, -0.7);
+        points[vertex] += DVec3::new(0.1, 0.05, -0.4);
         let seated = seat(&mut points, &hexes, &top, &[vertex as u32], &Context::new()).unwrap();
         assert!(seated.contains(&(vertex as u32)) && points[vertex].z == f64::from(SIDE));
         assert!(uncertified(&points, &hexes).is_empty());
