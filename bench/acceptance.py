@@ -260,6 +260,7 @@ def main():
     p.add_argument("--again", action="append", default=[], choices=OUTCOMES, help="do these again, repeatable")
     p.add_argument("--mix", action="store_true", help="rows of other executables count, too: after a mend, with --again failed")
     p.add_argument("--docs", metavar="PAGE.md", help="put the table between the page's markers")
+    p.add_argument("--marker", default="acceptance", metavar="NAME", help="the name of these markers")
     p.add_argument("--commit", help="what the executable was built from, default: the checkout's")
     p.add_argument("--strict", action="store_true", help="exit code 1 where something failed or took too long")
     options = p.parse_args()
@@ -295,7 +296,7 @@ def main():
     (out / "acceptance.md").write_text(text + "\n")
     (out / "acceptance.json").write_text(json.dumps({"commit": built, "sample": options.sample, "rows": rows}, indent=1) + "\n")
     if options.docs:
-        write_between(options.docs, "acceptance", text)
+        write_between(options.docs, options.marker, text)
     print(text)
     return int(options.strict and any(r["outcome"] in ("failed", "timeout") for r in rows))
 

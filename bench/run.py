@@ -35,10 +35,11 @@ ROOMS = {
         "cad_labelled/flange_a_iso.ply", "cad_labelled/gear_straight_a_iso.ply", "cad_labelled/pipe_elbow_a_iso.ply",
         "cad_labelled/stepped_shaft_a_iso.ply", "cad_labelled/u_bracket_a_iso.ply",
         "scan/kitten.obj"]),
+    "acute": (["gmsh", "cadquery-ocp"], ["--shared", "{shared}"], []),
     "hex": (["compas_cgal", "skeletor"], [], ["tubular/cactus.obj", "tubular/dinopet.obj", "tubular/elephant.obj", "tubular/bigbuddy.obj",
                                                "tubular/tube_tree01.ply", "tubular/tube_y4.ply"]),
 }
-TAKES_RUNS = {"curvature", "segment", "patch", "quad", "hex", "decimate"}
+TAKES_RUNS = {"curvature", "segment", "patch", "quad", "acute", "hex", "decimate"}
 
 
 def python_of(folder, packages):

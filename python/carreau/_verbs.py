@@ -606,6 +606,7 @@ def hex(
     hexes: int | None = None,
     edge_length: Length | None = None,
     radius: Length | None = None,
+    adapt_radius: bool = False,
     stage: Literal["base", "full"] | None = None,
     allow_invalid: bool = False,
     **common: Unpack[Common],
@@ -630,6 +631,8 @@ def hex(
         Length of the steps along the branches.
     radius : float or str, optional
         One radius for all nodes.
+    adapt_radius : bool
+        Insert cells where a branch of a skeleton is more than twice as thick as where it is thinnest.
     stage : {"base", "full"}, optional
         "base": the graph as given, without clean-up and resampling ("full").
     allow_invalid : bool

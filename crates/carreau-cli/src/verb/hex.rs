@@ -56,6 +56,9 @@ pub struct Hex {
     /// One radius for all nodes
     #[arg(long, value_name = "LENGTH")]
     radius: Option<Length>,
+    /// Inserts cells where a branch of a skeleton is more than twice as thick as where it is thinnest
+    #[arg(long)]
+    adapt_radius: bool,
     /// base: the graph as given, without clean-up and resampling [default: full]
     #[arg(long, value_name = "STAGE", value_parser = choice::<Stage>(&["base", "full"]))]
     stage: Option<Stage>,
@@ -78,6 +81,7 @@ struct Options {
     hexes: Option<usize>,
     edge_length: Option<Length>,
     radius: Option<Length>,
+    adapt_radius: bool,
     stage: Stage,
     allow_invalid: bool,
     #[serde(flatten)]
@@ -104,6 +108,7 @@ impl Hex {
         all.hexes = self.hexes.or(all.hexes);
         all.edge_length = self.edge_length.or(all.edge_length);
         all.radius = self.radius.or(all.radius);
+        all.adapt_radius |= self.adapt_radius;
         all.stage = self.stage.unwrap_or(all.stage);
         all.allow_invalid |= self.allow_invalid;
         all.common = self.common.over(all.common);
@@ -117,12 +122,16 @@ impl Hex {
             padding: options.padding,
             refine_across: options.refine_across,
             refine_along: options.refine_along,
+            adapt_radius: options.adapt_radius,
             stage: options.stage,
             hexes: options.hexes,
             edge_length: options.edge_length.map(|l| l.resolve(diagonal)),
             radius: options.radius.map(|l| l.resolve(diagonal)),
             allow_invalid: options.allow_invalid,
         };
+        if wanted.adapt_radius && matches!(shape, Shape::Surface(..)) {
+            return Err(Error::Options("--adapt-radius goes with a skeleton that has no surface".into()));
+        }
         let context = session.context.clone();
         let found = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),

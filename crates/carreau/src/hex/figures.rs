@@ -19,6 +19,8 @@ pub struct Figures {
     pub boundary_quads: usize,
     /// Segments of the skeleton that was meshed.
     pub segments: usize,
+    /// Branchings that are cubic junctions.
+    pub cubic_junctions: usize,
     /// Where a layer was put.
     pub padding: Padding,
     /// What the cells are worth.
@@ -40,6 +42,7 @@ impl Figures {
     /// The figures of a mesh with its boundary.
     pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
         Figures {
+            cubic_junctions: 0,
             hexes: mesh.hexes.len(),
             vertices: mesh.points.len(),
             boundary_quads: mesh.quads.len(),

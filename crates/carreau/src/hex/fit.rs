@@ -7,7 +7,7 @@
 //!
 //! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
 
-use super::optimise::{Optimiser, Spring, Ties, relieve};
+use super::optimise::{self, Optimiser, Spring, Ties, relieve};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::face_normals;
@@ -80,6 +80,17 @@ impl<'a> Target<'a> {
     /// The lids.
     pub fn lids(&self) -> &[Lid] {
         &self.closed.lids
+    }
+
+    /// The triangles of the surface without its lids.
+    pub fn wall(&self) -> std::ops::Range<usize> {
+        0..self.closed.wall
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let (points, corners) = (self.surface().points(), self.surface().faces().corners());
+        [0, 1, 2].map(|k| points[corners[3 * triangle as usize + k] as usize])
     }
 
     /// Distance to the closed surface.
@@ -278,10 +289,9 @@ impl Skin {
     fn reach_out(&self, points: &[DVec3], shape: &Shape, target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
         let triangles: Vec<[u32; 3]> = self.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
         let tree = TriangleTree::new(points, &triangles);
-        let corners = target.surface().faces().corners();
         let bulge = |t: u32| {
             let n = target.normals[t as usize];
-            let [a, b, c] = [0, 1, 2].map(|k| target.surface().points()[corners[3 * t as usize + k] as usize]);
+            let [a, b, c] = target.corners(t);
             let sample = (a + b + c) / 3.0;
             let found = tree.closest(sample)?;
             let near = |v: &u32| points[*v as usize].distance_squared(sample);
@@ -292,7 +302,7 @@ impl Skin {
             let bulges = found.distance() > BULGE * shape.sizes[k] && shape.normals[k].dot(n) > AGREES;
             bulges.then_some((v, found.distance(), sample, n))
         };
-        let wall = target.closed.wall;
+        let wall = target.wall().len();
         let samples = (0..wall as u32).into_par_iter().step_by(wall.div_ceil(SAMPLES).max(1));
         let bulges: Vec<_> = samples.filter_map(bulge).collect();
         let mut farthest = vec![0f64; places.len()];
@@ -426,6 +436,23 @@ pub fn slide(
     let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
     let sliding = Sliding { skin, target, shape: skin.shape(points), placed: &placed };
     relieve(points, hexes, &sliding, context)?;
+    Ok(())
+}
+
+/// Puts boundary vertices onto the surface that are still `free`, with the cells around them.
+pub fn seat(
+    points: &mut [DVec3],
+    hexes: &[[u32; 8]],
+    skin: &Skin,
+    target: &Target,
+    free: &mut [bool],
+    context: &Context,
+) -> Result<()> {
+    let boundary: Vec<bool> = (0..points.len()).map(|v| skin.has(v)).collect();
+    let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && boundary[v as usize]).collect();
+    let sliding = Sliding { skin, target, shape: skin.shape(points), placed: &boundary };
+    let seated = optimise::seat(points, hexes, &sliding, &stuck, context)?;
+    (0..points.len()).filter(|&v| boundary[v]).for_each(|v| free[v] &= !seated.contains(&(v as u32)));
     Ok(())
 }
 

@@ -1,4 +1,7 @@
-//! Where many branches meet: their common point is where their lines come closest to each other.
+//! Where branches meet. In the ball of a branching they run straight: there is room for any way, and a curl of the curves in
+//! there would be taken for their direction.
+//!
+//! Where many meet, their common point is where their lines come closest to each other.
 //!
 //! Tubes that leave one point side by side part far from it, and the curves of a skeleton run together on the way. When
 //! such branchings are merged, their middle is not the point that the tubes aim at:
@@ -25,6 +28,8 @@ const TO: f64 = 8.0;
 const STAY: f64 = 0.05;
 /// The new place has at least this share of the room of the old one.
 const ROOM: f64 = 0.7;
+/// And in the ball of a branching, where a node may have been in the middle of the body.
+const IN_BALL: f64 = 0.3;
 
 /// Moves branchings of many branches to where the lines of these meet, and straightens the branches up to there.
 pub fn meet(net: &mut CurveNet, target: &Target) {
@@ -44,7 +49,22 @@ pub fn meet(net: &mut CurveNet, target: &Target) {
         }
         net.points[v as usize] = to;
         for way in &ways {
-            straighten(net, way, room, target);
+            if let Some(end) = leaves(net, way, FROM * room) {
+                straighten(net, &way[..=end], ROOM, target);
+            }
+        }
+    }
+}
+
+/// Lets branches run straight in the balls of their branchings.
+pub fn straighten_in_balls(net: &mut CurveNet, target: &Target) {
+    let around = net.incidence();
+    let all = branches(net, &around);
+    for v in (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2) {
+        let room = target.distance(net.points[v as usize]);
+        for way in all.iter().flat_map(|b| leaving(b, v)) {
+            let end = leaves(net, &way, room).unwrap_or(way.len() - 1);
+            straighten(net, &way[..=end], IN_BALL, target);
         }
     }
 }
@@ -86,13 +106,18 @@ fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
     point.is_finite().then_some(point)
 }
 
-/// Nodes of a branch before it has left the branching go onto the line from there, where they keep their room.
-fn straighten(net: &mut CurveNet, way: &[u32], room: f64, target: &Target) {
+/// Where on a way its nodes are farther than a distance from the first for the first time.
+fn leaves(net: &CurveNet, way: &[u32], distance: f64) -> Option<usize> {
     let from = net.points[way[0] as usize];
+    (1..way.len()).find(|&k| net.points[way[k] as usize].distance(from) > distance)
+}
+
+/// The nodes of a way go onto the line from its first to its last, where they keep a share of their room.
+fn straighten(net: &mut CurveNet, way: &[u32], share: f64, target: &Target) {
     let at = |k: usize| net.points[way[k] as usize];
-    let Some(end) = (1..way.len()).find(|&k| at(k).distance(from) > FROM * room) else { return };
-    let on = |k: usize| from.lerp(at(end), k as f64 / end as f64);
-    let fits = |k: usize| target.contains(on(k)) && target.distance(on(k)) > ROOM * target.distance(at(k));
+    let end = way.len() - 1;
+    let on = |k: usize| at(0).lerp(at(end), k as f64 / end as f64);
+    let fits = |k: usize| target.contains(on(k)) && target.distance(on(k)) > share * target.distance(at(k));
     if (1..end).all(fits) {
         let points: Vec<DVec3> = (1..end).map(on).collect();
         points.into_iter().zip(&way[1..]).for_each(|(p, &v)| net.points[v as usize] = p);
@@ -102,6 +127,20 @@ fn straighten(net: &mut CurveNet, way: &[u32], room: f64, target: &Target) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A curl in the ball of a branching goes, what is out of it stays.
+    #[test]
+    fn branches_leave_a_ball_straight() {
+        let (closed, _) =
+            crate::skeleton::prepared(&crate::mesh::test_models::sphere(3), &crate::Context::new()).unwrap();
+        let flat = |[x, y]: [f64; 2]| DVec3::new(x, y, 0.0);
+        let points = [[0.0, 0.0], [0.0, 0.2], [0.3, 0.2], [0.7, 0.0], [-0.7, 0.0], [0.0, -0.7]].map(flat).to_vec();
+        let mut net = CurveNet::new(points, vec![0.3; 6], vec![[0, 1], [1, 2], [2, 3], [0, 4], [0, 5]]);
+        let ends: Vec<DVec3> = net.points[3..].to_vec();
+        straighten_in_balls(&mut net, &Target::new(&closed));
+        assert!(net.points[1].y == 0.0 && net.points[2].y == 0.0 && net.points[1].x < net.points[2].x);
+        assert_eq!(net.points[3..], ends);
+    }
 
     #[test]
     fn lines_meet_where_they_aim_at() {

@@ -13,9 +13,12 @@
 //! | whether the result stands for the skeleton that was given | `cover` |
 //! | where many branches of a surface meet | `meet` |
 //! | connection surfaces of the branchings | `connection` |
+//! | branchings at right angles | `cubic` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
 //! | padding, halving across and along | `refine` |
+//! | segments halved where a surface is far | `adapt` |
+//! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
 //! | figures of the result | `figures` |
 //!
@@ -23,11 +26,14 @@
 //! rule for the first ring at a branching, residual twist spread by arc length on rings too, an energy that untangles
 //! instead of linear smoothing, and a certificate for every cell.
 
+mod adapt;
 mod connection;
 mod cover;
+mod cubic;
 mod figures;
 mod fit;
 mod frames;
+mod insert;
 mod limit;
 mod meet;
 mod optimise;
@@ -50,8 +56,9 @@ pub use validate::Validity;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::hexes::uncertified;
+use crate::geometry::hexes::{scaled_jacobian, uncertified};
 use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
+use cubic::Cube;
 use glam::DVec3;
 use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
 use refine::{CORE, TubeMesh};
@@ -94,6 +101,8 @@ pub struct HexOptions {
     pub refine_across: Option<u32>,
     /// How often every cell is halved along its axis.
     pub refine_along: u32,
+    /// Cells are inserted where a branch is more than twice as thick as where it is thinnest. Not for surfaces.
+    pub adapt_radius: bool,
     /// How far the skeleton is worked on.
     pub stage: Stage,
     /// About this many hexes: sets the length of the steps along the branches.
@@ -118,6 +127,13 @@ const MANY_SEGMENTS: usize = 1500;
 const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
 /// Branchings closer than this share of the smaller radius become one.
 const MERGE: f64 = 0.3;
+/// Angles in degrees: directions closer than the first get a trunk, up to where they are as far apart as the second.
+const FORKS: [f64; 2] = [zip::CLOSE_DEGREES, zip::APART_DEGREES];
+/// What is tried where the least scaled Jacobian is below [`LEAST`] and cells are not more than [`FEW_HEXES`]: trunks from
+/// more branches have forks with wider angles, but depart farther from what was drawn.
+const OTHER_FORKS: [[f64; 2]; 2] = [[42.0, 55.0], [36.0, 48.0]];
+const LEAST: f64 = 0.3;
+const FEW_HEXES: usize = 50_000;
 /// Vertices at nodes this near to one that lies outside are held, in its radii.
 const NEAR: f64 = 2.0;
 /// Strength of the springs: of ends to their planes, of the wall to its radius and across it, of nodes to their places.
@@ -136,6 +152,9 @@ impl HexOptions {
         }
         if self.stage == Stage::Base && (self.hexes.is_some() || self.edge_length.is_some()) {
             return Err(Error::Options("stage base takes the graph as it is: it has no size to be set".into()));
+        }
+        if self.stage == Stage::Base && self.adapt_radius {
+            return Err(Error::Options("stage base takes the graph as it is: no cells are inserted".into()));
         }
         if self.hexes == Some(0) {
             return Err(Error::Options("the number of hexes must be positive".into()));
@@ -167,6 +186,26 @@ impl HexOptions {
             Padding::All => (12.0, 4.0),
         };
         per_segment * k * k * n * segments as f64 + per_end * k * k * k * ends as f64
+    }
+
+    /// Hexes of a net at most: as if all branchings that may be cubic were.
+    fn most_hexes(&self, net: &CurveNet) -> f64 {
+        let around = net.incidence();
+        let mut sum = self.hexes_of(net.edges.len(), around.tips().count());
+        if self.stage == Stage::Full {
+            let k = f64::from(1 << self.refine_across());
+            let layer = if self.padding == Padding::None { 0 } else { 4 };
+            let of = |v: u32| {
+                let cube = Cube::of(&cubic::directions(net, &around, v))?;
+                Some(8 + layer * cube.open_faces().count())
+            };
+            sum += k * k * k * (0..net.points.len() as u32).filter_map(of).sum::<usize>() as f64;
+            if self.adapt_radius {
+                let [along, ends] = insert::count(net, &insert::levels(net), self.padding);
+                sum += k * k * (along * f64::from(1 << self.refine_along) + ends * k);
+            }
+        }
+        sum
     }
 }
 
@@ -213,28 +252,65 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     if let Some(net) = scale.net(net) {
         return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
     }
-    let (given, net, mut warnings) = prepare(net, options, context)?;
-    let mut best: Option<([usize; 2], TubeMesh, BaseMesh)> = None;
-    let mut held = Vec::new();
-    for _ in 0..2 {
-        let base = valid_base(&net, &held, context)?;
-        let tube = refined(&net, &base, &held, options, context)?;
-        let outside = cover::outside_cells(&given, &tube);
-        let score = [uncertified(&tube.points, &tube.hexes).len(), outside.len()];
-        if best.as_ref().is_none_or(|b| score < b.0) {
-            best = Some((score, tube, base));
-        }
-        if outside.is_empty() {
+    let mut best = Meshed::new(net, FORKS, options, context)?;
+    let incidence = net.incidence();
+    let has_forks = (0..net.points.len() as u32).any(|v| incidence.valence(v) > 2);
+    for forks in OTHER_FORKS {
+        let may_gain = has_forks && best.least < LEAST && best.tube.hexes.len() <= FEW_HEXES;
+        if !may_gain || options.stage == Stage::Base {
             break;
         }
-        held = outside.iter().map(|&v| (given.points[v as usize], NEAR * given.radii[v as usize])).collect();
+        let other = match Meshed::new(net, forks, options, context) {
+            Err(Error::Numeric(_)) => continue,
+            other => other?,
+        };
+        if (other.lacking, -other.least) < (best.lacking, -best.least) {
+            best = other;
+        }
     }
-    let Some(([_, outside], tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
+    let Meshed { lacking: [_, outside], tube, base, net, mut warnings, .. } = best;
     warn_of_poor(&base, &mut warnings);
     if outside > 0 {
         warnings.push(format!("{outside} nodes of the skeleton lie outside of the cells"));
     }
     deliver(tube, net, warnings, options, context)
+}
+
+/// The mesh of a skeleton that was made ready in one of several ways.
+struct Meshed {
+    /// Cells without a certificate, and nodes outside of the cells.
+    lacking: [usize; 2],
+    /// The least scaled Jacobian.
+    least: f64,
+    tube: TubeMesh,
+    base: BaseMesh,
+    /// The skeleton made ready.
+    net: CurveNet,
+    warnings: Vec<String>,
+}
+
+impl Meshed {
+    fn new(net: &CurveNet, forks: [f64; 2], options: &HexOptions, context: &Context) -> Result<Meshed> {
+        let (given, net, warnings) = prepare(net, forks, options, context)?;
+        let mut best: Option<([usize; 2], TubeMesh, BaseMesh)> = None;
+        let mut held = Vec::new();
+        for _ in 0..2 {
+            let base = valid_base(&net, options.stage == Stage::Full, &held, context)?;
+            let tube = refined(&net, &base, &held, options, context)?;
+            let outside = cover::outside_cells(&given, &tube);
+            let lacking = [uncertified(&tube.points, &tube.hexes).len(), outside.len()];
+            if best.as_ref().is_none_or(|b| lacking < b.0) {
+                best = Some((lacking, tube, base));
+            }
+            if outside.is_empty() {
+                break;
+            }
+            held = outside.iter().map(|&v| (given.points[v as usize], NEAR * given.radii[v as usize])).collect();
+        }
+        let Some((lacking, tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
+        let least = least_scaled_jacobian(&tube.points, &tube.hexes);
+        Ok(Meshed { lacking, least, tube, base, net, warnings })
+    }
 }
 
 /// Places, with a radius, around which the vertices at the nodes of the skeleton stay, as extremities do; others are drawn
@@ -243,9 +319,15 @@ type Held = [(DVec3, f64)];
 
 /// The base mesh padded, halved, and optimised.
 fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, context: &Context) -> Result<TubeMesh> {
-    // What is not halved is not optimised again.
+    // What is not refined is not optimised again.
     let halved = options.refine_across() + options.refine_along > 0;
-    let mut tube = padded(net, base, options, if halved { &PASSING } else { &COARSE }, held, context)?;
+    let levels = if options.adapt_radius { insert::levels(net) } else { Vec::new() };
+    let grows = levels.iter().any(|&l| l > 0);
+    let mut tube = padded(net, base, options, if halved || grows { &PASSING } else { &COARSE }, held, context)?;
+    if grows {
+        insert::insert(&mut tube, refine::places(net, base, options.padding), &levels);
+        optimise(&mut tube, if halved { &PASSING } else { &COARSE }, held, context)?;
+    }
     (0..options.refine_across()).for_each(|_| tube.refine_across());
     (0..options.refine_along).for_each(|_| tube.refine_along(|_| true));
     if halved {
@@ -260,9 +342,10 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
 }
 
 /// The coarsest mesh, its folds undone: where cells are few that costs little, and what refines a valid mesh is nearly valid.
-fn valid_base(net: &CurveNet, held: &Held, context: &Context) -> Result<BaseMesh> {
+/// `cubic` allows cubic junctions.
+fn valid_base(net: &CurveNet, cubic: bool, held: &Held, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
-    let mut base = sew::base_mesh(net);
+    let mut base = sew::base_mesh(net, cubic);
     let mut coarse = refine::pad(net, &base, Padding::None, CORE);
     optimise(&mut coarse, &COARSE, held, context)?;
     base.points = coarse.points;
@@ -276,6 +359,10 @@ fn optimise(tube: &mut TubeMesh, effort: &Effort, held: &Held, context: &Context
     optimiser.run(&mut tube.points, effort, context)
 }
 
+fn least_scaled_jacobian(points: &[DVec3], hexes: &[[u32; 8]]) -> f64 {
+    hexes.iter().map(|h| scaled_jacobian(&h.map(|v| points[v as usize]))).fold(f64::INFINITY, f64::min)
+}
+
 fn warn_of_poor(base: &BaseMesh, warnings: &mut Vec<String>) {
     if let Some(first) = base.poor.first() {
         let count = base.poor.len();
@@ -285,7 +372,7 @@ fn warn_of_poor(base: &BaseMesh, warnings: &mut Vec<String>) {
 
 /// The coarsest mesh of a net as it is, without any optimisation: what the speed of the construction is measured by.
 pub fn base_mesh(net: &CurveNet) -> HexMesh {
-    let base = sew::base_mesh(net);
+    let base = sew::base_mesh(net, false);
     HexMesh { points: base.points, hexes: base.hexes, ..HexMesh::default() }
 }
 
@@ -293,7 +380,12 @@ pub fn base_mesh(net: &CurveNet) -> HexMesh {
 /// whose nodes would lie outside of the tubes stay, then branchings are not merged either.
 ///
 /// Returns the repaired net, the one to be meshed, and what the user should know.
-fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(CurveNet, CurveNet, Vec<String>)> {
+fn prepare(
+    net: &CurveNet,
+    forks: [f64; 2],
+    options: &HexOptions,
+    context: &Context,
+) -> Result<(CurveNet, CurveNet, Vec<String>)> {
     let _stage = context.stage("skeleton");
     let RepairedNet { mut net, mut warnings } = net.repaired(options.radius)?;
     if options.stage == Stage::Full {
@@ -306,7 +398,7 @@ fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(C
     let mut best: Option<(usize, CurveNet, Vec<String>)> = None;
     for merge in [MERGE, MERGE, 0.0] {
         context.check()?;
-        let (ready, notes) = shaped(&net, options, &stay, merge);
+        let (ready, notes) = shaped(&net, forks, options, &stay, merge);
         let outside = cover::outside(&net, &ready);
         if best.as_ref().is_none_or(|b| outside.len() < b.0) {
             best = Some((outside.len(), ready, notes));
@@ -323,7 +415,13 @@ fn prepare(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<(C
 }
 
 /// Zipping, and for the full stage clean-up and resampling; notes say what was done.
-fn shaped(net: &CurveNet, options: &HexOptions, stay: &FxHashSet<i64>, merge: f64) -> (CurveNet, Vec<String>) {
+fn shaped(
+    net: &CurveNet,
+    forks: [f64; 2],
+    options: &HexOptions,
+    stay: &FxHashSet<i64>,
+    merge: f64,
+) -> (CurveNet, Vec<String>) {
     let mut net = net.clone();
     let mut notes = Vec::new();
     if options.stage == Stage::Full {
@@ -336,8 +434,8 @@ fn shaped(net: &CurveNet, options: &HexOptions, stay: &FxHashSet<i64>, merge: f6
             notes.push(format!("{merged} branchings lie inside others and were merged with them"));
         }
     }
-    let narrow = if options.stage == Stage::Full { zip::CLOSE_DEGREES } else { zip::NARROW_DEGREES };
-    let zipped = zip::zip(&mut net, narrow);
+    let [narrow, apart] = if options.stage == Stage::Full { forks } else { [zip::NARROW_DEGREES, zip::APART_DEGREES] };
+    let zipped = zip::zip(&mut net, narrow, apart);
     if zipped > 0 {
         notes.push(format!("{zipped} pairs of directions are closer than {narrow}° and got a common trunk"));
     }
@@ -352,8 +450,7 @@ fn shaped(net: &CurveNet, options: &HexOptions, stay: &FxHashSet<i64>, merge: f6
 }
 
 fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
-    let ends = net.incidence().tips().count();
-    let expected = options.hexes_of(net.edges.len(), ends);
+    let expected = options.most_hexes(net);
     if expected > MOST_HEXES {
         return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for fewer or longer ones")));
     }
@@ -365,10 +462,9 @@ fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
     if let Some(length) = options.edge_length {
         return resample::resample(net, Step::Length(length));
     }
-    let ends = net.incidence().tips().count();
     let fine = resample::resample(net, Step::Radii(STEP));
     let fits = |n: &CurveNet| match options.hexes {
-        Some(wanted) => options.hexes_of(n.edges.len(), ends) <= wanted as f64,
+        Some(wanted) => options.most_hexes(n) <= wanted as f64,
         None => n.edges.len() <= MANY_SEGMENTS.max(net.edges.len()),
     };
     if options.hexes.is_none() && fits(&fine) {
@@ -468,7 +564,8 @@ fn deliver(
     };
     let tags = quads.iter().map(tag).collect();
     let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
-    let figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
+    let mut figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
+    figures.cubic_junctions = tube.cubic_junctions;
     let quality = &figures.quality;
     if !quality.certified {
         let count = quality.uncertified.len();

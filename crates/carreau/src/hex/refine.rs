@@ -15,6 +15,7 @@
 //! end its thickness too; along means the axis of the segments.
 
 use super::Padding;
+use super::cubic;
 use super::sew::BaseMesh;
 use crate::mesh::{CurveNet, NONE};
 use glam::DVec3;
@@ -30,7 +31,8 @@ pub struct TubeMesh {
     pub points: Vec<DVec3>,
     /// Cells; the third axis runs along the segment, where there is one.
     pub hexes: Vec<[u32; 8]>,
-    /// The segment that the third axis of each cell runs along; [`NONE`] for the layer on an end, which has no such axis.
+    /// The segment that the third axis of each cell runs along; [`NONE`] for the layer on an end and the cells of cubic junctions,
+    /// which have no such axis.
     pub segments: Vec<u32>,
     /// The point of the skeleton that each vertex belongs to.
     pub centres: Vec<DVec3>,
@@ -42,6 +44,8 @@ pub struct TubeMesh {
     pub ends: Vec<End>,
     /// The vertex at every node of the skeleton.
     pub nodes: Vec<u32>,
+    /// Number of cubic junctions.
+    pub cubic_junctions: usize,
 }
 
 /// Where a tube ends: a disc about an extremity of the skeleton.
@@ -51,6 +55,39 @@ pub struct End {
     pub centre: DVec3,
     /// Unit normal of the disc, away from the tube.
     pub outward: DVec3,
+}
+
+/// Where a cell of a padded mesh stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// The segment whose section it belongs to, that of an end for the layer there; [`NONE`] in cubic junctions.
+    pub segment: u32,
+    /// The hex of the base mesh that it was cut from or lies on, of the four of its segment.
+    pub quarter: u8,
+}
+
+/// The places of the cells that [`pad`] makes, in their order.
+pub fn places(net: &CurveNet, base: &BaseMesh, padding: Padding) -> Vec<Place> {
+    let section = |segment: u32| (0..4).map(move |quarter| Place { segment, quarter });
+    let nowhere = Place { segment: NONE, quarter: 0 };
+    let segments = 0..base.segments.len() as u32;
+    let mut places: Vec<Place> = segments.clone().flat_map(section).collect();
+    places.resize(base.hexes.len(), nowhere);
+    if padding == Padding::None {
+        return places;
+    }
+    places.extend(segments.clone().flat_map(section).flat_map(|p| [p; 2]));
+    let open: usize = base.cubes.list.iter().map(|(_, c)| c.open_faces().count()).sum();
+    places.resize(places.len() + 4 * open, nowhere);
+    if padding == Padding::All {
+        let around = net.incidence();
+        for segment in segments {
+            for node in base.segments[segment as usize] {
+                places.extend(section(segment).filter(|_| around.valence(node) == 1));
+            }
+        }
+    }
+    places
 }
 
 /// Cells and vertices of the base mesh, with the layer asked for. The old wall goes to `core` of its way from the centre:
@@ -68,27 +105,39 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     }
     let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
     let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
-    let is_centre = |v: u32| base.first[nodes[v as usize] as usize] == v;
+    let is_inside = |v: u32| {
+        let node = nodes[v as usize];
+        let own = v - base.first[node as usize];
+        base.cubes.get(node).map_or(own == 0, |c| c.is_inside(own))
+    };
+    let inside: Vec<bool> = (0..count as u32).map(is_inside).collect();
+    let radius = |v: usize| match nodes[v] {
+        // Where tubes meet the wall of a cube is farther than the radius.
+        node if base.cubes.get(node).is_some() => base.points[v].distance(net.points[node as usize]),
+        node => net.radii[node as usize],
+    };
+    let of_segments = 4 * base.segments.len();
     let mut mesh = TubeMesh {
         points: base.points.clone(),
         hexes: base.hexes.clone(),
-        segments: (0..base.hexes.len() as u32).map(|h| h / 4).collect(),
+        segments: (0..base.hexes.len()).map(|h| if h < of_segments { h as u32 / 4 } else { NONE }).collect(),
         centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
-        radii: (0..count as u32)
-            .map(|v| if is_centre(v) { 0.0 } else { net.radii[nodes[v as usize] as usize] })
-            .collect(),
+        radii: (0..count).map(|v| if inside[v] { 0.0 } else { radius(v) }).collect(),
         caps: nodes.iter().map(|&n| end_of[n as usize]).collect(),
         ends,
         nodes: base.first[..net.points.len()].to_vec(),
+        cubic_junctions: base.cubes.list.len(),
     };
     if padding == Padding::None {
         return mesh;
     }
-    // Outer copies of everything but the centres, in order; then those of the centres of ends.
-    let outer = |v: u32| count as u32 + v - nodes[v as usize] - 1;
-    for v in (0..count as u32).filter(|&v| !is_centre(v)) {
-        mesh.copy(v);
+    // Outer copies of everything on the wall, in order; then those of the centres of ends.
+    let mut copies = vec![NONE; count];
+    for v in (0..count).filter(|&v| !inside[v]) {
+        copies[v] = mesh.points.len() as u32;
+        mesh.copy(v as u32);
     }
+    let outer = |v: u32| copies[v as usize];
     let mut outer_centre = vec![u32::MAX; net.points.len()];
     for tip in around.tips().filter(|_| padding == Padding::All) {
         let node = tip as usize;
@@ -96,7 +145,7 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
         mesh.nodes[node] = outer_centre[node];
         mesh.copy(base.first[node]);
     }
-    for h in &base.hexes {
+    for h in &base.hexes[..of_segments] {
         // The same from every hex at the face: places on the faces shared by both.
         for face in [&h[..4], &h[4..]] {
             let [c, v, m, w] = [face[0], face[1], face[2], face[3]].map(|k| base.points[k as usize]);
@@ -105,13 +154,27 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
             mesh.points[face[3] as usize] = c.lerp(w, core);
         }
     }
-    (0..count as u32).filter(|&v| !is_centre(v)).for_each(|v| mesh.radii[v as usize] = 0.0);
+    for (node, _) in &base.cubes.list {
+        let centre = net.points[*node as usize];
+        for v in base.first[*node as usize]..base.first[*node as usize + 1] {
+            let v = v as usize;
+            mesh.points[v] = if inside[v] { base.points[v] } else { centre.lerp(base.points[v], core) };
+        }
+    }
+    (0..count).filter(|&v| !inside[v]).for_each(|v| mesh.radii[v] = 0.0);
     mesh.hexes.reserve(2 * base.hexes.len());
-    for (h, segment) in base.hexes.iter().zip(mesh.segments.clone()) {
+    for (h, segment) in base.hexes[..of_segments].iter().zip(mesh.segments.clone()) {
         let [_, v, m, w, _, v1, m1, w1] = *h;
         mesh.hexes.push([v, outer(v), outer(m), m, v1, outer(v1), outer(m1), m1]);
         mesh.hexes.push([m, outer(m), outer(w), w, m1, outer(m1), outer(w1), w1]);
         mesh.segments.extend([segment; 2]);
+    }
+    for (node, cube) in &base.cubes.list {
+        for q in cube.open_faces().flat_map(cubic::quads) {
+            let [a, b, c, d] = q.map(|v| base.first[*node as usize] + v);
+            mesh.hexes.push([a, b, c, d, outer(a), outer(b), outer(c), outer(d)]);
+            mesh.segments.push(NONE);
+        }
     }
     if padding == Padding::All {
         cover_ends(net, base, &mut mesh, &outer, &outer_centre, 1.0 - core);
@@ -167,7 +230,7 @@ impl TubeMesh {
         self.caps.push(self.caps[v]);
     }
 
-    /// Halves every cell across its axis (and, on ends, in its thickness).
+    /// Halves every cell across its axis, and those without one along all three of theirs.
     pub fn refine_across(&mut self) {
         let segments = self.segments.clone();
         self.halve(|h| [true, true, segments[h] == NONE]);

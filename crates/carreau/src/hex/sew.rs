@@ -11,9 +11,10 @@
 //! ```
 //!
 //! Two hexes meet at every side of a connection surface because they use the same middle and corners: that is the whole
-//! sewing, local to the node.
+//! sewing, local to the node. A cubic junction has 27 vertices, and eight hexes that come after those of the segments.
 
 use super::connection::Search;
+use super::cubic::{self, Cubes};
 use super::frames::{Frames, Quad, frames};
 use crate::mesh::{Chains, CurveNet, Incidence, NONE};
 use glam::DVec3;
@@ -28,7 +29,7 @@ const BRANCHINGS: usize = 64;
 pub struct BaseMesh {
     /// Positions, node by node.
     pub points: Vec<DVec3>,
-    /// Cells, four per segment, in the order of the segments; their third axis runs along it.
+    /// Cells, four per segment, in the order of the segments; their third axis runs along it. Then eight per cubic junction.
     pub hexes: Vec<[u32; 8]>,
     /// First vertex of every node (its centre), and the number of vertices.
     pub first: Vec<u32>,
@@ -36,19 +37,22 @@ pub struct BaseMesh {
     pub segments: Vec<[u32; 2]>,
     /// Branchings with a connection surface that does not include all directions.
     pub poor: Vec<u32>,
+    /// The cubic junctions.
+    pub cubes: Cubes,
 }
 
 /// Builds the base mesh.
 ///
 /// Everything is numbered beforehand and written to its place; what branchings, branches, nodes and segments need is found
-/// in parallel, each from what was found before.
-pub fn base_mesh(net: &CurveNet) -> BaseMesh {
+/// in parallel, each from what was found before. `cubic` allows cubic junctions.
+pub fn base_mesh(net: &CurveNet, cubic: bool) -> BaseMesh {
     let around = net.incidence();
     let all = Chains::new(net, &around);
-    let first = offsets(net, &around);
+    let cubes = if cubic { Cubes::new(net, &around) } else { Cubes::default() };
+    let first = offsets(net, &around, &cubes);
     // Touched for the first time by several threads: the system's work of handing out memory is shared too.
     let mut points: Vec<DVec3> = (0..first[net.points.len()]).into_par_iter().map(|_| DVec3::ZERO).collect();
-    let surfaces = Surfaces::new(net, &around, &first, &mut points);
+    let surfaces = Surfaces::new(net, &around, &first, &cubes, &mut points);
     let quad = |node: u32, edge: u32| -> Option<Quad> {
         let corners = surfaces.side(&around, node, edge)?;
         let centre = net.points[node as usize];
@@ -65,11 +69,11 @@ pub fn base_mesh(net: &CurveNet) -> BaseMesh {
         let [near, far] = seam(e);
         let at = places.of_edge[e] as usize;
         let turn = usize::from(frames.turns[at]);
-        let side = |node: u32, forward: bool| -> [u32; 8] {
+        let side = |node: u32, forward: bool| -> [u32; 9] {
             surfaces.side(&around, node, e as u32).unwrap_or_else(|| {
-                let base = first[node as usize] + 1;
+                let base = first[node as usize];
                 // Seen against the branch the ring runs backwards.
-                let order = if forward { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 3, 2, 1, 7, 6, 5, 4] };
+                let order = if forward { [1, 2, 3, 4, 5, 6, 7, 8, 0] } else { [1, 4, 3, 2, 8, 7, 6, 5, 0] };
                 order.map(|k| base + k)
             })
         };
@@ -77,21 +81,24 @@ pub fn base_mesh(net: &CurveNet) -> BaseMesh {
         std::array::from_fn(|k| {
             // Corner k meets corner turn − k of the quad seen from the other side.
             let (after, opposite) = ((turn + 3 - k) % 4, (turn + 4 - k) % 4);
-            let [c0, c1] = [near, far].map(|node| first[node as usize]);
-            [c0, a[k], a[4 + k], a[(k + 1) % 4], c1, b[opposite], b[4 + after], b[after]]
+            [a[8], a[k], a[4 + k], a[(k + 1) % 4], b[8], b[opposite], b[4 + after], b[after]]
         })
     });
-    let hexes = hexes.collect::<Vec<[[u32; 8]; 4]>>().into_flattened();
+    let mut hexes = hexes.collect::<Vec<[[u32; 8]; 4]>>().into_flattened();
+    for (node, _) in &cubes.list {
+        hexes.extend(cubic::hexes().map(|h| h.map(|v| first[*node as usize] + v)));
+    }
     let segments = (0..net.edges.len()).into_par_iter().map(seam).collect();
-    BaseMesh { points, hexes, first, segments, poor: surfaces.poor }
+    BaseMesh { points, hexes, first, segments, poor: surfaces.poor, cubes }
 }
 
 /// The connection surfaces of all branchings.
 struct Surfaces {
     /// First of the sides of every branching.
     first: Vec<u32>,
-    /// Towards every segment of every branching: the vertices of its quad, corners first, then the middles of its sides.
-    sides: Vec<[u32; 8]>,
+    /// Towards every segment of every branching: the vertices of its quad, corners first, then the middles of its sides, last
+    /// the centre.
+    sides: Vec<[u32; 9]>,
     /// The branchings whose surface leaves a direction out.
     poor: Vec<u32>,
 }
@@ -100,12 +107,12 @@ struct Surfaces {
 struct Share<'a> {
     branchings: &'a [u32],
     points: &'a mut [DVec3],
-    sides: &'a mut [[u32; 8]],
+    sides: &'a mut [[u32; 9]],
 }
 
 impl Surfaces {
-    /// Finds the surfaces, and puts their vertices on the spheres about the branchings.
-    fn new(net: &CurveNet, around: &Incidence, vertex: &[u32], points: &mut [DVec3]) -> Surfaces {
+    /// Finds the surfaces, and puts their vertices on the spheres about the branchings; those of cubes to their places.
+    fn new(net: &CurveNet, around: &Incidence, vertex: &[u32], cubes: &Cubes, points: &mut [DVec3]) -> Surfaces {
         let branchings: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2).collect();
         let mut first = vec![NONE; net.points.len()];
         let mut count = 0;
@@ -113,7 +120,7 @@ impl Surfaces {
             first[v as usize] = count;
             count += around.valence(v) as u32;
         }
-        let mut sides = vec![[0; 8]; count as usize];
+        let mut sides = vec![[0; 9]; count as usize];
         let mut shares = Vec::with_capacity(branchings.len().div_ceil(BRANCHINGS));
         let (mut points_left, mut sides_left) = (points, &mut sides[..]);
         let mut done = 0;
@@ -132,6 +139,15 @@ impl Surfaces {
             let mut sides = share.sides.iter_mut();
             for &v in share.branchings {
                 let (centre, radius) = (net.points[v as usize], net.radii[v as usize]);
+                let [from, to] = [v, v + 1].map(|v| (vertex[v as usize] - start) as usize);
+                let own = &mut share.points[from..to];
+                let base = vertex[v as usize];
+                if let Some(cube) = cubes.get(v) {
+                    own.iter_mut().zip(cube.points()).for_each(|(p, q)| *p = centre + radius * q);
+                    let of = |k: usize| cube.section(k).map(|w| base + w);
+                    (0..around.valence(v)).zip(sides.by_ref()).for_each(|(k, side)| *side = of(k));
+                    continue;
+                }
                 let direction = |s: &[u32; 2]| (net.points[s[1] as usize] - centre).normalize_or(DVec3::X);
                 directions.clear();
                 directions.extend(around.of(v).iter().map(direction));
@@ -139,16 +155,17 @@ impl Surfaces {
                 if !(surface.least_determinant(&directions) > 0.0) {
                     poor.push(v);
                 }
-                let [from, to] = [v, v + 1].map(|v| (vertex[v as usize] - start) as usize);
-                let own = &mut share.points[from..to];
                 let corners = surface.vertices.len();
                 own[0] = DVec3::ZERO;
                 own[1..=corners].copy_from_slice(&surface.vertices);
                 surface.side_middles(&directions, &mut own[corners + 1..]);
                 own.iter_mut().for_each(|p| *p = centre + radius * *p);
-                let base = vertex[v as usize] + 1;
                 for ((q, s), side) in surface.quads.iter().zip(&surface.sides).zip(sides.by_ref()) {
-                    *side = std::array::from_fn(|k| base + if k < 4 { q[k] } else { corners as u32 + s[k - 4] });
+                    *side = std::array::from_fn(|k| match k {
+                        0..4 => base + 1 + q[k],
+                        4..8 => base + 1 + corners as u32 + s[k - 4],
+                        _ => base,
+                    });
                 }
             }
             poor
@@ -158,7 +175,7 @@ impl Surfaces {
     }
 
     /// The vertices of the quad of a branching towards a segment; `None` for other nodes.
-    fn side(&self, around: &Incidence, node: u32, edge: u32) -> Option<[u32; 8]> {
+    fn side(&self, around: &Incidence, node: u32, edge: u32) -> Option<[u32; 9]> {
         let first = self.first[node as usize];
         let slot = |slots: &[[u32; 2]]| slots.iter().position(|s| s[0] == edge).unwrap_or(0);
         (first != NONE).then(|| self.sides[first as usize + slot(around.of(node))])
@@ -187,13 +204,17 @@ impl Places {
 }
 
 /// First vertex of every node.
-fn offsets(net: &CurveNet, around: &Incidence) -> Vec<u32> {
+fn offsets(net: &CurveNet, around: &Incidence, cubes: &Cubes) -> Vec<u32> {
     let mut first = Vec::with_capacity(net.points.len() + 1);
     let mut next = 0;
     for v in 0..net.points.len() as u32 {
         first.push(next);
         let n = around.valence(v) as u32;
-        next += if n < 2 { 9 } else { 3 * n + 3 };
+        next += match cubes.get(v) {
+            Some(_) => cubic::VERTICES,
+            None if n < 2 => 9,
+            None => 3 * n + 3,
+        };
     }
     first.push(next);
     first

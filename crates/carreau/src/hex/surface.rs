@@ -1,5 +1,6 @@
 //! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
 
+use super::adapt::Lengths;
 use super::fit::{self, Rise, Skin, Target};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
@@ -22,6 +23,9 @@ const LONGEST: f64 = 1.6;
 /// Segments longer than this, in radii, are halved, at most so many times.
 const UNEVEN: f64 = 3.0;
 const EVENINGS: usize = 3;
+/// Segments are halved where the surface is far, when cells have been halved so often, and at most so many times.
+const FOLLOWED: u32 = 1;
+const FOLLOWINGS: usize = 2;
 /// Fewer than one of so many vertices that cannot be put onto the surface are worth a try with other cells.
 const FEW: usize = 100;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
@@ -43,9 +47,8 @@ const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements
 const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
 const LEAST: f64 = 0.6;
-/// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt: that the
-/// boundary is there comes first.
-const KEPT: [f64; 5] = [0.4, 0.4, 0.3, 0.15, 0.05];
+/// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
+const KEPT: [f64; 3] = [0.4, 0.4, 0.2];
 /// The first cells take this share of the room about the skeleton.
 const INSIDE: f64 = 0.85;
 
@@ -125,7 +128,9 @@ struct Ready {
     options: HexOptions,
     /// The lid of every end, from 1; zero for a round tip.
     lid_of: Vec<u32>,
-    /// Whether long segments are halved: no size is asked for.
+    /// Whether no size is asked for.
+    freely: bool,
+    /// Whether long segments are halved.
     evenly: bool,
     warnings: Vec<String>,
 }
@@ -134,11 +139,11 @@ impl Ready {
     fn new(net: &CurveNet, forks: [f64; 2], target: &Target, options: &HexOptions, context: &Context) -> Result<Self> {
         let _stage = context.stage("skeleton");
         let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
-        let evenly = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
+        let freely = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
         let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
         super::check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
-        Ok(Ready { net, options, lid_of, evenly, warnings })
+        Ok(Ready { net, options, lid_of, freely, evenly: freely, warnings })
     }
 }
 
@@ -146,6 +151,8 @@ impl Ready {
 struct Coarse {
     ready: Ready,
     tube: TubeMesh,
+    /// Of its segments.
+    lengths: Lengths,
     /// Of the cells.
     warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
@@ -168,10 +175,16 @@ impl Coarse {
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, .. } = &ready;
         let mut warnings = Vec::new();
-        let base = super::valid_base(net, &[], context)?;
+        let base = super::valid_base(net, false, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
         let mut tube = padded(net, &base, options, &PASSING, &[], context)?;
-        let is_even = *evenly && even_out(&mut tube, net);
+        // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
+        // the cleft between the tubes.
+        let mut lengths = Lengths::new(net, INSIDE);
+        let mut is_even = false;
+        for _ in 0..EVENINGS {
+            is_even |= *evenly && lengths.even_out(&mut tube, UNEVEN);
+        }
         let _stage = context.stage("fit");
         let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
         let TubeMesh { points, hexes, .. } = &mut tube;
@@ -184,14 +197,14 @@ impl Coarse {
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { ready, tube, warnings, left, off, mean, is_even })
+        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even })
     }
 
     /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns how
     /// many vertices could not be put onto it.
     fn fitted(&mut self, target: &Target, context: &Context) -> Result<usize> {
         let stage = context.stage("fit");
-        let Coarse { tube, ready: Ready { options, lid_of, .. }, .. } = self;
+        let Coarse { tube, lengths, ready: Ready { options, lid_of, freely, .. }, .. } = self;
         let levels = options.refine_across().max(options.refine_along);
         let mut left = 0;
         for level in 0..=levels {
@@ -204,12 +217,20 @@ impl Coarse {
                     tube.refine_along(|_| true);
                 }
             }
+            if level > 0 {
+                pull(tube, lid_of, target, &NEXT, context)?;
+            }
+            // Finer cells than the coarsest show where these are too long, and do not cost much yet.
+            let followings = if level == FOLLOWED.min(levels) && *freely { FOLLOWINGS } else { 0 };
+            for _ in 0..followings {
+                if !lengths.follow(tube, target) {
+                    break;
+                }
+                pull(tube, lid_of, target, &NEXT, context)?;
+            }
             let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
             let TubeMesh { points, hexes, .. } = tube;
             let mut optimiser = Optimiser::new(points, hexes);
-            if level > 0 {
-                fit::pull(&mut optimiser, points, &skin, target, &NEXT, context)?;
-            }
             if level == levels {
                 fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
                 // What cannot be put onto the surface at once may have room when its neighbours are there.
@@ -224,6 +245,10 @@ impl Coarse {
                     optimiser.fix(free.iter().map(|f| !f).collect());
                     fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
                     optimiser.fix(vec![false; free.len()]);
+                }
+                if left > 0 {
+                    fit::seat(points, hexes, &skin, target, &mut free, context)?;
+                    left = stuck(&free, &skin);
                 }
                 optimiser.tie(Vec::new());
                 optimiser.run(points, &super::optimise::INNER, context)?;
@@ -245,25 +270,16 @@ impl Coarse {
     }
 }
 
+/// Pulls the boundary of a mesh to the surface.
+fn pull(tube: &mut TubeMesh, lid_of: &[u32], target: &Target, rise: &Rise, context: &Context) -> Result<()> {
+    let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
+    let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
+    fit::pull(&mut optimiser, &mut tube.points, &skin, target, rise, context)
+}
+
 /// How many boundary vertices could not be put onto the surface, of those that were left free.
 fn stuck(free: &[bool], skin: &Skin) -> usize {
     (0..free.len()).filter(|&v| free[v] && skin.has(v)).count()
-}
-
-/// Segments much longer than thick, as those of a narrow fork are by the first-ring rule, are halved along: their cells
-/// must reach into the cleft between the tubes. Returns whether there are any.
-fn even_out(tube: &mut TubeMesh, net: &CurveNet) -> bool {
-    let ratio = |e: usize| {
-        let [a, b] = net.edges[e].map(|v| net.radii[v as usize] / INSIDE);
-        net.length(e) / (0.5 * (a + b)).max(1e-300)
-    };
-    let mut ratios: Vec<f64> = (0..net.edges.len()).map(ratio).collect();
-    let is_uneven = ratios.iter().any(|&r| r > UNEVEN);
-    for _ in 0..EVENINGS {
-        tube.refine_along(|e| ratios[e as usize] > UNEVEN);
-        ratios.iter_mut().filter(|r| **r > UNEVEN).for_each(|r| *r *= 0.5);
-    }
-    is_uneven
 }
 
 /// The surface closed, and a skeleton.
@@ -308,7 +324,8 @@ fn prepare(
     }
     if options.stage == Stage::Full {
         meet::meet(net, target);
-        zip::zip(net, narrow);
+        meet::straighten_in_balls(net, target);
+        zip::zip(net, narrow, zip::APART_DEGREES);
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {

@@ -318,7 +318,7 @@ fn branches_meet_where_their_tubes_aim_at() {
 #[test]
 fn a_segment_halved_alone_conforms() {
     let net = tree();
-    let mut tube = refine::pad(&net, &sew::base_mesh(&net), Padding::All, CORE);
+    let mut tube = refine::pad(&net, &sew::base_mesh(&net, false), Padding::All, CORE);
     let before = tube.hexes.len();
     tube.refine_along(|segment| segment == 2);
     assert_eq!(tube.hexes.len(), before + 12);

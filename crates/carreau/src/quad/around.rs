@@ -49,6 +49,11 @@ impl Around {
         around
     }
 
+    /// Says anew what can be at corners, where vertices have gone to tips.
+    pub fn set_ceilings(&mut self, work: &Work) {
+        self.ceilings = ceilings(work);
+    }
+
     /// How near a vertex would be to its neighbours.
     pub fn shortest_edge(&self, work: &Work, v: u32, at: DVec3) -> f64 {
         let neighbours = self.neighbours[v as usize].iter();

@@ -5,9 +5,11 @@
 //!   ╲ A╱                 and sin(A / k), below a right angle, is all that they can have there.
 //!    ╲╱
 //! ```
+//!
+//! Around the tip of a cone as many quads as there are share its angle.
 
 use super::around::normal;
-use super::work::Work;
+use super::work::{Place, Work};
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, HalfEdges};
 use glam::DVec3;
@@ -17,21 +19,27 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// No ceiling is lower.
 const LOWEST: f64 = 0.01;
 
+/// Quads around a tip: fewer than three cannot be.
+const FEWEST: f64 = 3.0;
+
 /// The ceiling of every corner, for the quads that are there.
 pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
-    of_sectors(work, |angle, quads| (angle / f64::from(quads)).min(FRAC_PI_2).sin())
+    let shared = |angle: f64, quads: u32| (angle / f64::from(quads)).min(FRAC_PI_2).sin();
+    of_sectors(work, shared, shared)
 }
 
-/// The ceiling of every corner, for the best number of quads in its sector.
+/// The ceiling of every corner, for the best number of quads in its sector or around its tip.
 fn best_ceilings(work: &Work) -> Vec<[f64; 4]> {
-    of_sectors(work, |angle, _| {
+    let around_tip = |angle: f64, _| (angle / FEWEST).min(FRAC_PI_2).sin();
+    let in_sector = |angle: f64, _| {
         let few = (angle / FRAC_PI_2).floor().max(1.0);
         (angle / few).min(PI).sin().max((angle / (few + 1.0)).sin())
-    })
+    };
+    of_sectors(work, in_sector, around_tip)
 }
 
-/// What the angle of a sector between features and the number of its quads say of their corners there.
-fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64) -> Vec<[f64; 4]> {
+/// What the angle of a sector between features, or around a tip, and the number of its quads say of their corners there.
+fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64, at_tip: impl Fn(f64, u32) -> f64) -> Vec<[f64; 4]> {
     let corners = work.faces.corners();
     let next = |c: u32| c / 4 * 4 + (c + 1) % 4;
     let mut sectors = DisjointSets::new(corners.len());
@@ -54,9 +62,13 @@ fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64) -> Vec<[f64; 4]> {
         angle[s as usize] += angle_between(ahead, back);
         quads[s as usize] += 1;
     }
-    let of = |c: usize| match is_on_feature[corners[c] as usize] {
-        true => ceiling(angle[sector[c] as usize], quads[sector[c] as usize]).max(LOWEST),
-        false => 1.0,
+    let of = |c: usize| {
+        let (v, angle, quads) = (corners[c] as usize, angle[sector[c] as usize], quads[sector[c] as usize]);
+        match (is_on_feature[v], work.place.get(v)) {
+            (true, _) => ceiling(angle, quads).max(LOWEST),
+            (false, Some(Place::Fixed)) => at_tip(angle, quads).max(LOWEST),
+            (false, _) => 1.0,
+        }
     };
     (0..work.faces.len()).map(|q| [0, 1, 2, 3].map(|k| of(4 * q + k))).collect()
 }
@@ -83,6 +95,8 @@ mod tests {
     use super::*;
     use crate::geometry::quality::scaled_jacobian;
     use crate::mesh::Polygons;
+    use glam::DVec2;
+    use std::f64::consts::TAU;
 
     /// A kite of 60° at its first corner, with features along its two long sides, in one quad, or cut along its axis in two.
     fn kite(is_cut: bool) -> Work {
@@ -114,5 +128,30 @@ mod tests {
         let one = worst_shape(&kite(false));
         assert!(one > 0.96, "{one}");
         assert!(scaled_jacobian([0, 1, 2, 3].map(|k| kite(false).points[k])) < 0.9);
+    }
+
+    /// Three quads around the tip of a pyramid; the tip is held or not.
+    fn needle(is_held: bool) -> Work {
+        let at = |k: u32| {
+            let flat = DVec2::from_angle(TAU * f64::from(k) / 6.0);
+            (flat * 20f64.to_radians().tan() / 2.0).extend(if k % 2 == 0 { 1.0 } else { 0.9 })
+        };
+        let mut faces = Polygons::new();
+        [0, 2, 4].iter().for_each(|&k| faces.push(&[6, k + 1, (k + 2) % 6, (k + 3) % 6]));
+        let mut place = vec![Place::Region(0); 7];
+        if is_held {
+            place[6] = Place::Fixed;
+        }
+        Work { points: (0..6).map(at).chain([DVec3::new(0.0, 0.0, 2.0)]).collect(), place, faces, ..Work::default() }
+    }
+
+    #[test]
+    fn the_quads_around_a_tip_share_its_angle() {
+        let work = needle(true);
+        let [ahead, tip, back] = [1, 6, 3].map(|v| work.points[v]);
+        let sin = angle_between(unit(ahead - tip), unit(back - tip)).sin();
+        assert!(ceilings(&work).iter().all(|c| (c[0] - sin).abs() < 1e-12 && c[1..] == [1.0; 3]), "{sin}");
+        assert_eq!(ceilings(&work), best_ceilings(&work));
+        assert_eq!(ceilings(&needle(false)), vec![[1.0; 4]; 3]);
     }
 }

@@ -220,6 +220,10 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
     let mut quality = quality::measure(&made.work, &source);
+    if quality.inverted > 0 {
+        let inverted = quality.inverted;
+        warnings.push(format!("{inverted} quads are turned over: the triangles that they come from have no area"));
+    }
     quality.distance_max = Some(quality::distance(&made.work, &source, context)?);
     finish(&source, made, quality, warnings)
 }
@@ -286,10 +290,10 @@ fn first(
     let mut refused = String::new();
     // Borders that lie on each other meet by chance here, by force on rung 3.
     let futile = if source.is_shared.contains(&true) { 1 } else { FUTILE };
-    // Region by region only where nothing else came to anything.
+    let mut budget = Budget::new(source.area / length.powi(2));
+    // Region by region only where nothing else came to anything, with what is left of the budget.
     for by_region in [false, true] {
         let mut fruitless = 0;
-        let mut budget = Budget::new(source.area / length.powi(2));
         for (k, finer) in FINER.into_iter().enumerate() {
             let is_useful = best.as_ref().is_some_and(|b| !b.cost.useless);
             if by_region && k == 0 && is_useful

@@ -49,9 +49,9 @@ pub struct Smoothing {
 
 impl Smoothing {
     pub fn new(work: &mut Work, source: &Source) -> Self {
-        let around = Around::new(work);
+        let mut around = Around::new(work);
         let held = bends::follow(work, &around, source);
-        tips::follow(work, &around, source);
+        tips::follow(work, &mut around, source);
         Smoothing { around, held }
     }
 

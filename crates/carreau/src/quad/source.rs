@@ -2,7 +2,7 @@
 
 use super::bends::{BEND_DEG, SHARP_DEG, bends};
 use super::junction::{meeting_borders, shared_borders, with_shared_borders_divided};
-use super::tips::tips;
+use super::tips::{Tip, tips};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -44,7 +44,7 @@ pub struct Source {
     /// Those of them that are sharp.
     pub sharp: FxHashMap<u32, Vec<DVec3>>,
     /// Where regions come to a point.
-    pub tips: Vec<DVec3>,
+    pub tips: Vec<Tip>,
     /// Curves with the same region on both sides.
     pub is_seam: Vec<bool>,
     /// Curves that are borders and lie on others.

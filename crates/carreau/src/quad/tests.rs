@@ -214,21 +214,42 @@ fn only_the_corners_at_an_acute_edge_are_acute() {
     }
 }
 
-#[test]
-fn the_tip_of_a_cone_is_a_vertex() {
+/// A cone of height 1 with 24 sides.
+fn cone(radius: f64) -> SurfaceMesh {
     let sides = 24;
     let (base, tip) = (sides, sides + 1);
-    let ring = (0..sides).map(|k| DVec2::from_angle(TAU * f64::from(k) / f64::from(sides)).extend(0.0));
-    let points: Vec<DVec3> = ring.chain([DVec3::ZERO, DVec3::Z]).collect();
+    let at = |k: u32| DVec2::from_angle(TAU * f64::from(k) / f64::from(sides)).extend(0.0);
+    let points: Vec<DVec3> = (0..sides).map(|k| radius * at(k)).chain([DVec3::ZERO, DVec3::Z]).collect();
     let sector = |k: u32| [[base, (k + 1) % sides, k], [tip, k, (k + 1) % sides]];
-    let mesh = triangles(&points, &(0..sides).flat_map(sector).collect::<Vec<_>>());
+    triangles(&points, &(0..sides).flat_map(sector).collect::<Vec<_>>())
+}
+
+fn nearest_to_tip(result: &Quads) -> f64 {
+    result.mesh.points().iter().map(|p| p.distance(DVec3::Z)).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_tip_of_a_cone_is_a_vertex() {
     for quads_wanted in [600, 1000, 2000] {
-        let result =
-            quads(&mesh, &QuadOptions { quads: quads_wanted, ..QuadOptions::default() }, &Context::new()).unwrap();
+        let (mesh, options) = (cone(1.0), QuadOptions { quads: quads_wanted, ..QuadOptions::default() });
+        let result = quads(&mesh, &options, &Context::new()).unwrap();
         check(&mesh, &result);
-        let nearest = result.mesh.points().iter().map(|p| p.distance(DVec3::Z)).fold(f64::INFINITY, f64::min);
-        assert!(nearest < 1e-9, "{quads_wanted}: {nearest}");
+        assert!(nearest_to_tip(&result) < 1e-9, "{quads_wanted}: {}", nearest_to_tip(&result));
     }
+}
+
+#[test]
+fn needles_keep_their_points() {
+    let half_angle = 12f64.to_radians();
+    let mesh = cone(half_angle.tan());
+    let result = quads(&mesh, &QuadOptions { quads: 800, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&mesh, &result);
+    assert!(nearest_to_tip(&result) < 1e-9, "{}", nearest_to_tip(&result));
+    // Sharper ones that were cut off were left to rung 3, with a hundred irregular vertices.
+    assert!(result.rung() <= 2 && result.quality.irregular <= 20, "{:?}", result.quality);
+    // Three quads share the angle around the tip: all corners there are near to what that leaves them.
+    let third = TAU * half_angle.sin() / 3.0;
+    assert!(result.quality.scaled_jacobian_min > 0.7 * third.sin(), "{:?}", result.quality);
 }
 
 #[test]
@@ -273,4 +294,16 @@ fn quads_that_are_no_good_are_taken_back_and_no_others() {
     take_back(&mut work, &before, &source);
     assert!(validate::faults(&work, &source).next().is_none());
     assert_eq!((work.points[6], work.points[18]), (before[6], little));
+}
+
+#[test]
+fn features_that_are_far_longer_than_the_quads_end_soon() {
+    // A ribbon: as many squares as are asked for are thousands of times shorter than it is.
+    let n = 12;
+    let points = (0..=n).flat_map(|k| [0.0, 1e-9].map(|y| DVec3::new(f64::from(k), y, 0.0))).collect();
+    let faces: Vec<[u32; 3]> =
+        (0..n as u32).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 1]]).collect();
+    let ribbon = SurfaceMesh::from_triangles(points, &faces).unwrap();
+    let result = quads(&ribbon, &QuadOptions { quads: 50, ..QuadOptions::default() }, &Context::new()).unwrap();
+    check(&ribbon, &result);
 }

@@ -76,6 +76,9 @@ impl Work<'_> {
                 self.swap(2, context)?;
             }
         }
+        if self.limits.clean {
+            self.keep_ridges(context)?;
+        }
         if !self.curved {
             let _stage = context.stage("fit");
             self.fit(context)?;

@@ -11,6 +11,8 @@ use glam::DVec3;
 
 /// Splits make no shapes below this, unless the triangle was as bad before.
 const NEEDLE: f32 = 0.01;
+/// And none below this where a ridge would leave its place: two ridges may nearly touch.
+const THIN: f32 = 1e-3;
 
 impl Work<'_> {
     /// Splits edges longer than `limit`, longest first within each sweep. Returns how many.
@@ -57,14 +59,14 @@ impl Work<'_> {
         let (root_a, root_b) = (self.size[a as usize].sqrt(), self.size[b as usize].sqrt());
         let t = root_a / (root_a + root_b);
         if self.mesh.curve(h) != NONE {
-            return self.split_curve(h, t);
+            return self.split_curve(h, t, false);
         }
         let p = self.point(a).lerp(self.point(b), t);
         let mut spot = self.spot(self.seat[self.mesh.wedge(h) as usize], p);
         // Where the surface folds, half way to it will do, or the edge itself with the normals of its ends.
         let [m, n] = [h, next(h)].map(|c| self.normal[self.mesh.wedge(c) as usize]);
         let ways = [(spot.point, spot.normal), (0.5 * (p + spot.point), spot.normal), (p, unit(m + n))];
-        let held = ways.into_iter().find(|&(at, normal)| self.split_holds(h, at, [normal; 2]));
+        let held = ways.into_iter().find(|&(at, normal)| self.split_follows(h, at, [normal; 2]));
         // Beyond the cap: with the normal of the two faces, which stay as they are, nothing gets worse.
         let flat = || self.normal_across(h).filter(|&n| self.flat_split_holds(h, p, n)).map(|n| (p, n));
         (spot.point, spot.normal) = held.or_else(flat)?;
@@ -77,16 +79,24 @@ impl Work<'_> {
 
     /// Whether a vertex on an edge itself, with this normal, leaves the worst angles and no needles.
     fn flat_split_holds(&self, h: u32, p: DVec3, n: DVec3) -> bool {
-        self.halves_hold(h, p, [n; 2], |new, before| new >= before - 1e-6)
+        self.halves_hold(h, p, [n; 2], no_needle, |new, before| new >= before - 1e-6)
     }
 
-    /// Whether a split makes no needles, and triangles whose worst cosines, after and before, are as they must be.
-    fn halves_hold(&self, h: u32, p: DVec3, normals: [DVec3; 2], may_follow: impl Fn(f32, f32) -> bool) -> bool {
+    /// Whether a split makes triangles of the least shape that goes with the shape before, and with worst cosines that, after and
+    /// before, are as they must be.
+    fn halves_hold(
+        &self,
+        h: u32,
+        p: DVec3,
+        normals: [DVec3; 2],
+        least: fn(f32) -> f32,
+        may_follow: impl Fn(f32, f32) -> bool,
+    ) -> bool {
         let sides = [h, self.mesh.opposite(h)].into_iter().zip(normals).filter(|s| s.0 != NONE);
         sides.into_iter().all(|(side, n)| {
             let before = self.face[side as usize / 3];
-            let least = (0.2 * before.shape).max(before.shape.min(NEEDLE));
-            self.halves(side, p, n).iter().all(|new| new.shape >= least && may_follow(new.cosine, before.cosine))
+            let halves = self.halves(side, p, n);
+            halves.iter().all(|new| new.shape >= least(before.shape) && may_follow(new.cosine, before.cosine))
         })
     }
 
@@ -106,8 +116,8 @@ impl Work<'_> {
         (o != NONE).then(|| unit(self.face_normal(h / 3) + self.face_normal(o / 3)))
     }
 
-    /// Splits an edge of a curve at a share of its way.
-    pub fn split_curve(&mut self, h: u32, t: f64) -> Option<u32> {
+    /// Splits an edge of a curve at a share of its way; `urgent`: needles are no obstacle, nor is constraint (1) but for its cap.
+    pub fn split_curve(&mut self, h: u32, t: f64, urgent: bool) -> Option<u32> {
         let (chain, [s0, s1]) = self.on_chain(h)?;
         if chain.kind == Kind::Seam {
             return None;
@@ -121,7 +131,13 @@ impl Work<'_> {
         let left = left?;
         let normals = [left.normal, right.map_or(left.normal, |r| r.normal)];
         let has_right = self.mesh.opposite(h) != NONE;
-        if has_right != right.is_some() || !self.split_holds(h, left.point, normals) {
+        let cap = self.limits.cos_cap as f32;
+        let holds = if urgent {
+            self.split_holds(h, left.point, normals, |_| THIN, |new, before| new >= cap.min(before))
+        } else {
+            self.split_follows(h, left.point, normals)
+        };
+        if has_right != right.is_some() || !holds {
             return None;
         }
         let wedge_left = self.add_wedge(&left);
@@ -134,10 +150,27 @@ impl Work<'_> {
     }
 
     /// Whether the new triangles keep constraint (1), or are no worse than the old ones, and none degenerates or folds.
-    fn split_holds(&self, h: u32, p: DVec3, normals: [DVec3; 2]) -> bool {
-        self.halves_hold(h, p, normals, |new, before| self.allows_cosine(new, before)) && {
+    fn split_follows(&self, h: u32, p: DVec3, normals: [DVec3; 2]) -> bool {
+        self.split_holds(h, p, normals, no_needle, |new, before| self.allows_cosine(new, before))
+    }
+
+    /// As [`Self::halves_hold`], and no edge loses its nature.
+    fn split_holds(
+        &self,
+        h: u32,
+        p: DVec3,
+        normals: [DVec3; 2],
+        least: fn(f32) -> f32,
+        may_follow: impl Fn(f32, f32) -> bool,
+    ) -> bool {
+        self.halves_hold(h, p, normals, least, may_follow) && {
             let (before, after) = self.strain_of_split(h, p);
             after.may_follow(before)
         }
     }
+}
+
+/// The least shape of the halves of a triangle of this shape.
+fn no_needle(before: f32) -> f32 {
+    (0.2 * before).max(before.min(NEEDLE))
 }

@@ -26,7 +26,7 @@ const DEMAND: Demand = Demand { good_length: 0.0, longest: 2.2, least_shape: 0.2
 /// Sweeps in which the vertices of a ridge move to their places.
 const SWEEPS: usize = 4;
 /// Where else an edge that sags is split.
-const ELSEWHERE: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
+const ELSEWHERE: [f64; 9] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9];
 /// Edges that a closed chain keeps.
 const LEAST_CLOSED: usize = 3;
 
@@ -55,6 +55,24 @@ impl Row<'_> {
 impl<'a> Work<'a> {
     /// Spaces the vertices of all ridges evenly, with as few edges as sizes and sag ask for.
     pub fn space_ridges(&mut self, context: &Context) -> Result<()> {
+        for row in self.rows() {
+            context.check()?;
+            self.space(row);
+        }
+        Ok(())
+    }
+
+    /// Splits what sags by more than the tolerance on any ridge.
+    pub fn keep_ridges(&mut self, context: &Context) -> Result<()> {
+        for row in self.rows() {
+            context.check()?;
+            self.split_what_sags(&row);
+        }
+        Ok(())
+    }
+
+    /// The rows of all ridges that have vertices within.
+    fn rows(&self) -> Vec<Row<'a>> {
         let mut on_chain: Vec<Vec<u32>> = vec![Vec::new(); self.curves.chains.len()];
         for v in (0..self.mesh.vertex_slots()).filter(|&v| self.mesh.is_vertex(v)) {
             if self.rank[v as usize] == Rank::Curve
@@ -63,28 +81,26 @@ impl<'a> Work<'a> {
                 on_chain[self.mesh.curve(h) as usize].push(v);
             }
         }
-        for (chain, inner) in self.curves.chains.iter().zip(on_chain) {
-            context.check()?;
-            if matches!(chain.kind, Kind::Ridge | Kind::Crease) && inner.len() > usize::from(chain.closed) {
-                self.space(chain, inner);
-            }
-        }
-        Ok(())
+        let is_ridge = |chain: &Chain| matches!(chain.kind, Kind::Ridge | Kind::Crease);
+        let filled = self.curves.chains.iter().zip(on_chain);
+        let filled = filled.filter(|(chain, inner)| is_ridge(chain) && inner.len() > usize::from(chain.closed));
+        filled.map(|(chain, inner)| self.row(chain, inner)).collect()
     }
 
-    fn space(&mut self, chain: &'a Chain, inner: Vec<u32>) {
-        let mut row = self.row(chain, inner);
+    fn space(&mut self, mut row: Row<'a>) {
+        let chain = row.chain;
         let edges = row.vertices.len() - 1;
         let least = if chain.closed { LEAST_CLOSED } else { 1 };
         let ways = self.ways(&row);
         let wanted = (ways[edges].round() as usize).max(least);
-        let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &row.places(&ways, n))) else { return };
-        self.thin(&mut row, fewest);
-        let places = row.places(&self.ways(&row), row.vertices.len() - 1);
-        for _ in 0..SWEEPS {
-            self.shift_row(&row, &places);
+        if let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &row.places(&ways, n))) {
+            self.thin(&mut row, fewest);
+            let places = row.places(&self.ways(&row), row.vertices.len() - 1);
+            for _ in 0..SWEEPS {
+                self.shift_row(&row, &places);
+            }
         }
-        self.split_what_sags(chain, &row);
+        self.split_what_sags(&row);
     }
 
     fn row(&self, chain: &'a Chain, mut inner: Vec<u32>) -> Row<'a> {
@@ -172,14 +188,18 @@ impl<'a> Work<'a> {
         }
     }
 
-    fn split_what_sags(&mut self, chain: &Chain, row: &Row) {
+    fn split_what_sags(&mut self, row: &Row) {
+        let chain = row.chain;
         for pair in row.vertices.windows(2) {
             let Some(h) = self.mesh.half_edge(pair[0], pair[1]).or(self.mesh.half_edge(pair[1], pair[0])) else {
                 continue;
             };
             if self.mesh.curve(h) != NONE && !self.curve_allows(chain, self.span(chain, pair[0], pair[1]), 0.0) {
-                // Where the middle would make needles or a crease, another place may not.
-                let _ = self.split(h).or_else(|| ELSEWHERE.into_iter().find_map(|t| self.split_curve(h, t)));
+                // Where the middle would make needles or a crease, another place may not; where two ridges nearly touch,
+                // a needle between them is better than a ridge that leaves its place.
+                let elsewhere =
+                    |work: &mut Self, urgent| ELSEWHERE.into_iter().find_map(|t| work.split_curve(h, t, urgent));
+                let _ = self.split(h).or_else(|| elsewhere(self, false)).or_else(|| elsewhere(self, true));
             }
         }
     }

@@ -4,6 +4,7 @@ use super::search::CLOSE_LOOK;
 use super::*;
 use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
+use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::test_models::{grid, moved, without};
 use crate::mesh::{Column, CornerId, Topology, area_vector};
 use crate::sample;
@@ -214,6 +215,38 @@ fn patches_do_not_pierce_thin_walls() {
             assert!(radius * turn.cos() < apothem, "an inner face {radius} from the axis");
         }
     }
+}
+
+#[test]
+fn ridges_that_nearly_touch_stay_where_they_are() {
+    // The round end of a boss below the straight edge of a plate, and the wall between them, of next to no height.
+    let (strips, gap) = (32, 1e-4);
+    let turn = |k: u32| 2.0 * f64::from(k) / f64::from(strips) - 1.0;
+    let arc = |y: f64| (0..=strips).map(move |k| DVec3::new(turn(k).sin(), y, turn(k).cos() - 1.0 - gap));
+    let plate = [(-1.4, 0.0), (1.4, 0.0), (1.4, -1.0), (-1.4, -1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let points: Vec<DVec3> = arc(0.0).chain(arc(1.0)).chain(plate).collect();
+    let (back, corner, half) = (strips + 1, 2 * strips + 2, strips / 2);
+    let boss = (0..strips).flat_map(|k| [[k, k + 1, back + k + 1], [k, back + k + 1, back + k]]);
+    let wall = (0..strips).map(|k| [k + 1, k, corner + u32::from(k >= half)]);
+    let flat = [[corner + 3, corner + 2, corner + 1], [corner + 3, corner + 1, corner], [half, corner, corner + 1]];
+    let faces: Vec<[u32; 3]> = boss.chain(wall).chain(flat).collect();
+    let rim = TriangleTree::of_segments(&points, (0..strips).map(|k| [k, k + 1]));
+    let touching = SurfaceMesh::from_triangles(points, &faces).unwrap();
+    let made = simplify(&touching, &at(20.0), &Context::new()).unwrap().mesh;
+    let ends = |c: CornerId| [c, made.next(c)].map(|c| made.point(made.vertex(c)));
+    let is_on_rim = |c: &CornerId| ends(*c).iter().all(|p| rim.distance(*p) < 1e-9);
+    let ridges = feature_edges(&made, &FeatureOptions::default()).unwrap();
+    let rims: Vec<CornerId> = ridges.edges(&made).filter(is_on_rim).collect();
+    let places = |&c: &CornerId| {
+        let [a, b] = ends(c);
+        (1..10).map(move |k| a.lerp(b, 0.1 * f64::from(k)))
+    };
+    let sag = rims.iter().flat_map(places).map(|p| rim.distance(p)).fold(0.0, f64::max);
+    assert!(
+        rims.len() > 5 && sag < 1.02 * at(20.0).ridge_tolerance * touching.diagonal(),
+        "{} edges, {sag}",
+        rims.len()
+    );
 }
 
 #[test]

@@ -19,12 +19,25 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A vertex farther from the skeleton than this many radii is in a limb, one nearer than that many is not.
-const LOST: f64 = 3.0;
-const NEAR: f64 = 1.5;
-/// Least radius of a limb, as a share of that of the ball it stands on, and least length outside of it, in its radii.
-const THIN: f64 = 0.6;
-const LONG: f64 = 1.0;
+/// A vertex farther from the skeleton than this many radii may be in a limb, one nearer than that many is not.
+const LOST: f64 = 2.0;
+const NEAR: f64 = 1.2;
+/// A limb is where sections across the way are at most this much wider than the largest ball about where it stands, and than
+/// those nearer to its tip: where a body only bulges, they cut the body.
+const WIDE: f64 = 1.2;
+const WIDENS: f64 = 1.6;
+/// Least length of a limb, in radii of circles as large as its sections, and least radius of its balls, as a share of that
+/// of the ball it stands on.
+const LONG: f64 = 1.1;
+const THIN: f64 = 0.1;
+/// The section at the tip of a short limb is that of its ball, within this factor.
+const ROUND: f64 = 1.3;
+/// A section is looked at in so many directions.
+const RAYS: usize = 16;
+/// A limb starts from a node this near to its first point, in radii, from where the way has at least this share of the room
+/// at its ends.
+const REACH: f64 = 3.0;
+const ROOM: f64 = 0.35;
 /// Limbs that are looked for.
 const LIMBS: usize = 64;
 /// Rounds of smoothing of a new branch, and points at which each of its segments must be inside.
@@ -37,12 +50,12 @@ pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usiz
     let neighbours = Neighbours::of(surface);
     let mut given_up = vec![false; poles.len()];
     let mut grown = 0;
+    let mut far = distances(net, surface.points());
     for _ in 0..LIMBS {
-        let far = distances(net, surface.points());
-        let farthest = (0..far.len()).filter(|&v| !given_up[v]).max_by(|&a, &b| far[a].total_cmp(&far[b]));
-        let Some(tip) = farthest.filter(|&v| far[v] > LOST) else { break };
-        let way = neighbours.way(surface.points(), tip as u32, |v| far[v as usize] < NEAR);
-        let branch = way.as_deref().and_then(|w| branch(net, preimage, w, body));
+        let farthest = (0..far.len()).filter(|&v| !given_up[v]).max_by(|&a, &b| far[a].0.total_cmp(&far[b].0));
+        let Some(tip) = farthest.filter(|&v| far[v].0 > LOST) else { break };
+        let way = neighbours.way(surface.points(), tip as u32, |v| far[v as usize].0 < NEAR);
+        let branch = way.as_deref().and_then(|w| branch(net, w, far[*w.last()? as usize].1, body));
         let Some((root, points)) = branch else {
             // The whole limb would be tried in vain, vertex by vertex.
             let reach = surface.points()[tip].distance(poles[tip]);
@@ -68,41 +81,42 @@ pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usiz
                 off(a).total_cmp(&off(b))
             })
         };
-        for v in (0..far.len()).filter(|&v| far[v] >= NEAR) {
+        for v in (0..far.len()).filter(|&v| far[v].0 >= NEAR) {
             let p = surface.points()[v];
             let known = net.points[preimage[v] as usize].distance_squared(p);
             if let Some(k) = nearest(p).filter(|&k| net.points[k as usize].distance_squared(p) < known) {
                 preimage[v] = k;
             }
         }
+        far = distances(net, surface.points());
     }
     grown
 }
 
-/// Distance of every point from the net, over the radius of the net there.
-fn distances(net: &CurveNet, points: &[DVec3]) -> Vec<f64> {
+/// Distance of every point from the net, over the radius of the net there, and that radius.
+fn distances(net: &CurveNet, points: &[DVec3]) -> Vec<(f64, f64)> {
     let segments = TriangleTree::of_segments(&net.points, net.edges.iter().copied());
     let of = |p: &DVec3| {
-        let Some(near) = segments.closest(*p) else { return 0.0 };
-        let radius = net.edges[near.triangle as usize].map(|v| net.radii[v as usize]);
-        near.distance() / radius[0].max(radius[1]).max(1e-300)
+        let Some(near) = segments.closest(*p) else { return (0.0, 0.0) };
+        let [a, b] = net.edges[near.triangle as usize].map(|v| net.radii[v as usize]);
+        let radius = a.max(b).max(1e-300);
+        (near.distance() / radius, radius)
     };
     points.par_iter().map(of).collect()
 }
 
-/// The node a limb starts from and the points of its branch from there to the tip, all inside; `way` goes down the limb.
-fn branch(
-    net: &CurveNet,
-    preimage: &[u32],
-    way: &[u32],
-    &Body { poles, tree, inside, .. }: &Body,
-) -> Option<(u32, Vec<DVec3>)> {
-    let root = preimage[*way.last()? as usize];
-    let mut points: Vec<DVec3> = vec![net.points[root as usize]];
-    points.extend(way.iter().rev().map(|&v| poles[v as usize]));
+/// The largest distance of the surface from a net, in radii of the net.
+pub fn farthest(net: &CurveNet, body: &Body) -> f64 {
+    distances(net, body.surface.points()).into_iter().map(|f| f.0).fold(0.0, f64::max)
+}
+
+/// The node a limb starts from and the points of its branch from there to the tip, all inside; `way` goes down the limb
+/// along the surface, to where the skeleton has a ball of the radius `ball`.
+fn branch(net: &CurveNet, way: &[u32], ball: f64, body: &Body) -> Option<(u32, Vec<DVec3>)> {
+    let mut points: Vec<DVec3> = way.iter().rev().map(|&v| body.poles[v as usize]).collect();
     for _ in 0..SMOOTHING {
         let old = points.clone();
-        for k in 1..old.len() - 1 {
+        for k in 1..old.len().saturating_sub(1) {
             points[k] = 0.5 * old[k] + 0.25 * (old[k - 1] + old[k + 1]);
         }
     }
@@ -111,7 +125,7 @@ fn branch(
     let mut thinned = vec![points[0]];
     for &p in &points[1..] {
         let last = thinned[thinned.len() - 1];
-        if p.distance(last) > 0.5 * tree.closest(p)?.distance() {
+        if p.distance(last) > 0.5 * body.tree.distance(p) {
             thinned.push(p);
         }
     }
@@ -120,20 +134,99 @@ fn branch(
     }
     let end = thinned.len() - 1;
     thinned[end] = tip;
-    // What sticks out of the ball at the root is longer than thick, and not much thinner than what it stands on: cells of
-    // an ear on a head would be all stretched.
-    let (centre, ball) = (thinned[0], net.radii[root as usize]);
-    let out = thinned.iter().filter(|p| p.distance(centre) > ball);
-    let mut thickness: Vec<f64> = out.filter_map(|p| Some(tree.closest(*p)?.distance())).collect();
-    thickness.sort_unstable_by(f64::total_cmp);
-    let radius = *thickness.get(thickness.len() / 2)?;
-    if radius < THIN * ball || tip.distance(centre) - ball < LONG * radius {
-        return None;
+    let limb = limb(net, &thinned, largest_ball(net, way, ball, body), body)?;
+    let (root, from) = root(net, limb, body)?;
+    let is_sound = |w: &[DVec3]| w[0] != w[1] && room(w[0], w[1], body) > 0.0;
+    limb[from..].windows(2).all(is_sound).then(|| (root, limb[from..].to_vec()))
+}
+
+/// The largest radius of the nodes that are as near to the foot of a way as the way is long, at least that at its foot: the
+/// skeleton may go some way into a limb already.
+fn largest_ball(net: &CurveNet, way: &[u32], at_foot: f64, body: &Body) -> f64 {
+    let at = |k: usize| body.surface.points()[way[k] as usize];
+    let length: f64 = (1..way.len()).map(|k| at(k - 1).distance(at(k))).sum();
+    let foot = at(way.len() - 1);
+    let near = (0..net.points.len()).filter(|&v| net.points[v].distance(foot) < length);
+    near.map(|v| net.radii[v]).fold(at_foot, f64::max)
+}
+
+/// The part of a way, up to its end, on which it is in a limb: sections across it are not much wider than the ball of the
+/// body and do not widen all at once, the part is longer than thick, and not too thin for cells.
+fn limb<'a>(net: &CurveNet, way: &'a [DVec3], ball: f64, body: &Body) -> Option<&'a [DVec3]> {
+    let end = way.len() - 1;
+    let (mut length, mut widths, mut first) = (0.0, Vec::new(), end);
+    let mut widest = f64::INFINITY;
+    for k in (0..end).rev() {
+        let across = section(way[k], way[k + 1] - way[k.saturating_sub(1)], body);
+        if !(across < WIDE * ball && across < WIDENS * widest) {
+            break;
+        }
+        widest = if widths.is_empty() { across } else { widest.max(across) };
+        length += way[k].distance(way[k + 1]);
+        widths.push(across);
+        first = k;
     }
-    let is_inside = |w: &[DVec3]| (0..=SAMPLES).all(|k| inside.contains(w[0].lerp(w[1], k as f64 / SAMPLES as f64)));
-    let sound = thinned.windows(2).all(|w| w[0] != w[1] && is_inside(w));
-    thinned.remove(0);
-    sound.then_some((root, thinned))
+    let mut thickness: Vec<f64> = way[first..].iter().map(|&p| body.tree.distance(p)).collect();
+    let at_tip = thickness[thickness.len() - 1];
+    thickness.sort_unstable_by(f64::total_cmp);
+    let is_thick = thickness[thickness.len() / 2] > THIN * ball;
+    widths.sort_unstable_by(f64::total_cmp);
+    let is_long = widths.get(widths.len() / 2).is_some_and(|width| length + at_tip > LONG * width);
+    (is_thick && (is_long || is_stub(net, way, at_tip, body))).then(|| &way[first..])
+}
+
+/// Whether a way ends in a short limb, of which nearly all sections cut what it stands on: its last ball sticks out of those of
+/// the net by a radius and more, and the section there is round.
+fn is_stub(net: &CurveNet, way: &[DVec3], radius: f64, body: &Body) -> bool {
+    let tip = way[way.len() - 1];
+    let off = (0..net.points.len()).map(|v| net.points[v].distance(tip) - net.radii[v]).fold(f64::INFINITY, f64::min);
+    off > radius && section(tip, tip - way[way.len() - 2], body) < ROUND * radius
+}
+
+/// The radius of a circle as large as the section of the body across a direction, as far as it is seen from a point.
+fn section(p: DVec3, direction: DVec3, body: &Body) -> f64 {
+    let Some(tangent) = direction.try_normalize() else { return f64::INFINITY };
+    let (u, v) = tangent.any_orthonormal_pair();
+    let square = |k: usize| {
+        let (sin, cos) = (k as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos();
+        body.tree.first_hit(p, u * cos + v * sin).map_or(f64::INFINITY, |hit| hit.t * hit.t)
+    };
+    ((0..RAYS).map(square).sum::<f64>() / RAYS as f64).sqrt()
+}
+
+/// The node from which a limb is best reached, and the point of the limb that it is joined to: the nearest, straight on
+/// rather than around a corner.
+fn root(net: &CurveNet, limb: &[DVec3], body: &Body) -> Option<(u32, usize)> {
+    for from in 0..limb.len().div_ceil(2) {
+        let (q, next) = (limb[from], limb[(from + 1).min(limb.len() - 1)]);
+        let own = body.tree.distance(q);
+        let cost = |v: usize| {
+            let to = q - net.points[v];
+            let turn = to.normalize_or_zero().dot((next - q).normalize_or_zero());
+            to.length() * (1.5 - 0.5 * turn)
+        };
+        let near = |v: &usize| net.points[*v].distance(q) < REACH * net.radii[*v].max(own);
+        let mut nodes: Vec<(f64, usize)> = (0..net.points.len()).filter(near).map(|v| (cost(v), v)).collect();
+        nodes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let is_free = |v: usize| room(net.points[v], q, body) > ROOM * net.radii[v].min(own);
+        if let Some(&(_, v)) = nodes.iter().find(|n| net.points[n.1] != q && is_free(n.1)) {
+            return Some((v as u32, from));
+        }
+    }
+    None
+}
+
+/// The least room on the way between two points; zero where it leaves the body.
+fn room(from: DVec3, to: DVec3, body: &Body) -> f64 {
+    let at = |k: usize| from.lerp(to, k as f64 / SAMPLES as f64);
+    let room = |p: DVec3| if body.inside.contains(p) { body.tree.distance(p) } else { 0.0 };
+    (0..=SAMPLES).map(|k| room(at(k))).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a branch leaves the body between its nodes.
+pub fn leaves(net: &CurveNet, branch: &[u32], body: &Body) -> bool {
+    let is_outside = |w: &[u32]| room(net.points[w[0] as usize], net.points[w[1] as usize], body) <= 0.0;
+    branch.windows(2).any(is_outside)
 }
 
 /// The vertices next to each.
@@ -205,13 +298,14 @@ mod tests {
     use crate::sample::{Tube, tubes};
 
     /// A trunk along x with its axis as a net, and a surface that may have a limb along y.
-    fn grown(limb: f64) -> (CurveNet, Vec<u32>, SurfaceMesh, usize) {
+    fn grown(limb: f64, radius: f64) -> (CurveNet, Vec<u32>, SurfaceMesh, usize) {
         let context = Context::new();
         let mut parts = vec![Tube { ends: [DVec3::ZERO, DVec3::X * 6.0], radii: [0.5; 2] }];
         if limb > 0.0 {
-            parts.push(Tube { ends: [DVec3::X * 3.0, DVec3::new(3.0, limb, 0.0)], radii: [0.4; 2] });
+            parts.push(Tube { ends: [DVec3::X * 3.0, DVec3::new(3.0, limb, 0.0)], radii: [radius; 2] });
         }
-        let surface = tubes(&parts, 0.1, 0.12, &context).unwrap().mesh.triangulated().unwrap();
+        let surface =
+            tubes(&parts, 0.1, if radius < 0.3 { 0.08 } else { 0.12 }, &context).unwrap().mesh.triangulated().unwrap();
         let tree = TriangleTree::new(surface.points(), &surface.faces().fan().0);
         let centres = poles(&surface, &context).unwrap();
         let points: Vec<DVec3> = (0..=12).map(|k| DVec3::X * (0.5 * f64::from(k))).collect();
@@ -232,24 +326,48 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_limb_gets_a_branch_and_its_vertices() {
-        let (net, preimage, surface, count) = grown(2.5);
-        assert_eq!(count, 1);
-        let around = net.incidence();
-        let tips: Vec<u32> = around.tips().collect();
-        assert_eq!((tips.len(), net.cycles()), (3, vec![0]));
-        let tip = net.points[tips[2] as usize];
-        assert!(tip.distance(DVec3::new(3.0, 2.5, 0.0)) < 0.3, "{tip}");
-        for (p, &node) in surface.points().iter().zip(&preimage) {
-            if p.y > 1.2 {
-                assert!(node >= 13 && net.points[node as usize].distance(*p) < 1.0, "{p}");
+    fn lost_limbs_get_a_branch_and_their_vertices() {
+        // As thick as the trunk, and far thinner.
+        for radius in [0.4, 0.13] {
+            let (net, preimage, surface, count) = grown(2.5, radius);
+            assert_eq!(count, 1);
+            let around = net.incidence();
+            let tips: Vec<u32> = around.tips().collect();
+            assert_eq!((tips.len(), net.cycles()), (3, vec![0]));
+            let tip = net.points[tips[2] as usize];
+            assert!(tip.distance(DVec3::new(3.0, 2.5, 0.0)) < 0.3, "{tip}");
+            for (p, &node) in surface.points().iter().zip(&preimage) {
+                if p.y > 1.2 {
+                    assert!(node >= 13 && net.points[node as usize].distance(*p) < 1.0, "{p}");
+                }
             }
         }
     }
 
+    /// A knob that is wider than long is no limb, a stub that sticks out by more than its radius is one.
+    #[test]
+    fn a_stub_gets_a_branch_and_a_knob_gets_none() {
+        assert_eq!((grown(0.5, 0.4).3, grown(1.1, 0.4).3), (0, 1));
+    }
+
+    /// A line that leaves one finger for another is outside between them.
+    #[test]
+    fn a_branch_between_two_fingers_is_outside() {
+        let context = Context::new();
+        let finger = |y: f64| Tube { ends: [DVec3::ZERO, DVec3::new(3.0, y, 0.0)], radii: [0.2; 2] };
+        let surface = tubes(&[finger(1.0), finger(-1.0)], 0.05, 0.1, &context).unwrap().mesh.triangulated().unwrap();
+        let tree = TriangleTree::new(surface.points(), &surface.faces().fan().0);
+        let centres = poles(&surface, &context).unwrap();
+        let inside = WindingTree::new(&tree);
+        let body = Body { surface: &surface, poles: &centres, tree: &tree, inside: &inside };
+        let points = [[0.0, 0.0], [3.0, 1.0], [2.5, -0.83]].map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let net = CurveNet::new(points, vec![0.2; 3], vec![[0, 1], [1, 2]]);
+        assert!(!leaves(&net, &[0, 1], &body) && leaves(&net, &[0, 1, 2], &body));
+    }
+
     #[test]
     fn what_has_a_branch_gets_no_other() {
-        let (net, _, _, count) = grown(0.0);
+        let (net, _, _, count) = grown(0.0, 0.4);
         assert_eq!((count, net.points.len()), (0, 13));
     }
 }

@@ -1,7 +1,7 @@
 //! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
 //! the ball of their branching are dropped.
 
-use super::limbs::grow_limbs;
+use super::limbs::{farthest, grow_limbs, leaves};
 use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh, branches};
@@ -40,15 +40,36 @@ pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) 
     centre(net, body.tree, body.inside);
     let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
-    let grown = grow_limbs(net, preimage, body);
+    let grown = regrow(net, preimage, body);
     if grown > 0 {
         centre(net, body.tree, body.inside);
         net.radii = radii(net);
     }
     if prune {
-        drop_stubs(net, preimage);
+        drop_branches(net, preimage, is_stub);
     }
     (brought_in, grown)
+}
+
+/// Gives limbs a branch that have none. What crosses the room between two limbs is in neither: it goes, if what grows
+/// instead is not farther from the surface.
+fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+    let (mut other, mut other_preimage) = (net.clone(), preimage.to_vec());
+    let before = net.points.len();
+    let grown = grow_limbs(net, preimage, body);
+    drop_branches(&mut other, &mut other_preimage, |net, branch, fork| {
+        let way: Vec<u32> = branch.iter().copied().chain([fork]).collect();
+        leaves(net, &way, body)
+    });
+    if other.points.len() < before {
+        let regrown = grow_limbs(&mut other, &mut other_preimage, body);
+        if farthest(&other, body) <= farthest(net, body) {
+            *net = other;
+            preimage.copy_from_slice(&other_preimage);
+            return regrown;
+        }
+    }
+    grown
 }
 
 /// Nodes outside go to the pole of the vertex nearest to them: the centres of inner balls are inside. Then they are drawn
@@ -198,20 +219,29 @@ fn is_twin(net: &CurveNet, branch: &[u32]) -> bool {
     branch.iter().all(|&v| is_near(net.points[v as usize]))
 }
 
-/// Leaf branches that stay in the ball of their branching or in the middle of another branch go, the shortest of each
-/// branching first.
-fn drop_stubs(net: &mut CurveNet, preimage: &mut [u32]) {
+/// Whether a leaf branch stays in the ball of its branching or in the middle of another branch.
+fn is_stub(net: &CurveNet, branch: &[u32], fork: u32) -> bool {
+    reach(net, branch, fork) < net.radii[fork as usize] || is_twin(net, branch)
+}
+
+/// How far a branch gets from its branching.
+fn reach(net: &CurveNet, branch: &[u32], fork: u32) -> f64 {
+    let centre = net.points[fork as usize];
+    branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max)
+}
+
+/// Leaf branches go of which `goes` is true, given their nodes from the tip to before their branching, and that; the
+/// shortest of each branching first.
+fn drop_branches(net: &mut CurveNet, preimage: &mut [u32], goes: impl Fn(&CurveNet, &[u32], u32) -> bool) {
     loop {
         let around = net.incidence();
         let mut goes_into = vec![NONE; net.points.len()];
         let mut shortest: Vec<Option<(f64, Vec<u32>)>> = vec![None; net.points.len()];
         for tip in around.tips() {
             let Some((branch, fork)) = branch_to_fork(&around, tip) else { continue };
-            let centre = net.points[fork as usize];
-            let reach = branch.iter().map(|&v| net.points[v as usize].distance(centre)).fold(0.0, f64::max);
+            let reach = reach(net, &branch, fork);
             let best = &mut shortest[fork as usize];
-            let is_shorter = best.as_ref().is_none_or(|b| reach < b.0);
-            if is_shorter && (reach < net.radii[fork as usize] || is_twin(net, &branch)) {
+            if best.as_ref().is_none_or(|b| reach < b.0) && goes(net, &branch, fork) {
                 *best = Some((reach, branch));
             }
         }
@@ -261,7 +291,7 @@ mod tests {
             let mut edges: Vec<[u32; 2]> = (1..9).map(|k| [k - 1, k]).collect();
             edges.extend([[4, 9], [9, 10], [10, 11]]);
             let mut net = CurveNet::new(points, vec![1.2; 12], edges);
-            drop_stubs(&mut net, &mut [0; 0]);
+            drop_branches(&mut net, &mut [0; 0], is_stub);
             assert_eq!(net.points.len(), left);
         }
     }

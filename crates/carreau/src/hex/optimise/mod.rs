@@ -14,7 +14,7 @@
 mod energy;
 mod patches;
 
-pub use patches::{Ties, relieve};
+pub use patches::{Ties, relieve, seat};
 
 use crate::context::Context;
 use crate::error::Result;
@@ -67,8 +67,7 @@ pub const COARSE: Effort = Effort {
 /// For a mesh that others are made from.
 pub const PASSING: Effort = Effort { powers: &[(1, 60), (2, 40), (4, 40)], attempts: COARSE.attempts };
 /// For the refined mesh, which starts nearly valid.
-pub const FINE: Effort =
-    Effort { powers: &[(1, 40), (2, 40), (4, 60), (8, 80)], attempts: &[(0.15, 0.02), (0.4, 1e-4)] };
+pub const FINE: Effort = Effort { powers: &[(4, 60), (8, 80)], attempts: &[(0.15, 0.02), (0.4, 1e-4)] };
 
 /// Targets stay within this factor of the first ones.
 const DRIFT: f64 = 2.0;

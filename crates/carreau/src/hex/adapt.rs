@@ -1,0 +1,97 @@
+//! Where the surface is far from the boundary, though the vertices of the boundary are on it, the cells are too long: the
+//! segments there are halved along.
+//!
+//! ```text
+//!       ╭───────╮             ╭───·───╮
+//!      ·─────────·     →     ·────┼────·        a halving along cuts the sheet of cells about one segment
+//!      │         │           │    │    │
+//! ```
+
+use super::fit::Target;
+use super::refine::TubeMesh;
+use crate::geometry::search_tree::TriangleTree;
+use crate::mesh::{CurveNet, NONE, boundary_faces, split_quad};
+use rayon::prelude::*;
+
+/// The surface is far from the boundary at this share of its diagonal; it is looked at in so many places, about.
+const FAR: f64 = 0.004;
+const SAMPLES: usize = 20_000;
+/// Segments are not made shorter than this, in radii.
+const SHORT: f64 = 0.6;
+
+/// The segments of a net, and what is left of their length in radii after the halvings.
+pub struct Lengths(Vec<f64>);
+
+impl Lengths {
+    /// Of segments that are not halved; `inside` is the share of the room that the radii take.
+    pub fn new(net: &CurveNet, inside: f64) -> Self {
+        let in_radii = |e: usize| {
+            let [a, b] = net.edges[e].map(|v| net.radii[v as usize] / inside);
+            net.length(e) / (0.5 * (a + b)).max(1e-300)
+        };
+        Lengths((0..net.edges.len()).map(in_radii).collect())
+    }
+
+    /// Halves the segments that are longer than a limit; whether there are any.
+    pub fn even_out(&mut self, tube: &mut TubeMesh, limit: f64) -> bool {
+        self.halve(tube, |_, length| length > limit)
+    }
+
+    /// Halves the segments at which the surface is far from the boundary; whether there are any.
+    pub fn follow(&mut self, tube: &mut TubeMesh, target: &Target) -> bool {
+        let mut is_far = vec![false; self.0.len()];
+        far_segments(tube, target).into_iter().for_each(|e| is_far[e as usize] = true);
+        self.halve(tube, |e, length| is_far[e] && length > 2.0 * SHORT)
+    }
+
+    fn halve(&mut self, tube: &mut TubeMesh, goes: impl Fn(usize, f64) -> bool) -> bool {
+        let halved: Vec<bool> = self.0.iter().enumerate().map(|(e, &length)| goes(e, length)).collect();
+        tube.refine_along(|e| halved[e as usize]);
+        self.0.iter_mut().zip(&halved).filter(|l| *l.1).for_each(|l| *l.0 *= 0.5);
+        halved.contains(&true)
+    }
+}
+
+/// The segments at whose boundary the surface is far.
+fn far_segments(tube: &TubeMesh, target: &Target) -> Vec<u32> {
+    let mut triangles = Vec::new();
+    let mut owner = Vec::new();
+    for (q, hex) in boundary_faces(&tube.hexes) {
+        triangles.extend(split_quad(&tube.points, q));
+        owner.extend([tube.segments[hex as usize]; 2]);
+    }
+    let tree = TriangleTree::new(&tube.points, &triangles);
+    let limit = FAR * target.surface().diagonal();
+    let step = target.wall().len().div_ceil(SAMPLES).max(1);
+    let far = |t: usize| {
+        let [a, b, c] = target.corners(t as u32);
+        let found = tree.closest((a + b + c) / 3.0)?;
+        let segment = owner[found.triangle as usize];
+        (found.distance() > limit && segment != NONE).then_some(segment)
+    };
+    target.wall().into_par_iter().step_by(step).filter_map(far).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hex::{Padding, refine, sew};
+    use glam::DVec3;
+
+    /// Two segments in a ball: one that fills none of it, and one as small that is too short to be halved.
+    #[test]
+    fn segments_are_halved_where_the_surface_is_far() {
+        let (closed, _) =
+            crate::skeleton::prepared(&crate::mesh::test_models::sphere(3), &crate::Context::new()).unwrap();
+        let points = [-0.6, 0.5, 0.6].map(|x| DVec3::X * x).to_vec();
+        let net = CurveNet::new(points, vec![0.3; 3], vec![[0, 1], [1, 2]]);
+        let mut tube = refine::pad(&net, &sew::base_mesh(&net, false), Padding::Sides, refine::CORE);
+        let mut lengths = Lengths::new(&net, 1.0);
+        let target = Target::new(&closed);
+        let before = tube.hexes.len();
+        assert!(!lengths.even_out(&mut tube, 4.0));
+        assert!(lengths.follow(&mut tube, &target));
+        assert_eq!(tube.hexes.len(), before + 12);
+        assert!(lengths.follow(&mut tube, &target) && !lengths.follow(&mut tube, &target));
+    }
+}
