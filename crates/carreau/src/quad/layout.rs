@@ -343,10 +343,10 @@ impl Layout {
     }
 
     /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
-    /// asks for.
-    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64) {
+    /// asks for, or than `most`.
+    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64) {
         self.arcs.par_iter_mut().for_each(|arc| {
-            let most = (MANY * arc.length / length).ceil() as i64;
+            let most = (MANY * arc.length / length).min(most).ceil() as i64;
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);
         });
     }

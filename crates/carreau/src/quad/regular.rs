@@ -185,14 +185,10 @@ pub fn regular(
         if layout.patches.len() as f64 > MOST * wanted {
             return Ok(Err(format!("its layout has {} patches", layout.patches.len())));
         }
-        // Every edge of a feature is one of the four sides of a quad.
-        let along = layout.arcs.iter().filter(|a| a.curve.is_some()).map(|a| a.length).sum::<f64>() / wish.length;
-        if !(along <= 4.0 * MOST * wanted) {
-            return Ok(Err(format!("its features are {along:.0} quads long")));
-        }
         let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize].takes_triangles());
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
-        layout.keep_features(&sheet, source, wish.length, sag);
+        // Every edge of a feature is one of the four sides of a quad.
+        layout.keep_features(&sheet, source, wish.length, sag, 4.0 * MOST * wanted);
         layout.refine(&sheet, &lost_places, wish.length);
         layout.tighten(&sheet, wish.tight);
         quantise(&mut layout, wish, aim);
