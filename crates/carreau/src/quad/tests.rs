@@ -258,7 +258,16 @@ fn there_is_no_attempt_without_a_budget_nor_twice_the_same() {
     let options = FeatureOptions::default();
     let source = Source::new(&mesh, &options, &context).unwrap();
     let length = (source.area / 1500.0).sqrt();
-    let wish = Wish { length, quads: Some(1500), most: MOST, finer: 1.0, first: true, tight: &[], tried: &[] };
+    let wish = Wish {
+        length,
+        quads: Some(1500),
+        most: MOST,
+        finer: 1.0,
+        first: true,
+        by_region: false,
+        tight: &[],
+        tried: &[],
+    };
     let angle = options.angle_deg.unwrap();
     let mut budget = Budget::new(1500.0);
     let made = regular(&source, &wish, angle, &mut budget, &context).unwrap().ok().unwrap();
