@@ -134,7 +134,7 @@ mod tests {
     fn needle(is_held: bool) -> Work {
         let at = |k: u32| {
             let flat = DVec2::from_angle(TAU * f64::from(k) / 6.0);
-            (flat * 20f64.to_radians().tan() / 2.0).extend(if k % 2 == 0 { 1.0 } else { 0.9 })
+            (flat * 20f64.to_radians().tan() / 2.0).extend(if k.is_multiple_of(2) { 1.0 } else { 0.9 })
         };
         let mut faces = Polygons::new();
         [0, 2, 4].iter().for_each(|&k| faces.push(&[6, k + 1, (k + 2) % 6, (k + 3) % 6]));
