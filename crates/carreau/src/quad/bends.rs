@@ -24,8 +24,6 @@ use std::f64::consts::PI;
 
 /// Curves are straight where they turn by less, in degrees.
 pub const BEND_DEG: f64 = 8.0;
-/// An edge across a bend by more is hardly along both sides of it.
-pub const SHARP_DEG: f64 = 18.0;
 /// A vertex goes no farther than this share of the shorter edge beside it: a little more than half, or bends between two would
 /// be left out.
 const REACH: f64 = 0.55;

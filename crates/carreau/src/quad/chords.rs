@@ -101,7 +101,7 @@ mod tests {
         let drawn = draw(&source, 0.3, 0.3, 35.0, &context).unwrap().unwrap();
         let sheet = &drawn.sheet;
         let is_fixed = |v| place(sheet, &drawn.coarse, v) == Some(Place::Fixed);
-        let layout = Layout::new(sheet, f64::INFINITY, is_fixed, |_| false).unwrap();
+        let layout = Layout::new(sheet, f64::INFINITY, is_fixed).unwrap();
         let (mut bounded, mut chords) = (0, Work::default());
         for arc in layout.arcs.iter().filter(|arc| arc.curve.is_some()) {
             let least = fewest(sheet, &source, arc, 1000, near).unwrap();

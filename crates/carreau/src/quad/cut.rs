@@ -17,7 +17,7 @@ pub fn open_holes(sheet: &mut Sheet, stays: impl Fn(u32) -> bool) -> Vec<Vec<u32
     let (mut cuts, mut given_up) = (Vec::new(), FxHashSet::default());
     for _ in 0..CUTS {
         let (patch, count) = patch_of(sheet);
-        let Some(loops) = loops(sheet, &patch, count, |_| false) else { break };
+        let Some(loops) = loops(sheet, &patch, count) else { break };
         let closed =
             |p: &usize| loops[*p].len() > 1 && !given_up.contains(&loops[*p][0][0].0) && !stays(loops[*p][0][0].0 / 3);
         let Some(p) = (0..count).find(closed) else { break };

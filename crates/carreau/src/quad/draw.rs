@@ -15,6 +15,9 @@ use crate::geometry::features::FeatureOptions;
 use crate::mesh::VertexId;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+/// Edges of the triangles that carry the field, over those of the quads: the next one where one is no good.
+pub const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
+
 /// Cuts of patches that have holes.
 const CUTS: usize = 200;
 

@@ -4,6 +4,7 @@
 //! that they should.
 
 use super::chart::Chart;
+use super::graft::{Donor, Planted};
 use super::layout::{Arc, Kind, Layout, Patch, Side};
 use super::pair::paired_triangles;
 use super::pattern::pattern;
@@ -38,18 +39,35 @@ pub struct Filled {
     pub tracks: Vec<[u32; 2]>,
 }
 
-/// All quads of a layout, or the patches that take none. `place` tells where the vertices of the sheet belong.
+/// All quads of a layout, or the patches that take none. `place` tells where the vertices of the sheet belong; grafted patches
+/// take the quads of `donor`.
 pub fn fill(
     sheet: &Sheet,
     layout: &Layout,
     place: impl Fn(u32) -> Option<Place>,
+    donor: Option<&Donor>,
     context: &Context,
 ) -> Result<std::result::Result<Filled, Vec<usize>>> {
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
     let (mut along, mut tracks): (Vec<Vec<u32>>, Vec<[u32; 2]>) = Default::default();
-    for arc in &layout.arcs {
+    let mut planted = match donor.map(|donor| donor.plant(layout, &mut work, &mut node)) {
+        Some(Err(unfilled)) => return Ok(Err(unfilled)),
+        Some(Ok(planted)) => planted,
+        None => Planted::default(),
+    };
+    let inside = layout.inside();
+    for (a, arc) in (0u32..).zip(&layout.arcs) {
+        if inside[a as usize] {
+            along.push(Vec::new());
+            continue;
+        }
+        if let (Some(curve), Some(ids)) = (arc.curve, planted.along.remove(&a)) {
+            work.features.extend(ids.windows(2).map(|w| ([w[0], w[1]], curve)));
+            along.push(ids);
+            continue;
+        }
         let inner = match arc.curve {
             Some(curve) => Place::Curve(curve),
             None => Place::Region(region_at(sheet, arc.vertices[0], arc.vertices[1])),
@@ -81,6 +99,12 @@ pub fn fill(
     let filler = Filler { sheet, layout, along: &along, context };
     for (p, patch) in layout.patches.iter().enumerate() {
         context.check()?;
+        if let (Kind::Grafted, Some(donor)) = (patch.kind, donor) {
+            donor.fill(sheet.region[patch.triangles[0] as usize], &mut planted, &mut work);
+            kinds.push(Kind::Grafted);
+            patch_of_face.resize(work.faces.len(), p as u32);
+            continue;
+        }
         match filler.fill(patch, &mut work)? {
             Some(kind) => kinds.push(kind),
             None => unfilled.push(p),
@@ -89,6 +113,9 @@ pub fn fill(
     }
     if !unfilled.is_empty() {
         return Ok(Err(unfilled));
+    }
+    if let Some(donor) = donor {
+        donor.inner_features(&planted, &mut work);
     }
     Ok(Ok(Filled { work, patch: patch_of_face, kind: kinds, tracks }))
 }
@@ -142,7 +169,7 @@ impl Filler<'_> {
         let done = match patch.kind {
             Kind::Grid => self.grid(patch, work)?,
             Kind::Pattern => self.pattern(patch, work)?,
-            Kind::Triangles => None,
+            Kind::Triangles | Kind::Grafted => None,
         };
         if done.is_some() {
             return Ok(Some(patch.kind));

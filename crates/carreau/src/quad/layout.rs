@@ -4,6 +4,7 @@
 //! corners is regular. Walls between nodes are arcs.
 
 use super::chords::fewest;
+use super::graft::Strand;
 use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
 use super::source::Source;
@@ -46,12 +47,21 @@ pub struct Arc {
     pub curve: Option<u32>,
     /// Where its vertices are, in shares of that length.
     pub stations: Vec<f64>,
+    /// The number of quads that it should have whatever their length: beside a region that takes those of rung 3.
+    pub given: Option<f64>,
     /// Quads that it has at least.
     pub least: i64,
     /// Quads that patches beside it need, as long as these have no grid.
     pub room: i64,
     /// The quads along it.
     pub count: i64,
+}
+
+impl Arc {
+    /// How many quads it would have for itself.
+    pub fn ideal(&self, length: f64) -> f64 {
+        self.given.unwrap_or(self.length / length)
+    }
 }
 
 /// An arc as a patch sees it.
@@ -72,6 +82,8 @@ pub enum Kind {
     Pattern,
     /// Triangles, paired and halved.
     Triangles,
+    /// The quads of rung 3.
+    Grafted,
 }
 
 /// What walls enclose.
@@ -97,6 +109,10 @@ pub struct Layout {
     pub length: f64,
     /// Steps of the searches for them so far.
     pub steps: u64,
+    /// Curves beside grafted patches, whose arcs have to have the right number of quads together.
+    pub strands: Vec<Strand>,
+    /// The quads of grafted patches.
+    pub grafted: usize,
 }
 
 /// What is wrong with a patch.
@@ -122,8 +138,8 @@ pub fn patch_of(sheet: &Sheet) -> (Vec<u32>, usize) {
 /// A loop around a patch: its half-edges, and the quads in the corner at the head of each.
 type Loop = Vec<(u32, i32)>;
 
-/// The loops around every patch. Corners of triangles that go `by_shape` are told by their angle.
-pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize, by_shape: impl Fn(u32) -> bool) -> Option<Vec<Vec<Loop>>> {
+/// The loops around every patch.
+pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize) -> Option<Vec<Vec<Loop>>> {
     let mut all = vec![Vec::new(); patches];
     let mut seen = vec![false; 3 * sheet.triangles.len()];
     for start in 0..seen.len() as u32 {
@@ -144,14 +160,7 @@ pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize, by_shape: impl Fn(u32
             }
             // Cuts have no part in the frames.
             let is_cut = [h, g].iter().any(|&x| sheet.wall[x as usize] == Wall::Cut);
-            list.push((
-                h,
-                if is_cut || by_shape(h / 3) {
-                    (sector.angle / FRAC_PI_2).round().max(1.0) as i32
-                } else {
-                    sector.quads
-                },
-            ));
+            list.push((h, if is_cut { (sector.angle / FRAC_PI_2).round().max(1.0) as i32 } else { sector.quads }));
             h = g;
             if h == start {
                 break;
@@ -168,7 +177,7 @@ pub fn loops(sheet: &Sheet, patch: &[u32], patches: usize, by_shape: impl Fn(u32
 /// Looks for patches that are not regular.
 pub fn audit(sheet: &Sheet) -> Vec<Fault> {
     let (patch, count) = patch_of(sheet);
-    let Some(loops) = loops(sheet, &patch, count, |_| false) else { return vec![Fault::Irregular] };
+    let Some(loops) = loops(sheet, &patch, count) else { return vec![Fault::Irregular] };
     let characteristic = characteristic(sheet, &patch, count);
     let fault = |p: usize| {
         let corners = |list: &Loop| list.iter().filter(|c| c.1 != 2).count();
@@ -225,15 +234,10 @@ fn characteristic(sheet: &Sheet, patch: &[u32], count: usize) -> Vec<i64> {
 
 impl Layout {
     /// The patches. `sag`: how far edges may be from the features that they are on; `is_fixed`: vertices that are nodes in
-    /// any case; `by_shape`: triangles in whose patches corners are told by their angle.
-    pub fn new(
-        sheet: &Sheet,
-        sag: f64,
-        is_fixed: impl Fn(u32) -> bool,
-        by_shape: impl Fn(u32) -> bool,
-    ) -> Option<Self> {
+    /// any case.
+    pub fn new(sheet: &Sheet, sag: f64, is_fixed: impl Fn(u32) -> bool) -> Option<Self> {
         let (patch, count) = patch_of(sheet);
-        let loops = loops(sheet, &patch, count, by_shape)?;
+        let loops = loops(sheet, &patch, count)?;
         let mut is_node: Vec<bool> = (0..sheet.points.len() as u32).map(is_fixed).collect();
         let mut degree = vec![0u32; sheet.points.len()];
         for h in (0..3 * sheet.triangles.len() as u32).filter(|&h| sheet.is_wall(h)) {
@@ -251,7 +255,14 @@ impl Layout {
             }
         }
         let characteristic = characteristic(sheet, &patch, count);
-        let mut layout = Layout { arcs: Vec::new(), patches: Vec::new(), length: sheet.length, steps: 0 };
+        let mut layout = Layout {
+            arcs: Vec::new(),
+            patches: Vec::new(),
+            length: sheet.length,
+            steps: 0,
+            strands: Vec::new(),
+            grafted: 0,
+        };
         let mut arc_of = vec![NONE; 3 * sheet.triangles.len()];
         let mut triangles = vec![Vec::new(); count];
         patch.iter().zip(0u32..).for_each(|(&p, t)| triangles[p as usize].push(t));
@@ -329,7 +340,7 @@ impl Layout {
         }
         let length = stations[run.len()].max(f64::MIN_POSITIVE);
         stations.iter_mut().for_each(|s| *s /= length);
-        self.arcs.push(Arc { vertices, length, curve, stations, least, room: 0, count: least });
+        self.arcs.push(Arc { vertices, length, curve, stations, given: None, least, room: 0, count: least });
         Side { arc, reversed: false, halves: run.to_vec() }
     }
 
@@ -337,15 +348,24 @@ impl Layout {
     pub fn quads(&self) -> f64 {
         let of = |p: &Patch| match p.kind {
             Kind::Grid => (self.sum(&p.sides[0]) * self.sum(&p.sides[1])) as f64,
+            Kind::Grafted => 0.0,
             _ => p.area / (self.length * self.length),
         };
-        self.patches.iter().map(of).sum()
+        self.grafted as f64 + self.patches.iter().map(of).sum::<f64>()
+    }
+
+    /// The arcs that have grafted patches beside them only: nothing is needed along these.
+    pub fn inside(&self) -> Vec<bool> {
+        let mut inside = vec![true; self.arcs.len()];
+        let others = self.patches.iter().filter(|p| p.kind != Kind::Grafted);
+        others.flat_map(|p| p.loops.iter().flatten()).for_each(|side| inside[side.arc as usize] = false);
+        inside
     }
 
     /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
     /// asks for, or than `most`.
     pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64) {
-        self.arcs.par_iter_mut().for_each(|arc| {
+        self.arcs.par_iter_mut().filter(|arc| arc.given.is_none()).for_each(|arc| {
             let most = (MANY * arc.length / length).min(most).ceil() as i64;
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);
         });
@@ -355,7 +375,7 @@ impl Layout {
     /// holds curves and places, round by round.
     pub fn refine(&mut self, sheet: &Sheet, lost: &[Vec<(u32, DVec3)>], length: f64) {
         for arc in &mut self.arcs {
-            let Some(curve) = arc.curve else { continue };
+            let Some(curve) = arc.curve.filter(|_| arc.given.is_none()) else { continue };
             let is_near = |&(c, p): &(u32, DVec3)| {
                 c == curve && arc.vertices.windows(2).any(|w| sheet.distance(w[0], w[1], p) < NEAR * length)
             };
@@ -381,7 +401,8 @@ impl Layout {
                 let arc = &mut self.arcs[side.arc as usize];
                 let ends = [arc.vertices[0], arc.vertices[arc.vertices.len() - 1]].map(|v| sheet.points[v as usize]);
                 // A loop leads everywhere.
-                if ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG {
+                let is_along = ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG;
+                if is_along && arc.given.is_none() {
                     let length = tight.length.max(SHORTEST * self.length);
                     arc.least = arc.least.max((arc.length / length).ceil() as i64);
                 }

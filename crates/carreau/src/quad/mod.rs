@@ -4,8 +4,8 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
-//! | 2 | `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
+//! | 1 | `attempts`, `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
+//! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
@@ -17,7 +17,8 @@
 //! | patches, sides; numbers of quads; those that features need | `layout`; `quantise`; `chords` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
-//! | vertices where features bend, and where the surface comes to a point | `bends`, `pins`, `tips` |
+//! | vertices where features bend, and where the surface comes to a point | `bends`, `tips` |
+//! | regions that take the quads of rung 3 | `graft` |
 //!
 //! | shared | file |
 //! |---|---|
@@ -29,6 +30,7 @@
 //! | how much may be done on a rung | `budget` |
 
 mod around;
+mod attempts;
 mod bends;
 mod budget;
 mod ceiling;
@@ -38,6 +40,7 @@ mod cut;
 mod draw;
 mod fill;
 mod fit;
+mod graft;
 pub mod graph;
 mod halve;
 mod junction;
@@ -45,7 +48,6 @@ mod layout;
 mod lift;
 mod pair;
 mod pattern;
-mod pins;
 mod quality;
 mod quantise;
 mod regular;
@@ -66,12 +68,12 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
+use attempts::Attempts;
 use budget::Budget;
-use ceiling::worst_shape;
 use glam::DVec3;
 use halve::{Middle, halve};
-use lift::{Gap, Tight, lift};
-use regular::{MOST, Made, USELESS, Wish, regular};
+use lift::{Gap, lift};
+use regular::Made;
 use serde::{Deserialize, Serialize};
 use source::Source;
 use work::{Place, Work};
@@ -148,31 +150,9 @@ const LOOSER: f64 = 1.5;
 const LOOSEST: f64 = 2.5;
 /// Rounds in which quads that are no good go back to where they were.
 const TAKEN_BACK: usize = 30;
-/// Quads farther from the surface than this share of their edges make way for another attempt's; than the other, for the
-/// next rung's.
-const STRAYS: f64 = 0.4;
+/// Quads farther from the surface than this share of their edges are for the next rung.
 const LOST: f64 = 1.0;
 const LEFT_OUT: &str = "it leaves part of the surface out";
-/// Quads of a worse shape make way for another attempt's, too, by grades of this size; as many cost a number that is missed.
-const POOR: f64 = 0.5;
-const GRADE: f64 = 0.1;
-/// So does a distance from the surface above this share of the diagonal, by grades of the other.
-const FAR: f64 = 0.002;
-const FARTHER: f64 = 0.001;
-/// So do quads whose scaled Jacobian is less than this in the mean.
-const DULL: f64 = 0.93;
-const DULLER: f64 = 0.03;
-/// Where rungs 1 and 2 leave a useless quad, rung 3 may do better: its scaled Jacobians are above this.
-const USEFUL: f64 = 0.05;
-/// Edges of the triangles that carry the field on rungs 1 and 2, over those of the quads; the next where one does not do
-/// without triangles, those after the first two where what came of these is poor.
-const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
-const USUAL: usize = 2;
-/// Attempts with smaller quads where others were too far from the surface, that may come to nothing.
-const FRUITLESS: u32 = 2;
-/// Attempts that come to nothing before the next rung takes over, where none came to anything: others hardly ever do then.
-const FUTILE: usize = 3;
-
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
 /// ```
@@ -198,17 +178,18 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     let source = Source::new(mesh, &options.features, context)?;
     let mut warnings = source.surface.repaired.clone();
-    let mut made = first(&source, options, &mut warnings, context)?;
-    let shape = made.as_ref().map_or(0.0, |made| worst_shape(&made.work));
-    if shape < USELESS
-        && let Some(work) = third(&source, options, &mut warnings, context)?
-        && (made.is_none() || quality::least_jacobian(&work) > USEFUL)
+    let mut attempts = Attempts::new(&source, options, context);
+    if options.rung <= 2 {
+        attempts.run()?;
+    }
+    if !attempts.is_useful()
+        && let Some((work, gap)) = third(&source, options, &mut warnings, context)?
     {
-        if made.is_some() {
-            warnings
-                .push(format!("rungs 1 and 2 left a quad with a scaled Jacobian of {shape:.1e}, rung 3 does better"));
-        }
-        made = Some(Made::all_on(3, work, &source));
+        attempts.graft(work, gap)?;
+    }
+    let (made, refused) = attempts.best();
+    if options.rung <= 2 && made.as_ref().is_none_or(|made| made.rung.iter().all(|&r| r == 3)) {
+        warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
     }
     let made = made.unwrap_or_else(|| {
         warnings.push("every triangle becomes three quads".into());
@@ -224,8 +205,21 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         let inverted = quality.inverted;
         warnings.push(format!("{inverted} quads are turned over: the triangles that they come from have no area"));
     }
-    quality.distance_max = Some(quality::distance(&made.work, &source, context)?);
+    let mut distance = quality::distance(&made.work, &source.surface.mesh, context)?;
+    if let Some(fans) = other_triangles(mesh)? {
+        distance = distance.max(quality::distance(&made.work, &fans, context)?);
+    }
+    quality.distance_max = Some(distance);
     finish(&source, made, quality, warnings)
+}
+
+/// Polygons that are folded can be read as other triangles than ours: as fans, which most programs make of them.
+fn other_triangles(mesh: &SurfaceMesh) -> Result<Option<SurfaceMesh>> {
+    if mesh.is_triangular() {
+        return Ok(None);
+    }
+    let fans = mesh.clone().fanned()?;
+    Ok((fans.faces() != mesh.clone().triangulated()?.faces()).then_some(fans))
 }
 
 fn check(options: &QuadOptions) -> Result<()> {
@@ -250,156 +244,13 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// What speaks against a result; the less the better.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-struct Cost {
-    /// It strays from the surface, or a quad is of no use.
-    useless: bool,
-    /// Grades of poor shapes, the worst and the mean, of a number missed, of a distance.
-    grades: u32,
-    irregular: usize,
-}
-
-/// Quads of rung 1 or 2.
-struct Attempt {
-    made: Made,
-    cost: Cost,
-    /// There is nothing to be said against it: no other is needed.
-    is_good: bool,
-    /// Where smaller quads would be near enough to the surface.
-    tight: Vec<Tight>,
-}
-
-/// Rungs 1 and 2: the attempt that stays on the surface, has no poor quads, has the fewest irregular vertices; `None` where
-/// none comes to an end or the validator refuses.
-fn first(
-    source: &Source,
-    options: &QuadOptions,
-    warnings: &mut Vec<String>,
-    context: &Context,
-) -> Result<Option<Made>> {
-    if options.rung > 2 {
-        return Ok(None);
-    }
-    let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    let (length, quads) = match options.edge_length {
-        Some(length) => (length, None),
-        None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
-    };
-    let mut best: Option<Attempt> = None;
-    let mut refused = String::new();
-    // Borders that lie on each other meet by chance here, by force on rung 3.
-    let futile = if source.is_shared.contains(&true) { 1 } else { FUTILE };
-    let mut budget = Budget::new(source.area / length.powi(2));
-    // Region by region only where nothing else came to anything, with what is left of the budget.
-    for by_region in [false, true] {
-        let mut fruitless = 0;
-        for (k, finer) in FINER.into_iter().enumerate() {
-            let is_useful = best.as_ref().is_some_and(|b| !b.cost.useless);
-            if by_region && k == 0 && is_useful
-                || k >= USUAL && is_useful && best.as_ref().is_some_and(|b| b.cost.grades == 0)
-            {
-                break;
-            }
-            if budget.is_spent() || k >= futile && best.is_none() || by_region && k >= futile && !is_useful {
-                break;
-            }
-            // Again with smaller quads where they were too far from the surface, as long as that helps.
-            let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
-            loop {
-                // A number that is missed by more than the best attempt is off speaks for that one.
-                let most = best
-                    .as_ref()
-                    .filter(|b| !b.cost.useless)
-                    .map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST));
-                let first = options.rung == 1;
-                let wish = Wish { length, quads, most, finer, first, by_region, tight: &tight, tried: &tried };
-                let found = match regular_attempt(source, &wish, feature_deg, &mut budget, context)? {
-                    Ok(found) => found,
-                    Err(why) => {
-                        refused = why;
-                        fruitless += u32::from(before.is_some());
-                        break;
-                    }
-                };
-                if found.is_good {
-                    return Ok(Some(found.made));
-                }
-                let helps = before.is_none_or(|before| found.cost < before);
-                fruitless += u32::from(!helps);
-                before = Some(found.cost);
-                let again = helps
-                    && !budget.is_spent()
-                    && fruitless < FRUITLESS
-                    && !found.tight.is_empty()
-                    && !found.cost.useless;
-                tight.extend(found.tight.iter().copied());
-                tried.clone_from(&found.made.numbers);
-                if best.as_ref().is_none_or(|b| found.cost < b.cost) {
-                    best = Some(found);
-                }
-                if !again {
-                    break;
-                }
-            }
-        }
-    }
-    if best.is_none() {
-        warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
-    }
-    Ok(best.map(|b| b.made))
-}
-
-/// One attempt on rungs 1 and 2, or why nothing came of it.
-fn regular_attempt(
-    source: &Source,
-    wish: &Wish,
-    feature_deg: f64,
-    budget: &mut Budget,
-    context: &Context,
-) -> Result<std::result::Result<Attempt, String>> {
-    let mut made = match regular(source, wish, feature_deg, budget, context) {
-        Err(Error::Numeric(why)) => return Ok(Err(why)),
-        Ok(Err(why)) => return Ok(Err(why)),
-        Ok(Ok(made)) => made,
-        Err(error) => return Err(error),
-    };
-    let gap = lifted(&mut made.work, source, context)?;
-    if let Some(why) = validate::refusal(&made.work, &made.work.to_mesh()?, source)? {
-        return Ok(Err(why));
-    }
-    let straying = quality::straying(&made.work, source, context)?;
-    if straying > LOST {
-        return Ok(Err(LEFT_OUT.into()));
-    }
-    let strays = straying > STRAYS;
-    let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
-    let misses = wish.quads.map_or(0, |n| grade(off(made.work.faces.len(), n) - WITHIN, GRADE));
-    let shape = worst_shape(&made.work);
-    let poor = grade(POOR - shape, GRADE);
-    let dull = grade(DULL - quality::mean_jacobian(&made.work), DULLER);
-    let far = grade(gap.largest / source.diagonal - FAR, FARTHER);
-    let cost = Cost {
-        useless: strays || shape < USELESS,
-        grades: poor + dull + misses + far,
-        irregular: quality::irregular(&made.work),
-    };
-    let finer = wish.finer;
-    tracing::debug!(target: "carreau::quad", finer, shape, poor, dull, misses, far, ?cost, "attempt");
-    // Another field does not change what the features need, but smaller quads do.
-    let misses_more = misses > 0 && !wish.tight.is_empty();
-    let is_good = made.rung.iter().all(|&r| r == 1) && !strays && poor + dull + far == 0 && !misses_more;
-    let tight = if far > 0 { gap.tight } else { Vec::new() };
-    Ok(Ok(Attempt { made, cost, is_good, tight }))
-}
-
-/// Rung 3, with the number of quads met as nearly as it goes; `None` where the validator refuses.
+/// Rung 3, with the number of quads met as nearly as it goes, and how far they are from the surface; `None` where the validator refuses.
 fn third(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
     context: &Context,
-) -> Result<Option<Work>> {
+) -> Result<Option<(Work, Gap)>> {
     if options.rung > 3 {
         return Ok(None);
     }
@@ -414,7 +265,7 @@ fn third(
     let held = source.held(length, context)?;
     let source = held.as_ref().unwrap_or(source);
     let mut loose = 1.0;
-    let mut best: Option<Work> = None;
+    let mut best: Option<(Work, Gap)> = None;
     let mut refused = String::new();
     let mut budget = Budget::new(2.0 * source.area / length.powi(2));
     let shortest = SHORTEST * length;
@@ -432,7 +283,7 @@ fn third(
         budget.quads(work.faces.len());
         smooth::smooth(&mut work, source, context)?;
         take_back(&mut work, &halve(&coarse, source, Middle::Straight).points, source);
-        lifted(&mut work, source, context)?;
+        let gap = lifted(&mut work, source, context)?;
         let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
         if why.is_none() && quality::straying(&work, source, context)? > LOST {
             why = Some(LEFT_OUT.into());
@@ -444,9 +295,9 @@ fn third(
         }
         let count = work.faces.len();
         let missed = off(count, options.quads);
-        let gain = best.as_ref().map_or(f64::INFINITY, |b| off(b.faces.len(), options.quads) - missed);
+        let gain = best.as_ref().map_or(f64::INFINITY, |b| off(b.0.faces.len(), options.quads) - missed);
         if gain > 0.0 {
-            best = Some(work);
+            best = Some((work, gap));
         }
         if options.edge_length.is_some() || missed < 0.5 * WITHIN || gain < NEARER {
             break;

@@ -7,11 +7,12 @@ use crate::error::Result;
 use crate::field::{self, FieldOptions};
 use crate::geometry::features::FeatureOptions;
 use crate::geometry::quality::scaled_jacobian;
-use crate::mesh::{Column, CornerId, NONE, Polygons, SurfaceMesh, TaggedEdge, Triangles, VertexId};
+use crate::mesh::{Column, CornerId, DisjointSets, NONE, Polygons, SurfaceMesh, TaggedEdge, Triangles, VertexId};
 use crate::numeric::matching::{Edge, minimum_cost_matching};
 use crate::remesh::{RemeshOptions, simplify};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Sizes where the surface bends, as a share of the largest.
@@ -23,6 +24,8 @@ const RIDGE_TOLERANCE: f64 = 8e-4;
 /// Features are recognised within this share of the diagonal and this angle.
 const NEAR: f64 = 1.5e-3;
 const ALONG_DEG: f64 = 20.0;
+/// A path is on the curve that this share of it is said to be on.
+const MOSTLY: f64 = 0.8;
 /// Edges with this tag stay as they are; others have another one.
 const HELD: i32 = 2;
 /// Vertices on features are as near as this share of the diagonal.
@@ -211,6 +214,7 @@ fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f
             found.push(([mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0], source.curve[edge as usize]));
         }
     }
+    from_corner_to_corner(&mut found, mesh.points(), source);
     let mut place: Vec<Option<Place>> = vec![None; mesh.vertex_count()];
     let mut degree = vec![0u32; mesh.vertex_count()];
     for (ends, curve) in &found {
@@ -233,6 +237,37 @@ fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f
     };
     let place = place.into_iter().zip(degree).map(settle).collect();
     Some(Coarse { mesh, is_feature, features: found, place, region })
+}
+
+/// Curves run from corner to corner. An edge near one may be as near to the next curve: what counts is what most edges of a
+/// path are on.
+fn from_corner_to_corner(found: &mut [([u32; 2], u32)], points: &[DVec3], source: &Source) {
+    let mut edges_at: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (k, (ends, _)) in (0u32..).zip(found.iter()) {
+        ends.iter().for_each(|&v| edges_at.entry(v).or_default().push(k));
+    }
+    let mut paths = DisjointSets::new(found.len());
+    for (&v, edges) in &edges_at {
+        if let [a, b] = edges[..]
+            && !source.is_corner(points[v as usize])
+        {
+            paths.union(a, b);
+        }
+    }
+    let (path, count) = paths.labels();
+    let mut lengths: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); count];
+    for (&path, ([a, b], curve)) in path.iter().zip(found.iter()) {
+        let length = points[*a as usize].distance(points[*b as usize]);
+        *lengths[path as usize].entry(*curve).or_default() += length;
+    }
+    for (&path, (_, curve)) in path.iter().zip(found.iter_mut()) {
+        let lengths = &lengths[path as usize];
+        let most = lengths.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
+        // Where corners are not found again there may be several curves.
+        if let Some(most) = most.filter(|most| *most.1 >= MOSTLY * lengths.values().sum::<f64>()) {
+            *curve = *most.0;
+        }
+    }
 }
 
 /// The frames of the coarse triangles.

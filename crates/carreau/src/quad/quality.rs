@@ -49,27 +49,22 @@ fn jacobians(work: &Work) -> impl Iterator<Item = f64> + '_ {
     work.faces.iter().map(|f| scaled_jacobian([0, 1, 2, 3].map(|k| work.points[f[k] as usize])))
 }
 
-/// The least of them.
-pub fn least_jacobian(work: &Work) -> f64 {
-    jacobians(work).fold(f64::INFINITY, f64::min)
-}
-
-/// Their mean.
+/// The mean of the quads' scaled Jacobians.
 pub fn mean_jacobian(work: &Work) -> f64 {
     jacobians(work).sum::<f64>() / work.faces.len().max(1) as f64
 }
 
-/// A bound of the distance from the source, both ways.
-pub fn distance(work: &Work, source: &Source, context: &Context) -> Result<f64> {
+/// A bound of the distance from a surface, both ways.
+pub fn distance(work: &Work, surface: &SurfaceMesh, context: &Context) -> Result<f64> {
     let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
-    Ok(compared(work, source, &options, context)?.relative.max_upper)
+    Ok(compared(work, surface, &options, context)?.relative.max_upper)
 }
 
 /// How far the quads leave the source, or leave part of it out: the largest distance of some samples, over the length of edges.
 pub fn straying(work: &Work, source: &Source, context: &Context) -> Result<f64> {
     let options = DistanceOptions { samples: SAMPLES, refinements: 0, normals: false };
     let edge = (source.area / work.faces.len() as f64).sqrt();
-    Ok(compared(work, source, &options, context)?.distance.max / edge)
+    Ok(compared(work, &source.surface.mesh, &options, context)?.distance.max / edge)
 }
 
 /// Two triangles for each quad, along its shorter diagonal.
@@ -84,10 +79,10 @@ pub fn halves(work: &Work) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// How the quads are compared with the source.
-fn compared(work: &Work, source: &Source, options: &DistanceOptions, context: &Context) -> Result<Comparison> {
+/// How the quads are compared with a surface.
+fn compared(work: &Work, surface: &SurfaceMesh, options: &DistanceOptions, context: &Context) -> Result<Comparison> {
     let mesh = SurfaceMesh::from_triangles(work.points.clone(), &halves(work))?;
-    compare(&source.surface.mesh, &mesh, options, context)
+    compare(surface, &mesh, options, context)
 }
 
 /// Inner vertices without four quads, and border vertices whose quads do not fit their angle.

@@ -25,7 +25,7 @@ const ONE_BY_ONE: usize = 32;
 /// What the numbers along arcs have to fulfil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Demand {
-    /// One side of a grid less the opposite one is zero.
+    /// One side of a grid less the opposite one is zero; so is what a strand has too many.
     Same,
     /// The number around is even.
     Even,
@@ -84,6 +84,9 @@ impl Conditions {
     fn new(layout: &Layout) -> Self {
         let mut list = Vec::new();
         for (p, patch) in layout.patches.iter().enumerate() {
+            if patch.kind == Kind::Grafted {
+                continue;
+            }
             if patch.kind == Kind::Grid {
                 for k in 0..2 {
                     let side = |k: usize, times: i64| patch.sides[k].iter().map(move |s| (s.arc, times));
@@ -93,6 +96,10 @@ impl Conditions {
                 let all = patch.loops.iter();
                 list.extend(all.map(|sides| Condition::new(p, Demand::Even, sides.iter().map(|s| (s.arc, 1)))));
             }
+        }
+        for strand in &layout.strands {
+            let condition = Condition::new(strand.patch, Demand::Same, strand.arcs.iter().map(|a| (a.0, 1)));
+            list.push(Condition { value: -strand.total, ..condition });
         }
         let mut of_arc = vec![Vec::new(); layout.arcs.len()];
         for (c, condition) in (0u32..).zip(&mut list) {
@@ -206,20 +213,25 @@ impl Layout {
     fn as_long(&mut self, length: f64) {
         for arc in &mut self.arcs {
             arc.room = 0;
-            arc.count = ((arc.length / length).round() as i64).max(arc.least);
+            arc.count = (arc.ideal(length).round() as i64).max(arc.least);
         }
-        let without_grid = |p: &usize| self.patches[*p].kind != Kind::Grid;
+        let without_grid = |p: &usize| !matches!(self.patches[*p].kind, Kind::Grid | Kind::Grafted);
         let without_grid: Vec<usize> = (0..self.patches.len()).filter(without_grid).collect();
         without_grid.into_iter().for_each(|p| self.make_room(p));
     }
 
     /// The same for twice the length, doubled: even everywhere.
     pub fn quantise_doubled(&mut self, length: f64) {
-        let least: Vec<i64> = self.arcs.iter().map(|arc| arc.least).collect();
-        self.arcs.iter_mut().for_each(|arc| arc.least = (arc.least + 1) / 2);
+        let before: Vec<(i64, Option<f64>)> = self.arcs.iter().map(|arc| (arc.least, arc.given)).collect();
+        for arc in &mut self.arcs {
+            (arc.least, arc.given) = ((arc.least + 1) / 2, arc.given.map(|given| given / 2.0));
+        }
+        // Those of rung 3 are even.
+        self.strands.iter_mut().for_each(|strand| strand.total /= 2);
         self.quantise(2.0 * length);
-        for (arc, least) in self.arcs.iter_mut().zip(least) {
-            (arc.count, arc.least) = (2 * arc.count, least);
+        self.strands.iter_mut().for_each(|strand| strand.total *= 2);
+        for (arc, (least, given)) in self.arcs.iter_mut().zip(before) {
+            (arc.count, arc.least, arc.given) = (2 * arc.count, least, given);
         }
         self.length = length;
     }
@@ -361,7 +373,7 @@ impl Layout {
     /// never negative. `None` where it would be too far off.
     fn price(&self, arc: u32, change: i64, length: f64, [fewest, most]: &[f64; 2]) -> Option<f64> {
         let arc = &self.arcs[arc as usize];
-        let ideal = (arc.length / length).max(0.5);
+        let ideal = arc.ideal(length).max(0.5);
         let count = arc.count + change;
         let is_far = (count as f64) < (fewest * ideal).floor() || count as f64 > (most * ideal).ceil() + 1.0;
         let off = arc.count as f64 - ideal;

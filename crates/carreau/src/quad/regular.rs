@@ -2,17 +2,16 @@
 //!
 //! Rung 1: grids in patches with four sides that add up, patterns in the others. Rung 2: triangles of twice the size, paired
 //! and halved, in patches that take neither. A patch whose quads are bad after smoothing takes triangles; where these are bad,
-//! too, it is joined to its neighbours. Where nothing comes of it, regions that make trouble lose all their tracks, and take a
-//! grid or a pattern as one patch, or triangles: rung 3 for that region alone.
+//! too, it is joined to its neighbours; and where these are, its region takes the quads of rung 3, if there are any.
 
 use super::budget::Budget;
 use super::ceiling::worst_shapes;
 use super::cut::open_holes;
-use super::draw::{Drawn, draw, place};
+use super::draw::{Drawn, place};
 use super::fill::{Filled, fill};
+use super::graft::Donor;
 use super::layout::{Kind, Layout, Patch};
 use super::lift::Tight;
-use super::pins::pin;
 use super::sheet::Sheet;
 use super::smooth::Smoothing;
 use super::source::Source;
@@ -21,8 +20,9 @@ use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
-use rustc_hash::FxHashSet;
-use std::collections::{BTreeMap, BTreeSet};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 
 /// Runs in search of a number of quads.
 const RUNS: usize = 8;
@@ -34,19 +34,15 @@ const TIGHT: usize = 2;
 
 /// Rounds in which patches with bad quads get triangles, and then lose their tracks.
 const ROUNDS: usize = 8;
-/// Further ones in which features that were cut short get more quads.
-const LOSSES: usize = 6;
+/// Rounds where there are quads of rung 3 to be taken.
+const GRAFTED_ROUNDS: usize = 14;
 /// Rounds that leave no fewer bad patches before it is given up.
 const PATIENCE: usize = 2;
+/// Regions beside a feature that was cut short in so many rounds take the quads of rung 3.
+const LOST: usize = 3;
 
 /// Quads of a worse shape are of no use.
 pub const USELESS: f64 = 0.02;
-
-/// A region loses all its tracks at once where at least so many of its patches are bad, and this share of them.
-const HOPELESS: (usize, f64) = (4, 0.3);
-
-/// A feature that was cut short in so many rounds gets nodes at its bends.
-const LOST: usize = 2;
 
 /// What has become of a triangle of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,24 +52,16 @@ enum State {
     Barred,
     /// Its patch was joined to its neighbours.
     Joined,
-    /// Its region has no tracks: one patch, with corners by their angle.
-    Cleared,
-    /// It takes neither a grid nor a pattern.
-    Meshed,
-    /// Its holes are cut open.
-    Opened,
+    /// Its region takes the quads of rung 3.
+    Grafted,
 }
 
 impl State {
-    fn takes_triangles(self) -> bool {
-        !matches!(self, State::Fresh | State::Cleared)
-    }
-
     /// The rung of a patch that was filled.
     fn rung(self, kind: Kind) -> u32 {
         match (self, kind) {
             (State::Fresh, Kind::Grid | Kind::Pattern) => 1,
-            (State::Cleared | State::Meshed | State::Opened, Kind::Triangles) => 3,
+            (State::Grafted, _) => 3,
             _ => 2,
         }
     }
@@ -107,8 +95,34 @@ impl Made {
     }
 }
 
-/// What comes of it, or why nothing does.
-pub type Outcome = std::result::Result<Made, String>;
+/// Why nothing came of it.
+pub struct Refusal {
+    pub why: String,
+    /// The regions that made trouble, if these alone did.
+    pub regions: Vec<u32>,
+}
+
+impl From<String> for Refusal {
+    fn from(why: String) -> Self {
+        Refusal { why, regions: Vec::new() }
+    }
+}
+
+/// What speaks against a layout.
+enum Trouble {
+    All(String),
+    /// Curves beside regions that take the quads of rung 3 are others there.
+    Curves(Vec<u32>),
+}
+
+impl<T: Into<String>> From<T> for Trouble {
+    fn from(why: T) -> Self {
+        Trouble::All(why.into())
+    }
+}
+
+/// What comes of it.
+pub type Outcome = std::result::Result<Made, Refusal>;
 
 /// What is wanted.
 pub struct Wish<'a> {
@@ -118,244 +132,315 @@ pub struct Wish<'a> {
     pub quads: Option<usize>,
     /// More of them than so many times their number are of no interest.
     pub most: f64,
-    /// Edges of the triangles that carry the field, over those of the quads.
-    pub finer: f64,
     /// Rung 1 may do.
     pub first: bool,
-    /// Regions that make trouble do without tracks, and features that were cut short get nodes at their bends: the last resort
-    /// before rung 3 takes all.
-    pub by_region: bool,
+    /// Regions that make trouble take the quads of rung 3, and those that are known to make it.
+    pub graft: Option<(&'a Donor<'a>, &'a [u32])>,
     /// Where quads were too far from the surface before.
     pub tight: &'a [Tight],
     /// Numbers that have been tried.
     pub tried: &'a [i64],
 }
 
-/// Quads as wished.
-pub fn regular(
-    source: &Source,
-    wish: &Wish,
-    feature_deg: f64,
-    budget: &mut Budget,
-    context: &Context,
-) -> Result<Outcome> {
-    let Drawn { coarse, mut sheet, traced, .. } =
-        match draw(source, wish.length, wish.finer * wish.length, feature_deg, context)? {
-            Ok(drawn) => drawn,
-            Err(why) => return Ok(Err(why)),
+/// Quads as wished, along a graph.
+pub fn regular(source: &Source, drawn: &Drawn, wish: &Wish, budget: &mut Budget, context: &Context) -> Result<Outcome> {
+    let mut rounds = Rounds::new(source, drawn, wish, budget, context);
+    if let Some((_, known)) = wish.graft {
+        rounds.graft(known);
+    }
+    let most = if wish.graft.is_some() { GRAFTED_ROUNDS } else { ROUNDS };
+    for round in 0..most {
+        if rounds.next(round, round + 1 == most)?.is_break() {
+            break;
+        }
+    }
+    Ok(rounds.outcome())
+}
+
+/// One layout after the other, until its quads will do.
+struct Rounds<'a> {
+    source: &'a Source,
+    drawn: &'a Drawn,
+    wish: &'a Wish<'a>,
+    budget: &'a mut Budget,
+    context: &'a Context,
+    sheet: Sheet,
+    state: Vec<State>,
+    /// Numbers of quads along the arcs of the first layout.
+    numbers: Vec<i64>,
+    /// Where features lost their shape, round by round.
+    lost: Vec<Vec<(u32, DVec3)>>,
+    /// The number that is asked of the layout, which only estimates patches without grids.
+    aim: Option<f64>,
+    /// The fewest bad patches, and the rounds since then.
+    fewest: (usize, usize),
+    /// The result nearest to the number so far, with how far it is off.
+    nearest: Option<(f64, Made)>,
+    /// What is there in any case, while patches with useless quads give way.
+    spare: Option<Made>,
+    refusal: Refusal,
+}
+
+impl<'a> Rounds<'a> {
+    fn new(source: &'a Source, drawn: &'a Drawn, wish: &'a Wish, budget: &'a mut Budget, context: &'a Context) -> Self {
+        Rounds {
+            source,
+            drawn,
+            wish,
+            budget,
+            context,
+            sheet: drawn.sheet.clone(),
+            state: vec![State::Fresh; drawn.sheet.triangles.len()],
+            numbers: Vec::new(),
+            lost: Vec::new(),
+            aim: wish.quads.map(|n| n as f64),
+            fewest: (usize::MAX, 0),
+            nearest: None,
+            spare: None,
+            refusal: Refusal::from("a patch could not be filled".to_string()),
+        }
+    }
+
+    fn outcome(self) -> Outcome {
+        self.nearest.map(|n| n.1).or(self.spare).ok_or(self.refusal)
+    }
+
+    fn give_up(&mut self, why: impl Into<String>) -> Result<ControlFlow<()>> {
+        self.refusal.why = why.into();
+        Ok(ControlFlow::Break(()))
+    }
+
+    /// One round; whether it is the last one.
+    fn next(&mut self, round: usize, is_last: bool) -> Result<ControlFlow<()>> {
+        if self.budget.is_spent() {
+            return self.give_up(format!("{}, and there were too many attempts", self.refusal.why));
+        }
+        if self.wish.graft.is_some() {
+            self.graft_often_lost();
+        }
+        let layout = match self.layout(round) {
+            Ok(layout) => layout,
+            Err(Trouble::Curves(curves)) => {
+                let beside = self.beside(&curves.into_iter().collect());
+                return match self.graft(&beside) {
+                    true => Ok(ControlFlow::Continue(())),
+                    false => self.give_up("its features are others on rung 3"),
+                };
+            }
+            Err(Trouble::All(why)) => return self.give_up(why),
         };
-    budget.triangles(coarse.mesh.face_count());
-    let mut state = vec![State::Fresh; sheet.triangles.len()];
-    let mut numbers = Vec::new();
-    // Where features lost their shape, round by round.
-    let mut lost_places = Vec::new();
-    let mut why = "a patch could not be filled".to_string();
-    // The fewest bad patches, and the rounds since then.
-    let mut fewest = (usize::MAX, 0);
-    // The number that is asked of the layout, which only estimates patches without grids; and the nearest result so far.
-    let mut aim = wish.quads.map(|n| n as f64);
-    let mut nearest: Option<(f64, Made)> = None;
-    // Vertices of the sheet at bends that are nodes, and the curves that they are on.
-    let (mut pinned, mut sharp) = (FxHashSet::default(), FxHashSet::default());
-    // What is there in any case, while patches with useless quads give way.
-    let mut spare: Option<Made> = None;
-    // Rounds in which features were cut short do not count as long as there are few.
-    let losses = if wish.by_region { LOSSES } else { 0 };
-    for round in 0..ROUNDS + losses {
-        if round >= ROUNDS + lost_places.len().min(losses) {
-            break;
+        let (sheet, source) = (&self.sheet, self.source);
+        let donor = self.wish.graft.map(|graft| graft.0);
+        let filled = fill(sheet, &layout, |v| place(sheet, &self.drawn.coarse, v), donor, self.context)?;
+        let Filled { work, patch, kind, tracks } = match filled {
+            Ok(filled) => filled,
+            Err(unfilled) => return Ok(self.give_way(&layout, unfilled, &[])),
+        };
+        let mut work = settled(work, source);
+        let smoothing = Smoothing::new(&mut work, source);
+        let near = if round < TIGHT { SAG * NEAR } else { NEAR };
+        // What is lost already need not be smoothed.
+        if !is_last {
+            let lost = lost_features(&work, source, near);
+            if !lost.is_empty() {
+                self.note_lost(lost);
+                return Ok(ControlFlow::Continue(()));
+            }
         }
-        let is_last = if wish.by_region { lost_places.len() >= losses } else { round + 1 == ROUNDS };
-        if budget.is_spent() {
-            why = format!("{why}, and there were too many attempts");
-            break;
+        smoothing.run(&mut work, source, self.context)?;
+        self.budget.quads(work.faces.len());
+        let mut bad = Vec::new();
+        for (q, what) in faults(&work, source) {
+            self.refusal.why = format!("quad {q} {what}");
+            bad.push(patch[q] as usize);
         }
-        let often = if wish.by_region { often_lost(&mut lost_places, &mut sharp) } else { Vec::new() };
-        for curve in often {
-            pin(&mut sheet, source, curve, &mut pinned, &mut state);
+        let lost = lost_features(&work, source, near);
+        let is_lost = !lost.is_empty();
+        if is_lost && is_last && self.nearest.is_some() {
+            return Ok(ControlFlow::Break(()));
         }
-        let place = |v: u32| if pinned.contains(&v) { Some(Place::Fixed) } else { place(&sheet, &coarse, v) };
+        if is_lost {
+            self.note_lost(lost);
+        }
+        if !bad.is_empty() {
+            return Ok(self.give_way(&layout, bad, &kind));
+        }
+        if is_lost && !is_last {
+            return Ok(ControlFlow::Continue(()));
+        }
+        let useless = worst_shapes(&work).zip(&patch).filter(|(shape, _)| *shape < USELESS);
+        let useless: Vec<usize> = useless.map(|(_, &p)| p as usize).collect();
+        let rung = self.rungs(&layout, &work, &patch, &kind);
+        let made = Made { work, rung, tracks, numbers: self.numbers.clone() };
+        if useless.is_empty() || self.spare.is_some() || self.nearest.is_some() {
+            return Ok(self.take(made));
+        }
+        self.refusal.why = "a quad is as flat as a triangle".into();
+        self.spare = Some(made);
+        Ok(self.give_way(&layout, useless, &kind))
+    }
+
+    /// The layout with its numbers, or what speaks against it.
+    fn layout(&mut self, round: usize) -> std::result::Result<Layout, Trouble> {
+        let (source, wish, sheet) = (self.source, self.wish, &self.sheet);
         let sag = SAG * NEAR * source.diagonal;
-        let by_shape = |t: u32| state[t as usize] >= State::Cleared;
-        let Some(mut layout) = Layout::new(&sheet, sag, |v| place(v) == Some(Place::Fixed), by_shape) else {
-            return Ok(Err("its tracks do not enclose patches".into()));
-        };
+        let is_fixed = |v: u32| place(sheet, &self.drawn.coarse, v) == Some(Place::Fixed);
+        let mut layout =
+            Layout::new(sheet, sag, is_fixed).ok_or_else(|| Trouble::from("its tracks do not enclose patches"))?;
         // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
         let wanted = wish.quads.map_or(source.area / wish.length.powi(2), |n| n as f64);
         if layout.patches.len() as f64 > MOST * wanted {
-            return Ok(Err(format!("its layout has {} patches", layout.patches.len())));
+            return Err(format!("its layout has {} patches", layout.patches.len()).into());
         }
-        let takes_none = |p: &Patch| p.triangles.iter().any(|&t| state[t as usize].takes_triangles());
+        let takes_none = |p: &Patch| p.triangles.iter().any(|&t| self.state[t as usize] != State::Fresh);
         layout.patches.iter_mut().filter(|p| takes_none(p)).for_each(|p| p.kind = Kind::Triangles);
+        if let Some((donor, _)) = wish.graft {
+            let is_taken = |t: u32| self.state[t as usize] == State::Grafted;
+            donor.graft(sheet, &mut layout, is_taken).map_err(Trouble::Curves)?;
+        }
         // Every edge of a feature is one of the four sides of a quad.
-        layout.keep_features(&sheet, source, wish.length, sag, 4.0 * MOST * wanted);
-        layout.refine(&sheet, &lost_places, wish.length);
-        layout.tighten(&sheet, wish.tight);
-        quantise(&mut layout, wish, aim);
-        budget.steps(layout.steps);
+        layout.keep_features(sheet, source, wish.length, sag, 4.0 * MOST * wanted);
+        layout.refine(sheet, &self.lost, wish.length);
+        layout.tighten(sheet, wish.tight);
+        quantise(&mut layout, wish, self.aim);
+        self.budget.steps(layout.steps);
         if round == 0 {
-            numbers = layout.arcs.iter().map(|arc| arc.count).collect();
-            if numbers == wish.tried {
-                return Ok(Err("smaller quads would change nothing".into()));
+            self.numbers = layout.arcs.iter().map(|arc| arc.count).collect();
+            if self.numbers == wish.tried {
+                return Err("smaller quads would change nothing".into());
             }
         }
         let count_of = |kind: Kind| layout.patches.iter().filter(|p| p.kind == kind).count();
-        let [grids, patterns, others] = [Kind::Grid, Kind::Pattern, Kind::Triangles].map(count_of);
-        tracing::debug!(target: "carreau::quad", round, dropped = traced.dropped, grids, patterns, others);
+        let [grids, patterns, others, grafted] =
+            [Kind::Grid, Kind::Pattern, Kind::Triangles, Kind::Grafted].map(count_of);
+        let dropped = self.drawn.traced.dropped;
+        tracing::debug!(target: "carreau::quad", round, dropped, grids, patterns, others, grafted);
         let count = layout.quads();
         if wish.quads.is_some_and(|n| count > wish.most * n as f64) {
-            why = format!("its features would need {count:.0} quads");
-            break;
+            return Err(format!("its features would need {count:.0} quads").into());
         }
-        let (mut bad, mut kinds) = (Vec::new(), Vec::new());
-        match fill(&sheet, &layout, place, context)? {
-            Err(unfilled) => bad = unfilled,
-            Ok(Filled { work, patch, kind, tracks }) => {
-                let mut work = settled(work, source);
-                let smoothing = Smoothing::new(&mut work, source);
-                let near = if round < TIGHT { SAG * NEAR } else { NEAR };
-                // What is lost already need not be smoothed.
-                if !is_last {
-                    let lost = lost_features(&work, source, near);
-                    if !lost.is_empty() {
-                        lost_places.push(lost);
-                        continue;
-                    }
-                }
-                smoothing.run(&mut work, source, context)?;
-                budget.quads(work.faces.len());
-                for (q, what) in faults(&work, source) {
-                    why = format!("quad {q} {what}");
-                    bad.push(patch[q] as usize);
-                }
-                let lost = lost_features(&work, source, near);
-                let is_lost = !lost.is_empty() && !is_last;
-                if !lost.is_empty() && !is_lost && nearest.is_some() {
-                    break;
-                }
-                if is_lost {
-                    lost_places.push(lost);
-                }
-                if bad.is_empty() && is_lost {
-                    continue;
-                }
-                if bad.is_empty() {
-                    let mut rung = vec![if wish.first { 1 } else { 2 }; source.regions];
-                    for (region, &p) in work.region.iter().zip(&patch) {
-                        let first = layout.patches[p as usize].triangles[0];
-                        let own = state[first as usize].rung(kind[p as usize]);
-                        rung[*region as usize] = rung[*region as usize].max(own);
-                    }
-                    let count = work.faces.len() as f64;
-                    let useless = worst_shapes(&work).zip(&patch).filter(|(shape, _)| *shape < USELESS);
-                    bad.extend(useless.map(|(_, &p)| p as usize));
-                    let made = Made { work, rung, tracks, numbers: numbers.clone() };
-                    if bad.is_empty() || spare.is_some() || nearest.is_some() {
-                        let off = wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
-                        if nearest.as_ref().is_some_and(|n| off >= n.0) {
-                            break;
-                        }
-                        nearest = Some((off, made));
-                        if off < WITHIN {
-                            break;
-                        }
-                        aim = aim.zip(wish.quads).map(|(aim, n)| aim * n as f64 / count);
-                        continue;
-                    }
-                    why = "a quad is as flat as a triangle".into();
-                    spare = Some(made);
-                }
-                kinds = kind;
-            }
+        Ok(layout)
+    }
+
+    /// The rung of every region.
+    fn rungs(&self, layout: &Layout, work: &Work, patch: &[u32], kind: &[Kind]) -> Vec<u32> {
+        let mut rung = vec![if self.wish.first { 1 } else { 2 }; self.source.regions];
+        for (region, &p) in work.region.iter().zip(patch) {
+            let first = layout.patches[p as usize].triangles[0];
+            let own = self.state[first as usize].rung(kind[p as usize]);
+            rung[*region as usize] = rung[*region as usize].max(own);
         }
-        if nearest.is_some() {
-            break;
+        rung
+    }
+
+    /// Takes a result if it is nearer to the number than the one before, and goes on where it is not near enough.
+    fn take(&mut self, made: Made) -> ControlFlow<()> {
+        let count = made.work.faces.len() as f64;
+        let off = self.wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
+        if self.nearest.as_ref().is_some_and(|n| off >= n.0) {
+            return ControlFlow::Break(());
+        }
+        self.nearest = Some((off, made));
+        if off < WITHIN {
+            return ControlFlow::Break(());
+        }
+        self.aim = self.aim.zip(self.wish.quads).map(|(aim, n)| aim * n as f64 / count);
+        ControlFlow::Continue(())
+    }
+
+    /// Features were lost.
+    fn note_lost(&mut self, lost: Vec<(u32, DVec3)>) {
+        let curves: FxHashSet<u32> = lost.iter().map(|l| l.0).collect();
+        tracing::debug!(target: "carreau::quad", places = lost.len(), first = ?lost[0], ?curves, "features lost");
+        self.refusal.regions = self.beside(&curves);
+        self.lost.push(lost);
+    }
+
+    /// The regions beside curves.
+    fn beside(&self, curves: &FxHashSet<u32>) -> Vec<u32> {
+        let sheet = &self.sheet;
+        let is_beside = |h: &u32| sheet.curve(*h).is_some_and(|curve| curves.contains(&curve));
+        let all = (0..3 * sheet.triangles.len() as u32).filter(is_beside).map(|h| sheet.region[h as usize / 3]);
+        all.collect::<BTreeSet<u32>>().into_iter().collect()
+    }
+
+    /// Bad patches take something else; ends where they have nothing left to take, or it has not helped for a while. `kinds` is
+    /// what patches were filled with.
+    fn give_way(&mut self, layout: &Layout, mut bad: Vec<usize>, kinds: &[Kind]) -> ControlFlow<()> {
+        if self.nearest.is_some() {
+            return ControlFlow::Break(());
         }
         bad.sort_unstable();
         bad.dedup();
-        fewest = if bad.len() < fewest.0 { (bad.len(), 0) } else { (fewest.0, fewest.1 + 1) };
-        if fewest.1 > PATIENCE {
-            break;
+        self.fewest = if bad.len() < self.fewest.0 { (bad.len(), 0) } else { (self.fewest.0, self.fewest.1 + 1) };
+        self.refusal.regions = self.regions_of(layout, &bad);
+        tell(&self.sheet, layout, &bad, &self.refusal.why);
+        let is_stuck = self.fewest.1 > PATIENCE;
+        let stuck = if is_stuck { bad } else { self.replace(layout, bad, kinds) };
+        if !stuck.is_empty() && (self.wish.graft.is_none() || !self.graft(&self.regions_of(layout, &stuck))) {
+            return ControlFlow::Break(());
         }
-        tell(&sheet, &layout, &bad, &why);
-        match give_way(&mut sheet, &layout, &bad, &kinds, &mut state, wish.by_region) {
-            None => break,
-            Some(regions) if regions > 0 => fewest = (usize::MAX, 0),
-            Some(_) => {}
-        }
-        open_holes(&mut sheet, |t| matches!(state[t as usize], State::Cleared | State::Meshed));
+        open_holes(&mut self.sheet, |t| self.state[t as usize] == State::Grafted);
+        ControlFlow::Continue(())
     }
-    Ok(nearest.map(|n| n.1).or(spare).ok_or(why))
-}
 
-/// Features that were lost in many rounds, each once; what was said of them is forgotten.
-fn often_lost(rounds: &mut [Vec<(u32, DVec3)>], known: &mut FxHashSet<u32>) -> Vec<u32> {
-    let mut count: BTreeMap<u32, usize> = BTreeMap::new();
-    for round in rounds.iter() {
-        let curves: BTreeSet<u32> = round.iter().map(|lost| lost.0).collect();
-        curves.into_iter().for_each(|curve| *count.entry(curve).or_default() += 1);
+    fn regions_of(&self, layout: &Layout, patches: &[usize]) -> Vec<u32> {
+        let region = |&p: &usize| self.sheet.region[layout.patches[p].triangles[0] as usize];
+        patches.iter().map(region).collect::<BTreeSet<u32>>().into_iter().collect()
     }
-    let often = count.into_iter().filter(|(_, times)| *times >= LOST).map(|(curve, _)| curve);
-    let often: Vec<u32> = often.filter(|&curve| known.insert(curve)).collect();
-    rounds.iter_mut().for_each(|round| round.retain(|(curve, _)| !often.contains(curve)));
-    often
-}
 
-/// Bad grids give way to triangles, bad triangles to those of a larger patch, and `by_region` to one patch for the whole region:
-/// first with a grid or a pattern, then with triangles. `kinds` is what patches were filled with. Returns the number of
-/// regions that lost their tracks; `None` where there is nothing larger.
-fn give_way(
-    sheet: &mut Sheet,
-    layout: &Layout,
-    bad: &[usize],
-    kinds: &[Kind],
-    state: &mut [State],
-    by_region: bool,
-) -> Option<usize> {
-    let mut regions = if by_region { hopeless(sheet, layout, bad) } else { BTreeMap::new() };
-    for &number in bad {
-        let patch = &layout.patches[number];
-        let (triangles, region) = (&patch.triangles, sheet.region[patch.triangles[0] as usize]);
-        if regions.contains_key(&region) {
-            continue;
+    /// Bad grids and patterns make way for triangles, bad triangles for those of a larger patch. Returns the patches for which
+    /// there is nothing larger.
+    fn replace(&mut self, layout: &Layout, bad: Vec<usize>, kinds: &[Kind]) -> Vec<usize> {
+        let mut stuck = Vec::new();
+        for number in bad {
+            let patch = &layout.patches[number];
+            let triangles = &patch.triangles;
+            let least = triangles.iter().map(|&t| self.state[t as usize]).fold(State::Grafted, State::min);
+            let had_others = kinds.get(number).is_some_and(|&k| k != Kind::Triangles);
+            let has_tracks = patch.loops.iter().flatten().any(|s| layout.arcs[s.arc as usize].curve.is_none());
+            let next = match least {
+                State::Grafted => None,
+                _ if had_others => Some(State::Barred),
+                State::Fresh | State::Barred if has_tracks => Some(State::Joined),
+                _ => None,
+            };
+            let Some(next) = next else {
+                stuck.push(number);
+                continue;
+            };
+            if next == State::Joined {
+                self.sheet.clear_around(triangles);
+            }
+            triangles.iter().for_each(|&t| self.state[t as usize] = next);
         }
-        let least = triangles.iter().map(|&t| state[t as usize]).fold(State::Opened, State::min);
-        let had_others = kinds.get(number).is_some_and(|&k| k != Kind::Triangles);
-        let has_tracks = patch.loops.iter().flatten().any(|s| layout.arcs[s.arc as usize].curve.is_none());
-        let next = match least {
-            State::Fresh | State::Barred | State::Joined if had_others => State::Barred,
-            State::Fresh | State::Barred if has_tracks => State::Joined,
-            State::Fresh | State::Barred | State::Joined if by_region => State::Cleared,
-            State::Cleared if had_others => State::Meshed,
-            State::Cleared | State::Meshed if patch.loops.len() > 1 => State::Opened,
-            _ => return None,
-        };
-        if next >= State::Cleared {
-            regions.insert(region, next);
-            continue;
-        }
-        if next == State::Joined {
-            sheet.clear_around(triangles);
-        }
-        triangles.iter().for_each(|&t| state[t as usize] = next);
+        stuck
     }
-    for (&region, &next) in &regions {
-        let of_region = |&t: &u32| sheet.region[t as usize] == region;
-        let inside: Vec<u32> = (0..sheet.triangles.len() as u32).filter(of_region).collect();
-        inside.iter().for_each(|&t| state[t as usize] = next);
-        sheet.clear_around(&inside);
-    }
-    Some(regions.len())
-}
 
-/// The regions of which so many patches are bad that they are better off without tracks.
-fn hopeless(sheet: &Sheet, layout: &Layout, bad: &[usize]) -> BTreeMap<u32, State> {
-    let region_of = |p: &Patch| sheet.region[p.triangles[0] as usize];
-    let mut count: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
-    layout.patches.iter().for_each(|p| count.entry(region_of(p)).or_default()[0] += 1);
-    bad.iter().for_each(|&p| count.entry(region_of(&layout.patches[p])).or_default()[1] += 1);
-    let is_hopeless = |&(_, [all, bad]): &(u32, [usize; 2])| bad >= HOPELESS.0 && bad as f64 >= HOPELESS.1 * all as f64;
-    count.into_iter().filter(is_hopeless).map(|(region, _)| (region, State::Cleared)).collect()
+    /// Regions take the quads of rung 3: they have no tracks. Returns whether any did not before.
+    fn graft(&mut self, regions: &[u32]) -> bool {
+        let is_new =
+            |t: &u32| regions.contains(&self.sheet.region[*t as usize]) && self.state[*t as usize] != State::Grafted;
+        let inside: Vec<u32> = (0..self.sheet.triangles.len() as u32).filter(is_new).collect();
+        inside.iter().for_each(|&t| self.state[t as usize] = State::Grafted);
+        self.sheet.clear_around(&inside);
+        self.fewest = (usize::MAX, 0);
+        !inside.is_empty()
+    }
+
+    /// So do the regions beside features that were lost in many rounds; what was said of these is forgotten.
+    fn graft_often_lost(&mut self) {
+        let mut times: FxHashMap<u32, usize> = FxHashMap::default();
+        for round in &self.lost {
+            let curves: FxHashSet<u32> = round.iter().map(|lost| lost.0).collect();
+            curves.into_iter().for_each(|curve| *times.entry(curve).or_default() += 1);
+        }
+        let often: FxHashSet<u32> = times.into_iter().filter(|t| t.1 >= LOST).map(|t| t.0).collect();
+        if !often.is_empty() {
+            self.graft(&self.beside(&often));
+            self.lost.iter_mut().for_each(|round| round.retain(|lost| !often.contains(&lost.0)));
+        }
+    }
 }
 
 /// Says of bad patches what they are, for who looks for the reason.

@@ -30,6 +30,7 @@ pub enum Wall {
 }
 
 /// The triangles.
+#[derive(Clone)]
 pub struct Sheet {
     pub points: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,

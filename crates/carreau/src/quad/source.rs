@@ -1,6 +1,6 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
-use super::bends::{BEND_DEG, SHARP_DEG, bends};
+use super::bends::{BEND_DEG, bends};
 use super::junction::{meeting_borders, shared_borders, with_shared_borders_divided};
 use super::tips::{Tip, tips};
 use super::work::{Place, Work};
@@ -41,14 +41,14 @@ pub struct Source {
     curves: Vec<(Vec<u32>, TriangleTree)>,
     /// Where every curve bends inside.
     pub bends: FxHashMap<u32, Vec<DVec3>>,
-    /// Those of them that are sharp.
-    pub sharp: FxHashMap<u32, Vec<DVec3>>,
     /// Where regions come to a point.
     pub tips: Vec<Tip>,
     /// Curves with the same region on both sides.
     pub is_seam: Vec<bool>,
     /// Curves that are borders and lie on others.
     pub is_shared: Vec<bool>,
+    /// The points where curves end.
+    at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
 }
@@ -95,6 +95,7 @@ impl Source {
         let edges: Vec<[u32; 2]> = surface.features.edges(mesh).map(|c| ends(mesh, c)).collect();
         let is_corner = corners(mesh, &edges);
         let curve = curves(mesh, &edges, &is_corner);
+        let at_corner = (0..is_corner.len()).filter(|&v| is_corner[v]).map(|v| bits(mesh.points()[v])).collect();
         let (region, regions) = regions(&surface);
         let of = |t: u32| [0, 1, 2].map(|k| mesh.faces().corners()[3 * t as usize + k]);
         let in_regions = members(&region, regions);
@@ -125,7 +126,6 @@ impl Source {
         Ok(Source {
             diagonal: mesh.diagonal(),
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
-            sharp: bends(mesh.points(), &edges, &curve, SHARP_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
             normals: face_normals(mesh),
@@ -139,8 +139,14 @@ impl Source {
             is_seam,
             is_shared,
             is_held: false,
+            at_corner,
             surface,
         })
+    }
+
+    /// Whether curves end at a point: to the bit.
+    pub fn is_corner(&self, p: DVec3) -> bool {
+        self.at_corner.contains(&bits(p))
     }
 
     /// The closest point of a region, and the triangle that it is in.
@@ -200,6 +206,10 @@ impl Source {
 
 fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
     [mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0]
+}
+
+fn bits(p: DVec3) -> [u64; 3] {
+    p.to_array().map(f64::to_bits)
 }
 
 fn area(mesh: &SurfaceMesh, t: [u32; 3]) -> f64 {

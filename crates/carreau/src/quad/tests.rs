@@ -1,11 +1,15 @@
 //! Properties of whole quad meshes on made models, rung by rung.
 
+use super::draw::draw;
+use super::graft::Donor;
+use super::regular::{MOST, Wish, regular};
 use super::*;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::Topology;
 use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, triangles};
 use crate::sample;
 use glam::{DVec2, DVec3};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 fn part(name: &str) -> SurfaceMesh {
@@ -258,26 +262,17 @@ fn there_is_no_attempt_without_a_budget_nor_twice_the_same() {
     let options = FeatureOptions::default();
     let source = Source::new(&mesh, &options, &context).unwrap();
     let length = (source.area / 1500.0).sqrt();
-    let wish = Wish {
-        length,
-        quads: Some(1500),
-        most: MOST,
-        finer: 1.0,
-        first: true,
-        by_region: false,
-        tight: &[],
-        tried: &[],
-    };
-    let angle = options.angle_deg.unwrap();
+    let drawn = draw(&source, length, length, options.angle_deg.unwrap(), &context).unwrap().unwrap();
+    let wish = Wish { length, quads: Some(1500), most: MOST, first: true, graft: None, tight: &[], tried: &[] };
     let mut budget = Budget::new(1500.0);
-    let made = regular(&source, &wish, angle, &mut budget, &context).unwrap().ok().unwrap();
+    let attempt = |wish: &Wish, budget: &mut Budget| regular(&source, &drawn, wish, budget, &context).unwrap();
+    let made = attempt(&wish, &mut budget).ok().unwrap();
     // Nor is there another with the same numbers.
     let again = Wish { tried: &made.numbers, ..wish };
-    let why = regular(&source, &again, angle, &mut budget, &context).unwrap().err().unwrap();
+    let why = attempt(&again, &mut budget).err().unwrap().why;
     assert!(why.contains("change nothing"), "{why}");
-    let wish = Wish { tried: &[], ..again };
     budget.triangles(usize::MAX);
-    let why = regular(&source, &wish, angle, &mut budget, &context).unwrap().err().unwrap();
+    let why = attempt(&Wish { tried: &[], ..again }, &mut budget).err().unwrap().why;
     assert!(why.contains("too many attempts"), "{why}");
 }
 
@@ -316,4 +311,49 @@ fn a_ribbon_is_divided_across_alone() {
     let result = quads(&ribbon, &QuadOptions { quads: 50, ..QuadOptions::default() }, &Context::new()).unwrap();
     check(&ribbon, &result);
     assert!(result.rung() == 1 && off(result.mesh.face_count(), 50) < WITHIN, "{:?}", result.rungs);
+}
+
+#[test]
+fn a_region_takes_the_quads_of_rung_3_and_the_others_meet_them() {
+    for (name, most) in [("bracket", 2), ("open-cylinder", 1)] {
+        let (mesh, context) = (part(name), Context::new());
+        let options = QuadOptions { quads: 600, ..QuadOptions::default() };
+        let source = Source::new(&mesh, &options.features, &context).unwrap();
+        let (third, _) = third(&source, &options, &mut Vec::new(), &context).unwrap().unwrap();
+        let donor = Donor::new(&third, &source);
+        let length = (source.area / 600.0).sqrt();
+        let drawn = draw(&source, length, length, options.features.angle_deg.unwrap(), &context).unwrap().unwrap();
+        let quads_of = |work: &Work, region: u32| -> BTreeSet<Vec<[u64; 3]>> {
+            let in_region = (0..work.faces.len()).filter(|&q| work.region[q] == region);
+            let bits = |&v: &u32| work.points[v as usize].to_array().map(f64::to_bits);
+            in_region.map(|q| work.faces.face(q).iter().map(bits).collect()).collect()
+        };
+        for region in 0..most.min(source.regions as u32) {
+            let graft = Some((&donor, &[region][..]));
+            let wish = Wish { length, quads: Some(600), most: MOST, first: true, graft, tight: &[], tried: &[] };
+            let made = regular(&source, &drawn, &wish, &mut Budget::new(600.0), &context).unwrap().ok().unwrap();
+            assert_eq!(validate::refusal(&made.work, &made.work.to_mesh().unwrap(), &source).unwrap(), None, "{name}");
+            // Neighbours may have had to follow; not all did.
+            assert_eq!(made.rung[region as usize], 3);
+            let grafted = (0..source.regions as u32).filter(|&r| made.rung[r as usize] == 3);
+            assert!(grafted.clone().all(|r| quads_of(&made.work, r) == quads_of(&third, r)), "{name}");
+            assert!(source.regions == 1 || grafted.count() < source.regions, "{name}");
+        }
+    }
+}
+
+#[test]
+fn folded_polygons_are_told_as_far_as_the_farther_of_their_surfaces() {
+    assert!(other_triangles(&grid(3)).unwrap().is_none());
+    // The part of a dart that a fan turns over is a surface of its own.
+    let dart = [[0.0, 2.0], [-1.0, -1.0], [0.0, 0.0], [1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+    let mut faces = Polygons::new();
+    faces.push(&[1, 2, 3, 0]);
+    let dart = SurfaceMesh::new(dart.to_vec(), faces).unwrap();
+    let fans = other_triangles(&dart).unwrap().unwrap();
+    let options = QuadOptions { quads: 60, ..QuadOptions::default() };
+    let made = quads(&dart, &options, &Context::new()).unwrap();
+    let own = compare(&fans, &made.mesh.triangulated().unwrap(), &DistanceOptions::default(), &Context::new()).unwrap();
+    assert!(made.quality.distance_max.unwrap() >= own.relative.max, "{:?}", own.relative);
+    assert!(own.relative.max > 0.1);
 }

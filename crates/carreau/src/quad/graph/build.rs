@@ -37,10 +37,10 @@ impl<'a> Builder<'a> {
         let ends: FxHashSet<u32> = lines.iter().flat_map(|(_, line)| [line[0], line[line.len() - 1]]).collect();
         let is_fixed = |v: u32| ends.contains(&v) || place(sheet, &drawn.coarse, v) == Some(Place::Fixed);
         // Without a limit of the sag: nobody counts quads here.
-        let layout = Layout::new(sheet, f64::INFINITY, is_fixed, |_| false)?;
+        let layout = Layout::new(sheet, f64::INFINITY, is_fixed)?;
         let (patch, count) = patch_of(sheet);
         let mut quads = vec![0; 3 * sheet.triangles.len()];
-        for (h, k) in loops(sheet, &patch, count, |_| false)?.into_iter().flatten().flatten() {
+        for (h, k) in loops(sheet, &patch, count)?.into_iter().flatten().flatten() {
             quads[h as usize] = k;
         }
         let (node, nodes) = (vec![NONE; sheet.points.len()], Vec::new());

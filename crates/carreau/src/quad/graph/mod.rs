@@ -15,9 +15,9 @@ mod build;
 #[cfg(test)]
 mod tests;
 
-use super::draw::draw;
+use super::check_size;
+use super::draw::{FINER, draw};
 use super::source::Source;
-use super::{FINER, check_size};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
