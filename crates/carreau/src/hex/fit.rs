@@ -20,6 +20,8 @@ use rayon::prelude::*;
 
 /// A hit counts when its normal is at most about 75° off.
 const AGREES: f64 = 0.25;
+/// What is met along the normal is taken for this much nearer than the closest point.
+const AHEAD: f64 = 0.5;
 /// The surface bulges where it is farther from the boundary than this share of the boundary's faces; it is looked at in so
 /// many places, about.
 const BULGE: f64 = 0.3;
@@ -39,6 +41,7 @@ pub struct Target<'a> {
     inside: WindingTree,
     /// Borders of the lids, as triangles without width.
     rims: Vec<TriangleTree>,
+    by_facing: bool,
 }
 
 /// What a boundary vertex belongs to.
@@ -68,8 +71,22 @@ impl<'a> Target<'a> {
             inside: WindingTree::new(&all),
             all,
             rims: closed.lids.iter().map(rim).collect(),
+            by_facing: false,
             closed,
         }
+    }
+
+    /// What faces another way than a vertex is taken for farther from it, so that a vertex in a body between two branches
+    /// goes ahead to where these part, not to the flank of the body. Some surfaces are met better with, some without.
+    ///
+    /// ```text
+    ///     ╲   ╱          s faces as v does; f is nearer, but faces aside
+    ///      ╲s╱
+    ///       ↑
+    ///   f   v   f
+    /// ```
+    pub fn by_facing(self) -> Self {
+        Target { by_facing: true, ..self }
     }
 
     /// The closed surface.
@@ -123,37 +140,31 @@ impl<'a> Target<'a> {
         (triangle as usize) < self.closed.wall
     }
 
-    /// Where a wall vertex with a normal belongs, and the surface's normal there.
+    /// Where a wall vertex with a normal belongs, and the surface's normal there: ahead or behind along the normal, or,
+    /// where that glances off, where the surface is closest.
     fn on_wall(&self, p: DVec3, n: DVec3, reach: f64) -> (DVec3, DVec3) {
-        let mut best: Option<(f64, u32)> = None;
+        let farther = |distance: f64, triangle: u32| {
+            let cos = self.normals[triangle as usize].dot(n);
+            (self.is_wall(triangle) && cos > AGREES).then(|| if self.by_facing { distance / cos } else { distance })
+        };
+        let mut best: Option<(f64, DVec3, u32)> = None;
         for sense in [1.0, -1.0] {
             self.all.along_ray(p, n * sense, reach, |hit| {
-                let fits = self.is_wall(hit.triangle) && self.normals[hit.triangle as usize].dot(n) > AGREES;
-                if fits && best.is_none_or(|b| hit.t < b.0.abs()) {
-                    best = Some((hit.t * sense, hit.triangle));
+                let Some(far) = farther(AHEAD * hit.t, hit.triangle) else { return };
+                if best.is_none_or(|b| far < b.0) {
+                    best = Some((far, p + n * (sense * hit.t), hit.triangle));
                 }
             });
         }
-        let mut closest: Option<(f64, DVec3, u32)> = None;
-        let limit = best.map_or(reach, |b| b.0.abs());
-        self.all.within(p, limit, |c| {
-            let fits = self.is_wall(c.triangle) && self.normals[c.triangle as usize].dot(n) > AGREES;
-            if fits && closest.is_none_or(|k| (c.distance_squared, c.triangle) < (k.0, k.2)) {
-                closest = Some((c.distance_squared, c.point, c.triangle));
+        self.all.within(p, best.map_or(reach, |b| b.0.min(reach)), |c| {
+            let Some(far) = farther(c.distance(), c.triangle) else { return };
+            if best.is_none_or(|b| (far, c.triangle) < (b.0, b.2)) {
+                best = Some((far, c.point, c.triangle));
             }
         });
-        match (best, closest) {
-            // A ray that glances off goes far: then the closest point is better.
-            (Some((t, triangle)), Some((d, point, other))) => {
-                if t * t > 4.0 * d {
-                    (point, self.normals[other as usize])
-                } else {
-                    (p + n * t, self.normals[triangle as usize])
-                }
-            }
-            (Some((t, triangle)), None) => (p + n * t, self.normals[triangle as usize]),
-            (None, Some((_, point, triangle))) => (point, self.normals[triangle as usize]),
-            (None, None) => self.closest_wall(p).unwrap_or((p, n)),
+        match best {
+            Some((_, point, triangle)) => (point, self.normals[triangle as usize]),
+            None => self.closest_wall(p).unwrap_or((p, n)),
         }
     }
 
@@ -483,4 +494,23 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
     let mut free = vec![true; points.len()];
     places.iter().for_each(|p| free[p.0 as usize] = !goes[p.0 as usize]);
     free
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A vertex in a long body looks ahead, a little upward: the flank above it is nearer, but faces aside.
+    #[test]
+    fn by_facing_a_vertex_goes_ahead_not_aside() {
+        let ball = crate::mesh::test_models::sphere(4);
+        let points = ball.points().iter().map(|p| DVec3::new(4.0 * p.x, p.y, p.z)).collect();
+        let long = SurfaceMesh::from_triangles(points, &ball.faces().fan().0).unwrap();
+        let (closed, _) = skeleton::prepared(&long, &Context::new()).unwrap();
+        let (p, n) = (DVec3::new(1.5, 0.4, 0.0), DVec3::new(0.95, 0.31, 0.0).normalize());
+        let near = Target::new(&closed).on_wall(p, n, 5.0).0;
+        let ahead = Target::new(&closed).by_facing().on_wall(p, n, 5.0).0;
+        assert!(near.x < 1.8 && ahead.x > 2.3, "{near} {ahead}");
+        assert!([near, ahead].iter().all(|q| ((q.x / 4.0).powi(2) + q.y * q.y + q.z * q.z - 1.0).abs() < 0.02));
+    }
 }

@@ -323,7 +323,7 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
     let halved = options.refine_across() + options.refine_along > 0;
     let levels = if options.adapt_radius { insert::levels(net) } else { Vec::new() };
     let grows = levels.iter().any(|&l| l > 0);
-    let mut tube = padded(net, base, options, if halved || grows { &PASSING } else { &COARSE }, held, context)?;
+    let mut tube = padded(net, base, options, &[], if halved || grows { &PASSING } else { &COARSE }, held, context)?;
     if grows {
         insert::insert(&mut tube, refine::places(net, base, options.padding), &levels);
         optimise(&mut tube, if halved { &PASSING } else { &COARSE }, held, context)?;
@@ -491,17 +491,18 @@ fn finest(net: &CurveNet, step: impl Fn(f64) -> Step, fits: impl Fn(&CurveNet) -
 }
 
 /// The base mesh with its layer: as thick as it should be where that folds nothing, else as thin as it must be, and then
-/// let grow.
+/// let grow. No layer on the ends that are `flat`.
 fn padded(
     net: &CurveNet,
     base: &BaseMesh,
     options: &HexOptions,
+    flat: &[bool],
     effort: &Effort,
     held: &Held,
     context: &Context,
 ) -> Result<TubeMesh> {
     let _stage = context.stage("padding");
-    let mut tube = refine::pad(net, base, options.padding, CORE);
+    let mut tube = refine::pad_but(net, base, options.padding, CORE, flat);
     if options.padding == Padding::None {
         return Ok(tube);
     }
@@ -512,7 +513,7 @@ fn padded(
         if optimiser.is_valid(&points) {
             break;
         }
-        points = refine::pad(net, base, options.padding, core).points;
+        points = refine::pad_but(net, base, options.padding, core, flat).points;
     }
     optimiser.run(&mut points, effort, context)?;
     tube.points = points;

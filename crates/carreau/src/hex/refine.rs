@@ -93,6 +93,20 @@ pub fn places(net: &CurveNet, base: &BaseMesh, padding: Padding) -> Vec<Place> {
 /// Cells and vertices of the base mesh, with the layer asked for. The old wall goes to `core` of its way from the centre:
 /// the nearer to 1, the thinner the layer, and the surer it is valid.
 pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> TubeMesh {
+    pad_but(net, base, padding, core, &[])
+}
+
+/// [`pad`] with no layer on the ends that are flagged, in their order. The four cells on an end have their corners on its
+/// border, which is smooth about a flat end: their angles there would be straight ones.
+///
+/// ```text
+///      ╭──·──╮           ╭──·──╮
+///     ·   │   ·         ╱·──┼──·╲
+///     │───┼───│         ││──┼──││        a flat end with the layer, and without
+///     ·   │   ·         ╲·──┼──·╱
+///      ╰──·──╯           ╰──·──╯
+/// ```
+pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, flat: &[bool]) -> TubeMesh {
     let count = base.points.len();
     let around = net.incidence();
     let mut ends = Vec::new();
@@ -139,7 +153,9 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
     }
     let outer = |v: u32| copies[v as usize];
     let mut outer_centre = vec![u32::MAX; net.points.len()];
-    for tip in around.tips().filter(|_| padding == Padding::All) {
+    let is_flat = |end: usize| flat.get(end) == Some(&true);
+    let round = around.tips().enumerate().filter(|&(end, _)| padding == Padding::All && !is_flat(end));
+    for (_, tip) in round {
         let node = tip as usize;
         outer_centre[node] = mesh.points.len() as u32;
         mesh.nodes[node] = outer_centre[node];

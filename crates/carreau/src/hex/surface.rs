@@ -26,8 +26,16 @@ const EVENINGS: usize = 3;
 /// Segments are halved where the surface is far, when cells have been halved so often, and at most so many times.
 const FOLLOWED: u32 = 1;
 const FOLLOWINGS: usize = 2;
-/// Fewer than one of so many vertices that cannot be put onto the surface are worth a try with other cells.
-const FEW: usize = 100;
+/// No other cells are tried when so many have been made.
+const MANY_TRIED: usize = 150_000;
+/// Results are good where the surface is this near to the boundary, at most and on average, as shares of the diagonal, no
+/// vertex is off the surface, and no scaled Jacobian is smaller than this.
+const WANTED: [f64; 2] = [0.015, 0.0015];
+const POOR: f64 = 0.3;
+/// What a fold lacks, vertices off the surface, and so large a share of them more.
+const FOLDED: f64 = 100.0;
+const OFF: f64 = 0.5;
+const MANY_OFF: f64 = 0.01;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
 /// have no room for cells; but those of a tree do.
@@ -96,18 +104,8 @@ pub fn from_surface(
         }
     }
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let mut tried = tried.into_iter();
-    let Some(mut coarse) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
-    let second = tried.next().filter(|c| c.score() < SECOND * coarse.score());
-    let mut left = coarse.fitted(&target, context)?;
-    // Other cells may have room where these have none. Halved segments have flat ones, which may be in each other's way.
-    if coarse.is_even && coarse.is_stuck(left) {
-        let uneven = Coarse::new(Ready { evenly: false, ..coarse.ready.clone() }, &target, context)?;
-        (coarse, left) = coarse.or(left, uneven, &target, context)?;
-    }
-    if let Some(second) = second.filter(|_| coarse.is_stuck(left)) {
-        (coarse, left) = coarse.or(left, second, &target, context)?;
-    }
+    let fitted = best_fitted(tried, &closed, &target, context)?;
+    let (coarse, left) = (fitted.cells, fitted.left);
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
     warnings.extend(coarse.ready.warnings.into_iter().chain(coarse.warnings));
@@ -118,6 +116,92 @@ pub fn from_surface(
     let mut result = deliver(tube, net, warnings, &options, context)?;
     measure(&mut result, &closed, context)?;
     Ok(result)
+}
+
+/// Fits the first cells, and where the result is not good others, too. The best result counts.
+fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Context) -> Result<Fitted> {
+    let mut tried = tried.into_iter();
+    let Some(first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
+    let (ready, score) = (first.ready.clone(), first.score());
+    let even = first.is_even;
+    let mut best = Fitted::new(first, target, context)?;
+    let mut cells = best.cells.tube.hexes.len();
+    for other in Other::ALL {
+        if best.lacks() == 0.0 || cells > MANY_TRIED {
+            break;
+        }
+        let fitted = match other {
+            Other::Facing => {
+                let target = Target::new(closed).by_facing();
+                Fitted::new(Coarse::new(ready.clone(), &target, context)?, &target, context)?
+            }
+            Other::Uneven if even => {
+                let uneven = Ready { evenly: false, ..ready.clone() };
+                Fitted::new(Coarse::new(uneven, target, context)?, target, context)?
+            }
+            Other::Skeleton if best.left > 0 => match tried.next().filter(|c| c.score() < SECOND * score) {
+                Some(second) => Fitted::new(second, target, context)?,
+                None => continue,
+            },
+            Other::Uneven | Other::Skeleton => continue,
+        };
+        cells += fitted.cells.tube.hexes.len();
+        if fitted.lacks() < best.lacks() {
+            best = fitted;
+        }
+    }
+    Ok(best)
+}
+
+/// What is tried where the first cells are not good.
+#[derive(Clone, Copy)]
+enum Other {
+    /// The surface is looked for by its facing.
+    Facing,
+    /// Segments are not halved for their length: halved ones have flat cells, which may be in each other's way.
+    Uneven,
+    /// The skeleton that came second, where vertices are off the surface.
+    Skeleton,
+}
+
+impl Other {
+    const ALL: [Other; 3] = [Other::Facing, Other::Uneven, Other::Skeleton];
+}
+
+/// Cells that follow the surface, and what they are worth.
+struct Fitted {
+    cells: Coarse,
+    /// Boundary vertices that could not be put onto the surface.
+    left: usize,
+    /// The largest distance of the surface from the boundary, and the mean, as shares of the diagonal.
+    far: [f64; 2],
+    /// The least scaled Jacobian.
+    least: f64,
+}
+
+impl Fitted {
+    fn new(mut cells: Coarse, target: &Target, context: &Context) -> Result<Self> {
+        let left = cells.fitted(target, context)?;
+        let _stage = context.stage("fit");
+        let TubeMesh { points, hexes, .. } = &cells.tube;
+        let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
+        let found = compare(target.surface(), &skin, &COARSELY, context)?;
+        let diagonal = target.surface().diagonal().max(f64::MIN_POSITIVE);
+        let far = [found.a_to_b.distance.max.max(found.b_to_a.distance.max), found.a_to_b.distance.mean];
+        let least = super::least_scaled_jacobian(points, hexes);
+        let fitted = Fitted { left, far: far.map(|d| d / diagonal), least, cells };
+        tracing::debug!(left, far = ?fitted.far, least, lacks = fitted.lacks(), "fitted cells");
+        Ok(fitted)
+    }
+
+    /// By how much the cells miss what is wanted, zero for not at all: each want counts by the share that is lacking.
+    fn lacks(&self) -> f64 {
+        let off = self.left as f64 / self.cells.tube.points.len() as f64;
+        let far = self.far.iter().zip(WANTED).map(|(d, wanted)| (d / wanted - 1.0).max(0.0)).sum::<f64>();
+        let poor = (1.0 - self.least / POOR).max(0.0);
+        let folded = if self.least > 0.0 { 0.0 } else { FOLDED };
+        far + poor + folded + if self.left > 0 { OFF + off / MANY_OFF } else { 0.0 }
+    }
 }
 
 /// The skeleton made ready for cells.
@@ -177,7 +261,8 @@ impl Coarse {
         let mut warnings = Vec::new();
         let base = super::valid_base(net, false, &[], context)?;
         super::warn_of_poor(&base, &mut warnings);
-        let mut tube = padded(net, &base, options, &PASSING, &[], context)?;
+        let flat: Vec<bool> = lid_of.iter().map(|&lid| lid > 0).collect();
+        let mut tube = padded(net, &base, options, &flat, &PASSING, &[], context)?;
         // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
         // the cleft between the tubes.
         let mut lengths = Lengths::new(net, INSIDE);
@@ -256,17 +341,6 @@ impl Coarse {
             }
         }
         Ok(left)
-    }
-
-    /// Whether a few vertices could not be put onto the surface: that many are no accident.
-    fn is_stuck(&self, left: usize) -> bool {
-        (1..self.tube.points.len() / FEW).contains(&left)
-    }
-
-    /// The fitted cells, or others where fewer vertices are left, when these are fitted.
-    fn or(self, left: usize, mut other: Coarse, target: &Target, context: &Context) -> Result<(Coarse, usize)> {
-        let left_other = other.fitted(target, context)?;
-        Ok(if left_other < left { (other, left_other) } else { (self, left) })
     }
 }
 

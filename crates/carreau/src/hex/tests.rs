@@ -236,7 +236,8 @@ fn an_open_tube_is_meshed_on_its_surface_with_caps() {
     let options = HexOptions { hexes: Some(1000), ..HexOptions::default() };
     let result = from_surface(&mesh, None, &options, &Context::new()).unwrap();
     let f = &result.figures;
-    assert!(f.quality.certified && f.quality.scaled_jacobian_min > 0.3, "{f:?}");
+    // No cell has a straight angle on the border of an end.
+    assert!(f.quality.certified && f.quality.scaled_jacobian_min > 0.55, "{f:?}");
     assert!((400..=1000).contains(&f.hexes));
     assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
     let mut kinds = result.mesh.tags.clone();
