@@ -194,7 +194,13 @@ impl<'a> Attempts<'a> {
                 && !found.cost.useless;
             tight.extend(found.tight.iter().copied());
             tried.clone_from(&found.made.numbers);
-            let trouble = if found.cost.useless { useless_regions(&found.made.work) } else { Vec::new() };
+            let trouble = match found.cost.useless {
+                true => {
+                    self.refused = "some of their quads are of no use".into();
+                    useless_regions(&found.made.work)
+                }
+                false => Vec::new(),
+            };
             self.offer(found);
             if !again {
                 return Ok(trouble);
