@@ -156,16 +156,16 @@ fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &C
 /// What is tried where the first cells are not good.
 #[derive(Clone, Copy)]
 enum Other {
-    /// The surface is looked for by its facing.
-    Facing,
     /// Segments are not halved for their length: halved ones have flat cells, which may be in each other's way.
     Uneven,
     /// The skeleton that came second, where vertices are off the surface.
     Skeleton,
+    /// The surface is looked for by its facing.
+    Facing,
 }
 
 impl Other {
-    const ALL: [Other; 3] = [Other::Facing, Other::Uneven, Other::Skeleton];
+    const ALL: [Other; 3] = [Other::Uneven, Other::Skeleton, Other::Facing];
 }
 
 /// Cells that follow the surface, and what they are worth.

@@ -31,6 +31,8 @@ const FARTHER: f64 = 0.001;
 /// So do quads whose scaled Jacobian is less than this in the mean.
 const DULL: f64 = 0.93;
 const DULLER: f64 = 0.03;
+/// Those of rung 3 for all take the place of others with a useless one only where all their scaled Jacobians are above this.
+const USEFUL: f64 = 0.05;
 
 /// What speaks against a result; the less the better.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -128,7 +130,8 @@ impl<'a> Attempts<'a> {
     /// The same with quads of rung 3 for the regions that made trouble; those of rung 3 for all are an attempt, too.
     pub fn graft(&mut self, third: Work, gap: Gap) -> Result<()> {
         let whole = Made::all_on(3, third.clone(), self.source);
-        let whole = judged(self.source, whole, gap, self.quads, false, self.context)?;
+        let mut whole = judged(self.source, whole, gap, self.quads, false, self.context)?;
+        whole.cost.useless |= self.best.is_some() && quality::least_jacobian(&third) <= USEFUL;
         self.offer(whole);
         // Borders that lie on each other have other curves there.
         if self.source.is_shared.contains(&true) {

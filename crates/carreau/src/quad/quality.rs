@@ -49,7 +49,12 @@ fn jacobians(work: &Work) -> impl Iterator<Item = f64> + '_ {
     work.faces.iter().map(|f| scaled_jacobian([0, 1, 2, 3].map(|k| work.points[f[k] as usize])))
 }
 
-/// The mean of the quads' scaled Jacobians.
+/// The least of them.
+pub fn least_jacobian(work: &Work) -> f64 {
+    jacobians(work).fold(f64::INFINITY, f64::min)
+}
+
+/// Their mean.
 pub fn mean_jacobian(work: &Work) -> f64 {
     jacobians(work).sum::<f64>() / work.faces.len().max(1) as f64
 }
