@@ -103,7 +103,7 @@ impl<'a> Attempts<'a> {
         self.best.as_ref().is_some_and(|b| !b.cost.useless)
     }
 
-    /// There is nothing to be said against it, or nothing but how many irregular vertices it has.
+    /// Nothing speaks against the best one but how many irregular vertices it has.
     fn will_do(&self) -> bool {
         self.is_useful() && self.best.as_ref().is_some_and(|b| b.cost.grades == 0)
     }
@@ -197,13 +197,11 @@ impl<'a> Attempts<'a> {
                 && !found.cost.useless;
             tight.extend(found.tight.iter().copied());
             tried.clone_from(&found.made.numbers);
-            let trouble = match found.cost.useless {
-                true => {
-                    self.refused = "some of their quads are of no use".into();
-                    useless_regions(&found.made.work)
-                }
-                false => Vec::new(),
-            };
+            let mut trouble = Vec::new();
+            if found.cost.useless {
+                self.refused = "some of their quads are of no use".into();
+                trouble = useless_regions(&found.made.work);
+            }
             self.offer(found);
             if !again {
                 return Ok(trouble);

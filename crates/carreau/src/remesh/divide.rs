@@ -130,14 +130,16 @@ impl Work<'_> {
         // On a border one side is missing on the source and on the mesh alike.
         let left = left?;
         let normals = [left.normal, right.map_or(left.normal, |r| r.normal)];
-        let has_right = self.mesh.opposite(h) != NONE;
+        if right.is_some() != (self.mesh.opposite(h) != NONE) {
+            return None;
+        }
         let cap = self.limits.cos_cap as f32;
         let holds = if urgent {
             self.split_holds(h, left.point, normals, |_| THIN, |new, before| new >= cap.min(before))
         } else {
             self.split_follows(h, left.point, normals)
         };
-        if has_right != right.is_some() || !holds {
+        if !holds {
             return None;
         }
         let wedge_left = self.add_wedge(&left);
