@@ -9,6 +9,7 @@
 use super::layout::Arc;
 use super::sheet::Sheet;
 use super::source::Source;
+use super::ticks::place;
 use super::validate::ALONG_DEG;
 use glam::DVec3;
 
@@ -20,13 +21,11 @@ const PARALLEL: f64 = 0.9;
 /// Places on a feature, densely, as shares of its way by stations.
 struct Curve(Vec<(f64, DVec3)>);
 
-/// The fewest chords between evenly spaced stations that keep the feature of an arc within `near` of them: as many as it has
-/// at least, or more. `None` where it takes more than `most`, and where it has bends: vertices go there, wherever their stations
-/// are.
+/// The fewest chords that keep the feature of an arc within `near` of them, between its bends or evenly spaced: as many as it
+/// has at least, or more. `None` where it takes more than `most`.
 pub fn fewest(sheet: &Sheet, source: &Source, arc: &Arc, most: i64, near: f64) -> Option<i64> {
-    let number = arc.curve.filter(|number| !source.bends.contains_key(number))?;
-    let curve = Curve::new(sheet, source, arc, number);
-    (arc.least..=most).find(|&n| curve.is_kept(n as usize, near))
+    let curve = Curve::new(sheet, source, arc, arc.curve?);
+    (arc.least.max(1)..=most).find(|&n| curve.is_kept(&arc.bends.settled_ticks(n as usize), near))
 }
 
 impl Curve {
@@ -44,8 +43,10 @@ impl Curve {
         Curve(places)
     }
 
-    fn is_kept(&self, count: usize, near: f64) -> bool {
-        let ends: Vec<DVec3> = (0..=count).map(|k| self.at(k as f64 / count as f64)).collect();
+    /// Whether chords between ticks keep it, but for what is beyond the first and the last one.
+    fn is_kept(&self, ticks: &[f64], near: f64) -> bool {
+        let count = ticks.len() - 1;
+        let ends: Vec<DVec3> = ticks.iter().map(|&t| self.at(t)).collect();
         let cos = (PARALLEL * ALONG_DEG).to_radians().cos();
         let keeps = |k: usize, p: DVec3, along: DVec3| {
             let chord = ends[k + 1] - ends[k];
@@ -56,8 +57,9 @@ impl Curve {
         self.0.windows(2).all(|w| {
             let (station, p) = (0.5 * (w[0].0 + w[1].0), w[0].1.midpoint(w[1].1));
             let along = (w[1].1 - w[0].1).normalize_or_zero();
-            let own = ((station * count as f64) as usize).min(count - 1);
+            let own = (place(ticks, station) as usize).min(count - 1);
             along == DVec3::ZERO
+                || !(ticks[0]..=ticks[count]).contains(&station)
                 || [own, own.saturating_sub(1), (own + 1).min(count - 1)].into_iter().any(|k| keeps(k, p, along))
         })
     }
@@ -112,7 +114,7 @@ mod tests {
             chords.features.extend((0..least as u32).map(|k| ([first + k, first + k + 1], number)));
             if least > arc.least {
                 bounded += 1;
-                assert!(!curve.is_kept(least as usize - 1, near));
+                assert!(!curve.is_kept(&arc.bends.settled_ticks(least as usize - 1), near));
                 assert_eq!(fewest(sheet, &source, arc, least - 1, near), None);
             }
         }

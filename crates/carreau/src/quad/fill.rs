@@ -9,6 +9,7 @@ use super::layout::{Arc, Kind, Layout, Patch, Side};
 use super::pair::paired_triangles;
 use super::pattern::pattern;
 use super::sheet::Sheet;
+use super::ticks;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -84,8 +85,9 @@ pub fn fill(
             }
         }
         let mut ids = vec![node[arc.vertices[0] as usize]];
-        for k in 1..arc.count {
-            ids.push(add(point_on(sheet, arc, k as f64 / arc.count as f64), inner));
+        let ticks = arc.bends.ticks(arc.count.max(1) as usize);
+        for &station in &ticks[1..ticks.len() - 1] {
+            ids.push(add(point_on(sheet, arc, station), inner));
         }
         ids.push(node[arc.vertices[last] as usize]);
         let edges = ids.windows(2).map(|w| [w[0], w[1]]);
@@ -143,11 +145,14 @@ fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> Run {
     for s in side {
         let arc = &layout.arcs[s.arc as usize];
         let (mut new, last) = (along[s.arc as usize].clone(), arc.stations.len() - 1);
-        let station = |j: usize| if s.reversed { 1.0 - arc.stations[last - j] } else { arc.stations[j] };
         if s.reversed {
             new.reverse();
         }
-        let place = |j: usize| offset + station(j) * arc.count as f64;
+        let ticks = arc.bends.ticks(arc.count.max(1) as usize);
+        let place = |j: usize| match s.reversed {
+            true => offset + arc.count as f64 - ticks::place(&ticks, arc.stations[last - j]),
+            false => offset + ticks::place(&ticks, arc.stations[j]),
+        };
         run.places.extend(s.halves.iter().enumerate().map(|(j, &h)| (h, [place(j), place(j + 1)])));
         offset += arc.count as f64;
         run.ids.extend(&new[usize::from(!run.ids.is_empty())..]);

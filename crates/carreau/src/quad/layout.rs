@@ -8,6 +8,7 @@ use super::graft::Strand;
 use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
 use super::source::Source;
+use super::ticks::{Bends, find_bends};
 use crate::geometry::normals::unit;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{DisjointSets, NONE};
@@ -47,6 +48,8 @@ pub struct Arc {
     pub curve: Option<u32>,
     /// Where its vertices are, in shares of that length.
     pub stations: Vec<f64>,
+    /// Where its feature bends: vertices go there.
+    pub bends: Bends,
     /// The number of quads that it should have whatever their length: beside a region that takes those of rung 3.
     pub given: Option<f64>,
     /// Quads that it has at least.
@@ -340,7 +343,8 @@ impl Layout {
         }
         let length = stations[run.len()].max(f64::MIN_POSITIVE);
         stations.iter_mut().for_each(|s| *s /= length);
-        self.arcs.push(Arc { vertices, length, curve, stations, given: None, least, room: 0, count: least });
+        let bends = Bends::default();
+        self.arcs.push(Arc { vertices, length, curve, stations, bends, given: None, least, room: 0, count: least });
         Side { arc, reversed: false, halves: run.to_vec() }
     }
 
@@ -364,7 +368,16 @@ impl Layout {
 
     /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
     /// asks for, or than `most`.
-    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64) {
+    pub fn keep_features(
+        &mut self,
+        sheet: &Sheet,
+        source: &Source,
+        is_fixed: impl Fn(u32) -> bool,
+        length: f64,
+        near: f64,
+        most: f64,
+    ) {
+        find_bends(&mut self.arcs, sheet, source, length, is_fixed);
         self.arcs.par_iter_mut().filter(|arc| arc.given.is_none()).for_each(|arc| {
             let most = (MANY * arc.length / length).min(most).ceil() as i64;
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);

@@ -17,7 +17,7 @@
 //! | patches, sides; numbers of quads; those that features need | `layout`; `quantise`; `chords` |
 //! | grids, patterns, triangles | `fill`, `pattern`, `chart` |
 //! | patches with holes cut open | `cut` |
-//! | vertices where features bend, and where the surface comes to a point | `bends`, `tips` |
+//! | vertices where features bend, and where the surface comes to a point | `ticks`, `bends`, `tips` |
 //! | regions that take the quads of rung 3 | `graft` |
 //!
 //! | shared | file |
@@ -56,6 +56,7 @@ mod smooth;
 mod source;
 #[cfg(test)]
 mod tests;
+mod ticks;
 mod tips;
 mod trace;
 mod validate;

@@ -41,6 +41,9 @@ const PATIENCE: usize = 2;
 /// Regions beside a feature that was cut short in so many rounds take the quads of rung 3.
 const LOST: usize = 3;
 
+/// Regions with more than this share of the surface keep their tracks: triangles in all of it are what rung 3 has.
+const CLEARED: f64 = 0.5;
+
 /// Quads of a worse shape are of no use.
 pub const USELESS: f64 = 0.02;
 
@@ -52,6 +55,8 @@ enum State {
     Barred,
     /// Its patch was joined to its neighbours.
     Joined,
+    /// Its region has no tracks at all.
+    Cleared,
     /// Its region takes the quads of rung 3.
     Grafted,
 }
@@ -146,7 +151,7 @@ pub struct Wish<'a> {
 pub fn regular(source: &Source, drawn: &Drawn, wish: &Wish, budget: &mut Budget, context: &Context) -> Result<Outcome> {
     let mut rounds = Rounds::new(source, drawn, wish, budget, context);
     if let Some((_, known)) = wish.graft {
-        rounds.graft(known);
+        rounds.go_on_without(known);
     }
     let most = if wish.graft.is_some() { GRAFTED_ROUNDS } else { ROUNDS };
     for round in 0..most {
@@ -222,7 +227,7 @@ impl<'a> Rounds<'a> {
             Ok(layout) => layout,
             Err(Trouble::Curves(curves)) => {
                 let beside = self.beside(&curves.into_iter().collect());
-                return match self.graft(&beside) {
+                return match self.turn(&beside, State::Grafted) {
                     true => Ok(ControlFlow::Continue(())),
                     false => self.give_up("its features are others on rung 3"),
                 };
@@ -243,6 +248,10 @@ impl<'a> Rounds<'a> {
         if !is_last {
             let lost = lost_features(&work, source, near);
             if !lost.is_empty() {
+                // Other numbers are of no use where the coarse triangles have lost it.
+                if self.wish.graft.is_none() && self.lost.last() == Some(&lost) {
+                    return self.give_up("its coarse triangles lose a feature");
+                }
                 self.note_lost(lost);
                 return Ok(ControlFlow::Continue(()));
             }
@@ -286,7 +295,7 @@ impl<'a> Rounds<'a> {
         let sag = SAG * NEAR * source.diagonal;
         let is_fixed = |v: u32| place(sheet, &self.drawn.coarse, v) == Some(Place::Fixed);
         let mut layout =
-            Layout::new(sheet, sag, is_fixed).ok_or_else(|| Trouble::from("its tracks do not enclose patches"))?;
+            Layout::new(sheet, sag, &is_fixed).ok_or_else(|| Trouble::from("its tracks do not enclose patches"))?;
         // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
         let wanted = wish.quads.map_or(source.area / wish.length.powi(2), |n| n as f64);
         if layout.patches.len() as f64 > MOST * wanted {
@@ -299,7 +308,7 @@ impl<'a> Rounds<'a> {
             donor.graft(sheet, &mut layout, is_taken).map_err(Trouble::Curves)?;
         }
         // Every edge of a feature is one of the four sides of a quad.
-        layout.keep_features(sheet, source, wish.length, sag, 4.0 * MOST * wanted);
+        layout.keep_features(sheet, source, is_fixed, wish.length, sag, 4.0 * MOST * wanted);
         layout.refine(sheet, &self.lost, wish.length);
         layout.tighten(sheet, wish.tight);
         quantise(&mut layout, wish, self.aim);
@@ -377,7 +386,7 @@ impl<'a> Rounds<'a> {
         tell(&self.sheet, layout, &bad, &self.refusal.why);
         let is_stuck = self.fewest.1 > PATIENCE;
         let stuck = if is_stuck { bad } else { self.replace(layout, bad, kinds) };
-        if !stuck.is_empty() && (self.wish.graft.is_none() || !self.graft(&self.regions_of(layout, &stuck))) {
+        if !stuck.is_empty() && !self.go_on_without(&self.regions_of(layout, &stuck)) {
             return ControlFlow::Break(());
         }
         open_holes(&mut self.sheet, |t| self.state[t as usize] == State::Grafted);
@@ -417,15 +426,36 @@ impl<'a> Rounds<'a> {
         stuck
     }
 
-    /// Regions take the quads of rung 3: they have no tracks. Returns whether any did not before.
-    fn graft(&mut self, regions: &[u32]) -> bool {
-        let is_new =
-            |t: &u32| regions.contains(&self.sheet.region[*t as usize]) && self.state[*t as usize] != State::Grafted;
+    /// Regions lose their tracks; those that have none left take the quads of rung 3, if there are any. Returns whether
+    /// anything has changed.
+    fn go_on_without(&mut self, regions: &[u32]) -> bool {
+        let mut has_changed = false;
+        for region in regions {
+            let (one, has_donor) = (std::slice::from_ref(region), self.wish.graft.is_some());
+            has_changed |= self.share(*region) <= CLEARED && self.turn(one, State::Cleared)
+                || has_donor && self.turn(one, State::Grafted);
+        }
+        has_changed
+    }
+
+    /// The share of the surface that a region has.
+    fn share(&self, region: u32) -> f64 {
+        let sheet = &self.sheet;
+        let inside = (0..sheet.triangles.len() as u32).filter(|&t| sheet.region[t as usize] == region);
+        inside.map(|t| sheet.area(t)).sum::<f64>() / self.source.area
+    }
+
+    /// Regions become what has no tracks: a patch of triangles, or quads of rung 3. Returns whether that changes any.
+    fn turn(&mut self, regions: &[u32], next: State) -> bool {
+        let is_new = |t: &u32| regions.contains(&self.sheet.region[*t as usize]) && self.state[*t as usize] < next;
         let inside: Vec<u32> = (0..self.sheet.triangles.len() as u32).filter(is_new).collect();
-        inside.iter().for_each(|&t| self.state[t as usize] = State::Grafted);
-        self.sheet.clear_around(&inside);
-        self.fewest = (usize::MAX, 0);
-        !inside.is_empty()
+        inside.iter().for_each(|&t| self.state[t as usize] = next);
+        let had_tracks = self.sheet.clear_around(&inside);
+        let has_changed = had_tracks || next == State::Grafted && !inside.is_empty();
+        if has_changed {
+            self.fewest = (usize::MAX, 0);
+        }
+        has_changed
     }
 
     /// So do the regions beside features that were lost in many rounds; what was said of these is forgotten.
@@ -437,7 +467,7 @@ impl<'a> Rounds<'a> {
         }
         let often: FxHashSet<u32> = times.into_iter().filter(|t| t.1 >= LOST).map(|t| t.0).collect();
         if !often.is_empty() {
-            self.graft(&self.beside(&often));
+            self.turn(&self.beside(&often), State::Grafted);
             self.lost.iter_mut().for_each(|round| round.retain(|lost| !often.contains(&lost.0)));
         }
     }

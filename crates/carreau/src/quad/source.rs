@@ -10,11 +10,9 @@ use crate::geometry::features::{FeatureOptions, FeaturedSurface};
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
+use crate::remesh::RIDGE_TURN_DEG;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
-
-/// A curve bends more than this at a corner, in degrees.
-const CORNER_DEG: f64 = 35.0;
 
 /// Places of a chord where it is compared with its curve.
 const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
@@ -232,7 +230,7 @@ fn corners(mesh: &SurfaceMesh, edges: &[[u32; 2]]) -> Vec<bool> {
         arms[a as usize].push(along);
         arms[b as usize].push(-along);
     }
-    let cos = CORNER_DEG.to_radians().cos();
+    let cos = RIDGE_TURN_DEG.to_radians().cos();
     let is_corner = |arms: &Vec<DVec3>| match arms[..] {
         [] => false,
         [a, b] => -a.dot(b) < cos,

@@ -173,12 +173,14 @@ impl Sheet {
         }
     }
 
-    /// Takes back the tracks and cuts around some triangles.
-    pub fn clear_around(&mut self, triangles: &[u32]) {
+    /// Takes back the tracks and cuts around some triangles. Returns whether there were tracks.
+    pub fn clear_around(&mut self, triangles: &[u32]) -> bool {
         let is_free = |sheet: &Self, h: u32| matches!(sheet.wall[h as usize], Wall::Track | Wall::Cut);
         let free: Vec<u32> = triangles.iter().flat_map(|t| 3 * t..3 * t + 3).filter(|&h| is_free(self, h)).collect();
+        let had_tracks = free.iter().any(|&h| self.wall[h as usize] == Wall::Track);
         free.iter().for_each(|&h| self.clear_wall(h));
         self.prune();
+        had_tracks
     }
 
     /// Takes back what is left of tracks that end in no other wall.

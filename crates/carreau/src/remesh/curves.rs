@@ -34,7 +34,7 @@ pub enum Kind {
 }
 
 /// A turn above this makes a corner of a ridge. Below the 45° that are commonly asked for, so that no rounding decides.
-const RIDGE_TURN_DEG: f64 = 40.0;
+pub const RIDGE_TURN_DEG: f64 = 40.0;
 /// The same for borders, at the scale of the size map.
 const BORDER_TURN_DEG: f64 = 60.0;
 

@@ -67,6 +67,7 @@ use crate::mesh::{Column, RepairOptions, SurfaceMesh, UnitScale, is_flawed, repa
 use serde::{Deserialize, Serialize};
 use source::Source;
 
+pub(crate) use curves::RIDGE_TURN_DEG;
 pub use quality::RemeshQuality;
 
 /// Options of [`enrich`] and [`simplify`].
