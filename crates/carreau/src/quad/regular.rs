@@ -295,7 +295,7 @@ impl<'a> Rounds<'a> {
         let sag = SAG * NEAR * source.diagonal;
         let is_fixed = |v: u32| place(sheet, &self.drawn.coarse, v) == Some(Place::Fixed);
         let mut layout =
-            Layout::new(sheet, sag, &is_fixed).ok_or_else(|| Trouble::from("its tracks do not enclose patches"))?;
+            Layout::new(sheet, sag, is_fixed).ok_or_else(|| Trouble::from("its tracks do not enclose patches"))?;
         // Every patch has a quad at least: noise in a scan makes a field that no layout of this size follows.
         let wanted = wish.quads.map_or(source.area / wish.length.powi(2), |n| n as f64);
         if layout.patches.len() as f64 > MOST * wanted {
