@@ -9,7 +9,7 @@
 use super::layout::Arc;
 use super::sheet::Sheet;
 use super::source::Source;
-use super::ticks::place;
+use super::ticks::{locate, place};
 use super::validate::ALONG_DEG;
 use glam::DVec3;
 
@@ -18,8 +18,11 @@ const PLACES: usize = 8;
 /// Chords lie along a feature within this share of the angle that counts: smoothing moves their ends.
 const PARALLEL: f64 = 0.9;
 
-/// Places on a feature, densely, as shares of its way by stations.
-struct Curve(Vec<(f64, DVec3)>);
+/// Places on a feature, densely, with their stations.
+struct Curve {
+    stations: Vec<f64>,
+    places: Vec<DVec3>,
+}
 
 /// The fewest chords that keep the feature of an arc within `near` of them, between its bends or evenly spaced: as many as it
 /// has at least, or more. `None` where it takes more than `most`.
@@ -31,16 +34,16 @@ pub fn fewest(sheet: &Sheet, source: &Source, arc: &Arc, most: i64, near: f64) -
 impl Curve {
     fn new(sheet: &Sheet, source: &Source, arc: &Arc, number: u32) -> Self {
         let at = |k: usize| sheet.points[arc.vertices[k] as usize];
-        let mut places = vec![(0.0, at(0))];
+        let (mut stations, mut places) = (vec![0.0], vec![at(0)]);
         for k in 1..arc.vertices.len() {
             for j in 1..=PLACES {
                 let share = j as f64 / PLACES as f64;
-                let station = arc.stations[k - 1] + (arc.stations[k] - arc.stations[k - 1]) * share;
+                stations.push(arc.stations[k - 1] + (arc.stations[k] - arc.stations[k - 1]) * share);
                 let p = at(k - 1).lerp(at(k), share);
-                places.push((station, source.on_curve(number, p).unwrap_or(p)));
+                places.push(source.on_curve(number, p).unwrap_or(p));
             }
         }
-        Curve(places)
+        Curve { stations, places }
     }
 
     /// Whether chords between ticks keep it, but for what is beyond the first and the last one.
@@ -54,9 +57,9 @@ impl Curve {
             let foot = ends[k] + way * (p - ends[k]).dot(way).clamp(0.0, chord.length());
             way.dot(along).abs() >= cos && foot.distance(p) <= near
         };
-        self.0.windows(2).all(|w| {
-            let (station, p) = (0.5 * (w[0].0 + w[1].0), w[0].1.midpoint(w[1].1));
-            let along = (w[1].1 - w[0].1).normalize_or_zero();
+        self.stations.windows(2).zip(self.places.windows(2)).all(|(s, w)| {
+            let (station, p) = (0.5 * (s[0] + s[1]), w[0].midpoint(w[1]));
+            let along = (w[1] - w[0]).normalize_or_zero();
             let own = (place(ticks, station) as usize).min(count - 1);
             along == DVec3::ZERO
                 || !(ticks[0]..=ticks[count]).contains(&station)
@@ -65,9 +68,8 @@ impl Curve {
     }
 
     fn at(&self, station: f64) -> DVec3 {
-        let k = self.0.partition_point(|p| p.0 < station).clamp(1, self.0.len() - 1);
-        let [(from, a), (to, b)] = [self.0[k - 1], self.0[k]];
-        a.lerp(b, if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 })
+        let (k, share) = locate(&self.stations, station);
+        self.places[k].lerp(self.places[k + 1], share)
     }
 }
 

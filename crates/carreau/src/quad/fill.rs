@@ -9,7 +9,7 @@ use super::layout::{Arc, Kind, Layout, Patch, Side};
 use super::pair::paired_triangles;
 use super::pattern::pattern;
 use super::sheet::Sheet;
-use super::ticks;
+use super::ticks::{locate, place};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -52,7 +52,7 @@ pub fn fill(
     let _stage = context.stage("fill");
     let mut work = Work { faces: Polygons::new(), ..Work::default() };
     let mut node = vec![NONE; sheet.points.len()];
-    let (mut along, mut tracks): (Vec<Vec<u32>>, Vec<[u32; 2]>) = Default::default();
+    let (mut along, mut tracks): (Vec<Along>, Vec<[u32; 2]>) = Default::default();
     let mut planted = match donor.map(|donor| donor.plant(layout, &mut work, &mut node)) {
         Some(Err(unfilled)) => return Ok(Err(unfilled)),
         Some(Ok(planted)) => planted,
@@ -61,12 +61,13 @@ pub fn fill(
     let inside = layout.inside();
     for (a, arc) in (0u32..).zip(&layout.arcs) {
         if inside[a as usize] {
-            along.push(Vec::new());
+            along.push(Along::default());
             continue;
         }
+        let ticks = arc.bends.ticks(arc.count.max(1) as usize);
         if let (Some(curve), Some(ids)) = (arc.curve, planted.along.remove(&a)) {
             work.features.extend(ids.windows(2).map(|w| ([w[0], w[1]], curve)));
-            along.push(ids);
+            along.push(Along { ids, ticks });
             continue;
         }
         let inner = match arc.curve {
@@ -85,7 +86,6 @@ pub fn fill(
             }
         }
         let mut ids = vec![node[arc.vertices[0] as usize]];
-        let ticks = arc.bends.ticks(arc.count.max(1) as usize);
         for &station in &ticks[1..ticks.len() - 1] {
             ids.push(add(point_on(sheet, arc, station), inner));
         }
@@ -95,7 +95,7 @@ pub fn fill(
             Some(curve) => work.features.extend(edges.map(|ends| (ends, curve))),
             None => tracks.extend(edges),
         }
-        along.push(ids);
+        along.push(Along { ids, ticks });
     }
     let (mut patch_of_face, mut kinds, mut unfilled) = (Vec::new(), Vec::new(), Vec::new());
     let filler = Filler { sheet, layout, along: &along, context };
@@ -128,10 +128,16 @@ fn region_at(sheet: &Sheet, a: u32, b: u32) -> u32 {
 
 /// The point at a station of an arc.
 fn point_on(sheet: &Sheet, arc: &Arc, station: f64) -> DVec3 {
-    let k = arc.stations.partition_point(|&s| s < station).clamp(1, arc.vertices.len() - 1);
-    let [a, b] = [arc.vertices[k - 1], arc.vertices[k]].map(|v| sheet.points[v as usize]);
-    let (from, to) = (arc.stations[k - 1], arc.stations[k]);
-    a.lerp(b, if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 })
+    let (k, share) = locate(&arc.stations, station);
+    let [a, b] = [arc.vertices[k], arc.vertices[k + 1]].map(|v| sheet.points[v as usize]);
+    a.lerp(b, share)
+}
+
+/// What runs along an arc: its new vertices, and their stations.
+#[derive(Default)]
+struct Along {
+    ids: Vec<u32>,
+    ticks: Vec<f64>,
 }
 
 /// What runs along a side: its new vertices, and the half-edges of the sheet with the places of their ends, in units of quads.
@@ -140,20 +146,20 @@ struct Run {
     places: Vec<(u32, [f64; 2])>,
 }
 
-fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> Run {
+fn run(layout: &Layout, along: &[Along], side: &[Side]) -> Run {
     let (mut run, mut offset) = (Run { ids: Vec::new(), places: Vec::new() }, 0.0);
     for s in side {
         let arc = &layout.arcs[s.arc as usize];
-        let (mut new, last) = (along[s.arc as usize].clone(), arc.stations.len() - 1);
+        let Along { ids, ticks } = &along[s.arc as usize];
+        let (mut new, last) = (ids.clone(), arc.stations.len() - 1);
         if s.reversed {
             new.reverse();
         }
-        let ticks = arc.bends.ticks(arc.count.max(1) as usize);
-        let place = |j: usize| match s.reversed {
-            true => offset + arc.count as f64 - ticks::place(&ticks, arc.stations[last - j]),
-            false => offset + ticks::place(&ticks, arc.stations[j]),
+        let at = |j: usize| match s.reversed {
+            true => offset + arc.count as f64 - place(ticks, arc.stations[last - j]),
+            false => offset + place(ticks, arc.stations[j]),
         };
-        run.places.extend(s.halves.iter().enumerate().map(|(j, &h)| (h, [place(j), place(j + 1)])));
+        run.places.extend(s.halves.iter().enumerate().map(|(j, &h)| (h, [at(j), at(j + 1)])));
         offset += arc.count as f64;
         run.ids.extend(&new[usize::from(!run.ids.is_empty())..]);
     }
@@ -164,7 +170,7 @@ fn run(layout: &Layout, along: &[Vec<u32>], side: &[Side]) -> Run {
 struct Filler<'a> {
     sheet: &'a Sheet,
     layout: &'a Layout,
-    along: &'a [Vec<u32>],
+    along: &'a [Along],
     context: &'a Context,
 }
 
@@ -444,7 +450,7 @@ fn projected(sheet: &Sheet, patch: &Patch, chart: &Chart, rings: &[Vec<u32>], wo
 }
 
 /// Unrolled into the plane, where that turns nothing over.
-fn unrolled(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -> Option<Flat> {
+fn unrolled(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Along]) -> Option<Flat> {
     let at = chart.unrolled().ok()??;
     let outline = |list: &Vec<Side>| -> Option<Vec<DVec2>> {
         let run = run(layout, along, list);
@@ -466,7 +472,7 @@ fn unrolled(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -
 }
 
 /// A disc with its outline on a circle, in proportion to length.
-fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Vec<u32>]) -> Result<Option<Flat>> {
+fn on_circle(layout: &Layout, patch: &Patch, chart: &Chart, along: &[Along]) -> Result<Option<Flat>> {
     let [list] = &patch.loops[..] else { return Ok(None) };
     let total: f64 = list.iter().map(|s| layout.arcs[s.arc as usize].length).sum();
     let radius = total / TAU;

@@ -8,7 +8,7 @@ use super::graft::Strand;
 use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
 use super::source::Source;
-use super::ticks::{Bends, find_bends};
+use super::ticks::Bends;
 use crate::geometry::normals::unit;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{DisjointSets, NONE};
@@ -368,16 +368,7 @@ impl Layout {
 
     /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
     /// asks for, or than `most`.
-    pub fn keep_features(
-        &mut self,
-        sheet: &Sheet,
-        source: &Source,
-        is_fixed: impl Fn(u32) -> bool,
-        length: f64,
-        near: f64,
-        most: f64,
-    ) {
-        find_bends(&mut self.arcs, sheet, source, length, is_fixed);
+    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64) {
         self.arcs.par_iter_mut().filter(|arc| arc.given.is_none()).for_each(|arc| {
             let most = (MANY * arc.length / length).min(most).ceil() as i64;
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);

@@ -33,12 +33,11 @@ const SAMPLES: usize = 5_000;
 
 /// All but the distance.
 pub fn measure(work: &Work, source: &Source) -> QuadQuality {
-    let jacobians: Vec<f64> = jacobians(work).collect();
     QuadQuality {
         irregular: irregular(work),
-        scaled_jacobian_min: jacobians.iter().copied().fold(f64::INFINITY, f64::min),
-        scaled_jacobian_mean: jacobians.iter().sum::<f64>() / jacobians.len().max(1) as f64,
-        inverted: jacobians.iter().filter(|&&j| !(j > 0.0)).count(),
+        scaled_jacobian_min: least_jacobian(work),
+        scaled_jacobian_mean: mean_jacobian(work),
+        inverted: jacobians(work).filter(|j| !(*j > 0.0)).count(),
         feature_recall: recall(work, source).0,
         distance_max: None,
     }

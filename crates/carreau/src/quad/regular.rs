@@ -15,6 +15,7 @@ use super::lift::Tight;
 use super::sheet::Sheet;
 use super::smooth::Smoothing;
 use super::source::Source;
+use super::ticks::find_bends;
 use super::validate::{NEAR, faults, lost_features};
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -307,8 +308,9 @@ impl<'a> Rounds<'a> {
             let is_taken = |t: u32| self.state[t as usize] == State::Grafted;
             donor.graft(sheet, &mut layout, is_taken).map_err(Trouble::Curves)?;
         }
+        find_bends(&mut layout.arcs, sheet, source, wish.length, is_fixed);
         // Every edge of a feature is one of the four sides of a quad.
-        layout.keep_features(sheet, source, is_fixed, wish.length, sag, 4.0 * MOST * wanted);
+        layout.keep_features(sheet, source, wish.length, sag, 4.0 * MOST * wanted);
         layout.refine(sheet, &self.lost, wish.length);
         layout.tighten(sheet, wish.tight);
         quantise(&mut layout, wish, self.aim);

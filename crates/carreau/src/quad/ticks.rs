@@ -1,8 +1,8 @@
 //! Where the vertices along an arc go: to the bends of its feature, if there are enough of them, and evenly between.
 //!
 //! ```text
-//!          3───4            The three bends of this feature have a vertex each; the five edges that are left over are
-//!        ╱       ╲          dealt to the longest pieces, one after the other.
+//!          3───4            The four bends of this feature have a vertex each, its five pieces an edge each; the two edges
+//!        ╱       ╲          that are left over are dealt to the longest pieces, one after the other.
 //!  0─1─2           5─6─7
 //! ```
 
@@ -11,6 +11,7 @@ use super::sheet::Sheet;
 use super::source::Source;
 use crate::geometry::normals::unit;
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// A bend this near to the end of an arc, as a share of the length of quads, is for the vertex there: it goes there by itself.
 const AT_END: f64 = 0.35;
@@ -24,6 +25,18 @@ pub struct Bends {
 }
 
 impl Bends {
+    /// Those at stations in order; a free end of the arc takes the one that is this near to it.
+    fn new(mut stations: Vec<f64>, near: f64, [first, last]: [bool; 2]) -> Self {
+        let mut at_ends = [None; 2];
+        if last && stations.last().is_some_and(|s| 1.0 - s < near) {
+            at_ends[1] = stations.pop();
+        }
+        if first && stations.first().is_some_and(|&s| s < near) {
+            at_ends[0] = Some(stations.remove(0));
+        }
+        Bends { inside: stations, at_ends }
+    }
+
     /// Where `count` edges begin and end, by stations.
     pub fn ticks(&self, count: usize) -> Vec<f64> {
         if count <= self.inside.len() {
@@ -54,17 +67,23 @@ impl Bends {
     }
 }
 
+/// The last of stations in order that is before another one, and the share of the way from there to the next.
+pub fn locate(stations: &[f64], station: f64) -> (usize, f64) {
+    let k = stations.partition_point(|&s| s < station).clamp(1, stations.len() - 1);
+    let [from, to] = [stations[k - 1], stations[k]];
+    (k - 1, if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 })
+}
+
 /// Where a station is among ticks, in edges from the first one.
 pub fn place(ticks: &[f64], station: f64) -> f64 {
-    let k = ticks.partition_point(|&t| t < station).clamp(1, ticks.len() - 1);
-    let [from, to] = [ticks[k - 1], ticks[k]];
-    (k - 1) as f64 + if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 }
+    let (k, share) = locate(ticks, station);
+    k as f64 + share
 }
 
 /// Finds the bends inside arcs, for quads of a length. A vertex that `is_fixed` goes nowhere.
 pub fn find_bends(arcs: &mut [Arc], sheet: &Sheet, source: &Source, length: f64, is_fixed: impl Fn(u32) -> bool) {
     let mut stations: Vec<Vec<f64>> = vec![Vec::new(); arcs.len()];
-    let mut of_curve: std::collections::BTreeMap<u32, Vec<usize>> = Default::default();
+    let mut of_curve: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (a, curve) in arcs.iter().enumerate().filter_map(|(a, arc)| Some((a, arc.curve?))) {
         of_curve.entry(curve).or_default().push(a);
     }
@@ -80,17 +99,8 @@ pub fn find_bends(arcs: &mut [Arc], sheet: &Sheet, source: &Source, length: f64,
         stations.sort_by(f64::total_cmp);
         stations.dedup();
         stations.retain(|&s| s > 0.0 && s < 1.0);
-        let near = AT_END * length / arc.length;
-        let [first, last] = [0, arc.vertices.len() - 1].map(|k| !is_fixed(arc.vertices[k]));
-        let mut bends = Bends::default();
-        if last && stations.last().is_some_and(|s| 1.0 - s < near) {
-            bends.at_ends[1] = stations.pop();
-        }
-        if first && stations.first().is_some_and(|&s| s < near) {
-            bends.at_ends[0] = Some(stations.remove(0));
-        }
-        bends.inside = stations;
-        arc.bends = bends;
+        let is_free = [0, arc.vertices.len() - 1].map(|k| !is_fixed(arc.vertices[k]));
+        arc.bends = Bends::new(stations, AT_END * length / arc.length, is_free);
     }
 }
 
