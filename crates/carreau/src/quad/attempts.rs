@@ -56,6 +56,15 @@ struct Attempt {
     tight: Vec<Tight>,
 }
 
+/// An attempt that came to nothing because of some regions.
+struct Trouble {
+    /// The length of the triangles of its field, over that of the quads.
+    finer: f64,
+    /// Whether vertices were dealt to bends.
+    deals: bool,
+    regions: Vec<u32>,
+}
+
 /// What is wanted, and what there is.
 pub struct Attempts<'a> {
     source: &'a Source,
@@ -69,8 +78,7 @@ pub struct Attempts<'a> {
     best: Option<Attempt>,
     /// Why the last one came to nothing.
     refused: String,
-    /// Fields whose attempts came to nothing because of some regions, by the lengths of their triangles.
-    trouble: Vec<(f64, Vec<u32>)>,
+    trouble: Vec<Trouble>,
     context: &'a Context,
 }
 
@@ -122,9 +130,21 @@ impl<'a> Attempts<'a> {
             if self.is_good() || self.budget.is_spent() || is_futile || k >= USUAL && self.will_do() {
                 break;
             }
-            self.with_field(finer, None, &mut fruitless)?;
+            self.with_field(finer, self.ways(k), None, &mut fruitless)?;
         }
         Ok(())
+    }
+
+    /// How vertices come to the bends of features: dealt beforehand they keep the feature with fewer quads, but unevenly, which
+    /// strips whose sides bend in other places do not take well. Both are tried with the first field, and one with each
+    /// of the others, in turn: there would be no budget for more.
+    fn ways(&self, field: usize) -> &'static [bool] {
+        match field {
+            _ if self.source.bends.is_empty() => &[false],
+            0 => &[true, false],
+            _ if field.is_multiple_of(2) => &[true],
+            _ => &[false],
+        }
     }
 
     /// The same with quads of rung 3 for the regions that made trouble; those of rung 3 for all are an attempt, too.
@@ -139,24 +159,35 @@ impl<'a> Attempts<'a> {
         }
         let donor = Donor::new(&third, self.source);
         let mut fruitless = 0;
-        for (finer, regions) in std::mem::take(&mut self.trouble).into_iter().take(FUTILE) {
+        for trouble in std::mem::take(&mut self.trouble).into_iter().take(FUTILE) {
             if self.budget.is_spent() || self.will_do() {
                 break;
             }
-            self.with_field(finer, Some((&donor, &regions)), &mut fruitless)?;
+            self.with_field(trouble.finer, &[trouble.deals], Some((&donor, &trouble.regions)), &mut fruitless)?;
         }
         Ok(())
     }
 
-    /// Attempts with one field.
-    fn with_field(&mut self, finer: f64, graft: Option<(&Donor, &[u32])>, fruitless: &mut u32) -> Result<()> {
+    /// Attempts with one field, with vertices dealt to bends or not, until one will do.
+    fn with_field(
+        &mut self,
+        finer: f64,
+        ways: &[bool],
+        graft: Option<(&Donor, &[u32])>,
+        fruitless: &mut u32,
+    ) -> Result<()> {
         let drawn = draw(self.source, self.length, finer * self.length, self.feature_deg, self.context);
         match or_why(drawn.map(|drawn| drawn.map_err(Refusal::from)))? {
             Ok(drawn) => {
                 self.budget.triangles(drawn.coarse.mesh.face_count());
-                let trouble = self.shrink(&drawn, graft, fruitless)?;
-                if !trouble.is_empty() && trouble.len() < self.source.regions {
-                    self.trouble.push((finer, trouble));
+                for &deals in ways {
+                    let regions = self.shrink(&drawn, deals, graft, fruitless)?;
+                    if !regions.is_empty() && regions.len() < self.source.regions {
+                        self.trouble.push(Trouble { finer, deals, regions });
+                    }
+                    if self.budget.is_spent() || self.will_do() {
+                        break;
+                    }
                 }
             }
             Err(refusal) => self.refused = refusal.why,
@@ -166,7 +197,13 @@ impl<'a> Attempts<'a> {
 
     /// Again with smaller quads where they were too far from the surface, as long as that helps. Returns the regions that
     /// made trouble where nothing came of it.
-    fn shrink(&mut self, drawn: &Drawn, graft: Option<(&Donor, &[u32])>, fruitless: &mut u32) -> Result<Vec<u32>> {
+    fn shrink(
+        &mut self,
+        drawn: &Drawn,
+        deals: bool,
+        graft: Option<(&Donor, &[u32])>,
+        fruitless: &mut u32,
+    ) -> Result<Vec<u32>> {
         let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
         loop {
             let wish = Wish {
@@ -174,6 +211,7 @@ impl<'a> Attempts<'a> {
                 quads: self.quads,
                 most: self.most(),
                 first: self.first,
+                deals,
                 graft,
                 tight: &tight,
                 tried: &tried,

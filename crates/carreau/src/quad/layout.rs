@@ -368,8 +368,11 @@ impl Layout {
 
     /// Gives arcs the quads whose edges keep their features within a distance, unless these are many more than a length
     /// asks for, or than `most`.
-    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64) {
-        self.arcs.par_iter_mut().filter(|arc| arc.given.is_none()).for_each(|arc| {
+    pub fn keep_features(&mut self, sheet: &Sheet, source: &Source, length: f64, near: f64, most: f64, deals: bool) {
+        // Where vertices go to bends afterwards, nobody knows yet which chords there will be.
+        let is_known = |arc: &Arc| deals || arc.curve.is_none_or(|curve| !source.bends.contains_key(&curve));
+        let arcs = self.arcs.par_iter_mut().filter(|arc| arc.given.is_none() && is_known(arc));
+        arcs.for_each(|arc| {
             let most = (MANY * arc.length / length).min(most).ceil() as i64;
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);
         });

@@ -140,6 +140,8 @@ pub struct Wish<'a> {
     pub most: f64,
     /// Rung 1 may do.
     pub first: bool,
+    /// The vertices of features are dealt to their bends beforehand; else those that are near go there afterwards.
+    pub deals: bool,
     /// Regions that make trouble take the quads of rung 3, and those that are known to make it.
     pub graft: Option<(&'a Donor<'a>, &'a [u32])>,
     /// Where quads were too far from the surface before.
@@ -308,9 +310,11 @@ impl<'a> Rounds<'a> {
             let is_taken = |t: u32| self.state[t as usize] == State::Grafted;
             donor.graft(sheet, &mut layout, is_taken).map_err(Trouble::Curves)?;
         }
-        find_bends(&mut layout.arcs, sheet, source, wish.length, is_fixed);
+        if wish.deals {
+            find_bends(&mut layout.arcs, sheet, source, wish.length, is_fixed);
+        }
         // Every edge of a feature is one of the four sides of a quad.
-        layout.keep_features(sheet, source, wish.length, sag, 4.0 * MOST * wanted);
+        layout.keep_features(sheet, source, wish.length, sag, 4.0 * MOST * wanted, wish.deals);
         layout.refine(sheet, &self.lost, wish.length);
         layout.tighten(sheet, wish.tight);
         quantise(&mut layout, wish, self.aim);

@@ -218,6 +218,26 @@ fn only_the_corners_at_an_acute_edge_are_acute() {
     }
 }
 
+#[test]
+fn vertices_come_to_bends_beforehand_or_afterwards() {
+    let (mesh, context) = (prism(16), Context::new());
+    let options = FeatureOptions::default();
+    let source = Source::new(&mesh, &options, &context).unwrap();
+    assert!(!source.bends.is_empty());
+    let length = (source.area / 600.0).sqrt();
+    let drawn = draw(&source, length, length, options.angle_deg.unwrap(), &context).unwrap().unwrap();
+    let met = [true, false].map(|deals| {
+        let wish =
+            Wish { length, quads: Some(600), most: MOST, first: true, deals, graft: None, tight: &[], tried: &[] };
+        let made = regular(&source, &drawn, &wish, &mut Budget::new(600.0), &context).unwrap().ok().unwrap();
+        assert_eq!(validate::refusal(&made.work, &made.work.to_mesh().unwrap(), &source).unwrap(), None);
+        let is_met = |bend: &&DVec3| made.work.points.iter().any(|p| p.distance(**bend) < 1e-9);
+        source.bends.values().flatten().filter(is_met).count()
+    });
+    // Those that are dealt are all there.
+    assert_eq!(met[0], source.bends.values().flatten().count(), "{met:?}");
+}
+
 /// A cone of height 1 with 24 sides.
 fn cone(radius: f64) -> SurfaceMesh {
     let sides = 24;
@@ -263,7 +283,8 @@ fn there_is_no_attempt_without_a_budget_nor_twice_the_same() {
     let source = Source::new(&mesh, &options, &context).unwrap();
     let length = (source.area / 1500.0).sqrt();
     let drawn = draw(&source, length, length, options.angle_deg.unwrap(), &context).unwrap().unwrap();
-    let wish = Wish { length, quads: Some(1500), most: MOST, first: true, graft: None, tight: &[], tried: &[] };
+    let wish =
+        Wish { length, quads: Some(1500), most: MOST, first: true, deals: true, graft: None, tight: &[], tried: &[] };
     let mut budget = Budget::new(1500.0);
     let attempt = |wish: &Wish, budget: &mut Budget| regular(&source, &drawn, wish, budget, &context).unwrap();
     let made = attempt(&wish, &mut budget).ok().unwrap();
@@ -330,7 +351,8 @@ fn a_region_takes_the_quads_of_rung_3_and_the_others_meet_them() {
         };
         for region in 0..most.min(source.regions as u32) {
             let graft = Some((&donor, &[region][..]));
-            let wish = Wish { length, quads: Some(600), most: MOST, first: true, graft, tight: &[], tried: &[] };
+            let wish =
+                Wish { length, quads: Some(600), most: MOST, first: true, deals: true, graft, tight: &[], tried: &[] };
             let made = regular(&source, &drawn, &wish, &mut Budget::new(600.0), &context).unwrap().ok().unwrap();
             assert_eq!(validate::refusal(&made.work, &made.work.to_mesh().unwrap(), &source).unwrap(), None, "{name}");
             // Neighbours may have had to follow; not all did.
