@@ -56,11 +56,24 @@ struct Attempt {
     tight: Vec<Tight>,
 }
 
+/// How quads are made with a field.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    /// Whether vertices are dealt to bends beforehand.
+    deals: bool,
+    /// What gives the quads of some regions, and which ones.
+    graft: Option<(&'a Donor<'a>, &'a [u32])>,
+}
+
+/// Beforehand they keep a feature with fewer quads, but unevenly, which strips whose sides bend in other places do not take well.
+const DEALT: Way = Way { deals: true, graft: None };
+/// Where features bend, evenly spaced vertices come to it afterwards.
+const EVEN: Way = Way { deals: false, graft: None };
+
 /// An attempt that came to nothing because of some regions.
 struct Trouble {
     /// The length of the triangles of its field, over that of the quads.
     finer: f64,
-    /// Whether vertices were dealt to bends.
     deals: bool,
     regions: Vec<u32>,
 }
@@ -130,20 +143,18 @@ impl<'a> Attempts<'a> {
             if self.is_good() || self.budget.is_spent() || is_futile || k >= USUAL && self.will_do() {
                 break;
             }
-            self.with_field(finer, self.ways(k), None, &mut fruitless)?;
+            self.with_field(finer, self.ways(k), &mut fruitless)?;
         }
         Ok(())
     }
 
-    /// How vertices come to the bends of features: dealt beforehand they keep the feature with fewer quads, but unevenly, which
-    /// strips whose sides bend in other places do not take well. Both are tried with the first field, and one with each
-    /// of the others, in turn: there would be no budget for more.
-    fn ways(&self, field: usize) -> &'static [bool] {
+    /// Both are tried with the first field, and one with each of the others, in turn: there would be no budget for more.
+    fn ways(&self, field: usize) -> &'static [Way<'static>] {
         match field {
-            _ if self.source.bends.is_empty() => &[false],
-            0 => &[true, false],
-            _ if field.is_multiple_of(2) => &[true],
-            _ => &[false],
+            _ if self.source.bends.is_empty() => &[EVEN],
+            0 => &[DEALT, EVEN],
+            _ if field.is_multiple_of(2) => &[DEALT],
+            _ => &[EVEN],
         }
     }
 
@@ -159,31 +170,28 @@ impl<'a> Attempts<'a> {
         }
         let donor = Donor::new(&third, self.source);
         let mut fruitless = 0;
-        for trouble in std::mem::take(&mut self.trouble).into_iter().take(FUTILE) {
+        let trouble = std::mem::take(&mut self.trouble);
+        for of_field in trouble.chunk_by(|a, b| a.finer == b.finer).take(FUTILE) {
             if self.budget.is_spent() || self.will_do() {
                 break;
             }
-            self.with_field(trouble.finer, &[trouble.deals], Some((&donor, &trouble.regions)), &mut fruitless)?;
+            let ways: Vec<Way> =
+                of_field.iter().map(|t| Way { deals: t.deals, graft: Some((&donor, &t.regions)) }).collect();
+            self.with_field(of_field[0].finer, &ways, &mut fruitless)?;
         }
         Ok(())
     }
 
-    /// Attempts with one field, with vertices dealt to bends or not, until one will do.
-    fn with_field(
-        &mut self,
-        finer: f64,
-        ways: &[bool],
-        graft: Option<(&Donor, &[u32])>,
-        fruitless: &mut u32,
-    ) -> Result<()> {
+    /// Attempts with one field, way after way, until one will do.
+    fn with_field(&mut self, finer: f64, ways: &[Way], fruitless: &mut u32) -> Result<()> {
         let drawn = draw(self.source, self.length, finer * self.length, self.feature_deg, self.context);
         match or_why(drawn.map(|drawn| drawn.map_err(Refusal::from)))? {
             Ok(drawn) => {
                 self.budget.triangles(drawn.coarse.mesh.face_count());
-                for &deals in ways {
-                    let regions = self.shrink(&drawn, deals, graft, fruitless)?;
+                for way in ways {
+                    let regions = self.shrink(&drawn, *way, fruitless)?;
                     if !regions.is_empty() && regions.len() < self.source.regions {
-                        self.trouble.push(Trouble { finer, deals, regions });
+                        self.trouble.push(Trouble { finer, deals: way.deals, regions });
                     }
                     if self.budget.is_spent() || self.will_do() {
                         break;
@@ -197,13 +205,7 @@ impl<'a> Attempts<'a> {
 
     /// Again with smaller quads where they were too far from the surface, as long as that helps. Returns the regions that
     /// made trouble where nothing came of it.
-    fn shrink(
-        &mut self,
-        drawn: &Drawn,
-        deals: bool,
-        graft: Option<(&Donor, &[u32])>,
-        fruitless: &mut u32,
-    ) -> Result<Vec<u32>> {
+    fn shrink(&mut self, drawn: &Drawn, way: Way, fruitless: &mut u32) -> Result<Vec<u32>> {
         let (mut tight, mut before, mut tried) = (Vec::new(), None, Vec::new());
         loop {
             let wish = Wish {
@@ -211,8 +213,8 @@ impl<'a> Attempts<'a> {
                 quads: self.quads,
                 most: self.most(),
                 first: self.first,
-                deals,
-                graft,
+                deals: way.deals,
+                graft: way.graft,
                 tight: &tight,
                 tried: &tried,
             };
