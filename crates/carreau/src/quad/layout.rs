@@ -37,6 +37,11 @@ const MANY: f64 = 1.2;
 /// Discs with more corners take no pattern.
 const MOST_CORNERS: usize = 8;
 
+/// A whole number of quads along an arc: no more than there can be vertices, however long an arc without measure would have it.
+pub fn whole(quads: f64) -> i64 {
+    quads.min(f64::from(u32::MAX)) as i64
+}
+
 /// Walls between two nodes, one after the other.
 #[derive(Debug, Clone)]
 pub struct Arc {
@@ -334,7 +339,7 @@ impl Layout {
         // A chord of length l that turns by a is a l / 8 away from its arc.
         let way: f64 = run.iter().map(|&h| sheet.along(h).length()).sum();
         let by_sag = (turns * way / (8.0 * sag)).sqrt();
-        let least = closed.max((turns / MOST_TURN).max(by_sag).ceil() as i64);
+        let least = closed.max(whole((turns / MOST_TURN).max(by_sag).ceil()));
         let mut stations = vec![0.0];
         for (k, &h) in run.iter().enumerate() {
             // Half of a turn belongs to the edge before it.
@@ -351,11 +356,16 @@ impl Layout {
     /// The number of quads: of grids, and where there are none about as many as fit.
     pub fn quads(&self) -> f64 {
         let of = |p: &Patch| match p.kind {
-            Kind::Grid => (self.sum(&p.sides[0]) * self.sum(&p.sides[1])) as f64,
+            Kind::Grid => self.sum(&p.sides[0]) as f64 * self.sum(&p.sides[1]) as f64,
             Kind::Grafted => 0.0,
             _ => p.area / (self.length * self.length),
         };
         self.grafted as f64 + self.patches.iter().map(of).sum::<f64>()
+    }
+
+    /// The edges along all arcs.
+    pub fn edges(&self) -> f64 {
+        self.arcs.iter().map(|arc| arc.count as f64).sum()
     }
 
     /// The arcs that have grafted patches beside them only: nothing is needed along these.
@@ -373,7 +383,7 @@ impl Layout {
         let is_known = |arc: &Arc| deals || arc.curve.is_none_or(|curve| !source.bends.contains_key(&curve));
         let arcs = self.arcs.par_iter_mut().filter(|arc| arc.given.is_none() && is_known(arc));
         arcs.for_each(|arc| {
-            let most = (MANY * arc.length / length).min(most).ceil() as i64;
+            let most = whole((MANY * arc.length / length).min(most).ceil());
             arc.least = fewest(sheet, source, arc, most, near).unwrap_or(arc.least);
         });
     }
@@ -390,7 +400,7 @@ impl Layout {
             if times > 0 {
                 let (least, before) = (arc.least, arc.length / length);
                 tracing::debug!(target: "carreau::quad", curve, times, least, before, "feature lost");
-                arc.least = arc.least.max((arc.length / length).round() as i64 + (1 << times.min(6)) - 1);
+                arc.least = arc.least.max(whole((arc.length / length).round()) + (1 << times.min(6)) - 1);
             }
         }
     }
@@ -411,7 +421,7 @@ impl Layout {
                 let is_along = ends[0] == ends[1] || unit(ends[1] - ends[0]).dot(tight.way).abs() > ALONG;
                 if is_along && arc.given.is_none() {
                     let length = tight.length.max(SHORTEST * self.length);
-                    arc.least = arc.least.max((arc.length / length).ceil() as i64);
+                    arc.least = arc.least.max(whole((arc.length / length).ceil()));
                 }
             }
         }

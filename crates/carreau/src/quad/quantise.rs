@@ -5,7 +5,7 @@
 //! cheapest chain of arcs that ends where another patch is off, too, or at an open border. Where no chain exists, the grid with
 //! most room on the ways that were looked at is given up: then it only has to be even, and chains may turn round in it.
 
-use super::layout::{Kind, Layout};
+use super::layout::{Kind, Layout, whole};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -213,7 +213,7 @@ impl Layout {
     fn as_long(&mut self, length: f64) {
         for arc in &mut self.arcs {
             arc.room = 0;
-            arc.count = (arc.ideal(length).round() as i64).max(arc.least);
+            arc.count = whole(arc.ideal(length).round()).max(arc.least);
         }
         let without_grid = |p: &usize| !matches!(self.patches[*p].kind, Kind::Grid | Kind::Grafted);
         let without_grid: Vec<usize> = (0..self.patches.len()).filter(without_grid).collect();

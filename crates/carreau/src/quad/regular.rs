@@ -83,6 +83,8 @@ const UNMOVED: usize = 4;
 
 /// Layouts with more quads than so many times those wanted are not filled.
 pub const MOST: f64 = 2.5;
+/// Nor are those of a thin strip, of which nobody knows how many its edge length wants, where it would be many more than these.
+const MANY: f64 = 1e6;
 
 /// Quads with the rung of every region.
 pub struct Made {
@@ -333,6 +335,12 @@ impl<'a> Rounds<'a> {
         let count = layout.quads();
         if wish.quads.is_some_and(|n| count > wish.most * n as f64) {
             return Err(format!("its features would need {count:.0} quads").into());
+        }
+        // No quad has more than four edges on arcs. An edge length may ask for more than the area does.
+        let most = wish.quads.map_or(MOST * wanted.max(MANY), |n| wish.most * n as f64);
+        let edges = layout.edges();
+        if edges > 4.0 * most {
+            return Err(format!("its arcs would have {edges:.0} edges").into());
         }
         Ok(layout)
     }

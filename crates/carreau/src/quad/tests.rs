@@ -379,3 +379,24 @@ fn folded_polygons_are_told_as_far_as_the_farther_of_their_surfaces() {
     assert!(made.quality.distance_max.unwrap() >= own.relative.max, "{:?}", own.relative);
     assert!(own.relative.max > 0.1);
 }
+
+/// Over its area a surface is as long as it likes: numbers of quads along it stay within bounds.
+#[test]
+fn a_vertex_far_away_leaves_no_number_out_of_range() {
+    let at = |k: u32| DVec3::new(f64::from(k % 4) / 1.5 - 1.0, f64::from(k / 4) / 1.5 - 1.0, 0.0);
+    let saddle = |p: DVec3| p.with_z(0.6 * (p.x * p.x - p.y * p.y));
+    let cells = (0..9u32).map(|k| 4 * (k / 3) + k % 3);
+    let faces: Vec<[u32; 3]> = cells.flat_map(|k| [[k, k + 1, k + 5], [k, k + 5, k + 4]]).collect();
+    for far in [1e20, 1e100, 1e290] {
+        let mut points: Vec<DVec3> = (0..16).map(at).map(saddle).collect();
+        points[8] *= far;
+        let mesh = SurfaceMesh::from_triangles(points, &faces).unwrap();
+        for count in [10, 38, 1000] {
+            let options = QuadOptions { quads: count, ..QuadOptions::default() };
+            match quads(&mesh, &options, &Context::new()) {
+                Ok(result) => assert!(result.mesh.faces().iter().all(|f| f.len() == 4)),
+                Err(e) => assert!([3, 4].contains(&e.exit_code()), "{far}: {e}"),
+            }
+        }
+    }
+}
