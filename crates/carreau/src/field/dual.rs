@@ -3,7 +3,8 @@
 
 use super::condition::Conditioned;
 use crate::error::{Error, Result};
-use crate::mesh::{NONE, Triangles};
+use crate::geometry::normals::unit;
+use crate::mesh::{NONE, Triangles, unit_sized};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -100,9 +101,11 @@ impl<'a> Dual<'a> {
         let own = [3 * i, 3 * i + 1, 3 * i + 2];
         let constraint = own.into_iter().find(|&c| self.feature[c as usize]);
         let area = self.along(own[0]).cross(self.along(own[1]));
-        let x = self.along(constraint.unwrap_or(own[0])).normalize_or(DVec3::X);
+        // However small a triangle is beside the others, its frame has the length one.
+        let normal = unit_sized(own.map(|c| self.triangles.point(c))).map_or(DVec3::ZERO, |[a, b, c]| b.cross(c - a));
+        let x = unit(self.along(constraint.unwrap_or(own[0]))).try_normalize().unwrap_or(DVec3::X);
         // Far from the origin the corners of a small triangle may be rounded onto a line: any frame along it will do.
-        let y = area.try_normalize().map_or_else(|| x.any_orthonormal_vector(), |normal| normal.cross(x));
+        let y = unit(normal.cross(x)).try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
         self.angle.extend(own.map(|c| self.along(c).dot(y).atan2(self.along(c).dot(x))));
         self.constrained.push(constraint.is_some());
         self.areas.push(area.length() / 2.0);

@@ -117,14 +117,14 @@ fn curvatures(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
     Ok(holds(k.kmin.len() == mesh.vertex_count() && numbers && ordered, "curvatures are not finite or not in order"))
 }
 
-/// A surface has no distance from itself.
+/// A surface has no distance from itself, but for what rounding does to needles.
 fn compared(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
     let options = DistanceOptions { samples: 200, refinements: 100, normals: true };
     let found = compare(mesh, mesh, &options, context)?;
     let size = mesh.points().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let numbers = [found.distance.mean, found.distance.rms, found.distance.max, found.diagonal];
     Ok(holds(numbers.iter().all(|x| x.is_finite()), "a distance is not finite")
-        .and_then(|()| holds(found.distance.max <= 1e-9 * size, "a surface is away from itself")))
+        .and_then(|()| holds(found.distance.max <= 1e-7 * size, "a surface is away from itself")))
 }
 
 fn segmented(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
