@@ -234,7 +234,7 @@ fn a_triangle_without_area_has_a_frame() {
 #[test]
 fn a_vertex_far_away_leaves_frames_as_long_as_they_are() {
     // An icosahedron, flattened.
-    let (a, b) = (0.525731112119133606, 0.850650808352039932);
+    let (a, b) = (0.525_731_112_119_133_6, 0.850_650_808_352_039_9);
     let corners = [[-a, b, 0.0], [-b, 0.0, a], [0.0, a, b], [a, b, 0.0], [0.0, a, -b], [-b, 0.0, -a]];
     let flat = |[x, y, z]: [f64; 3]| DVec3::new(x, 0.01 * y, z);
     let near: Vec<DVec3> = corners.into_iter().map(flat).collect();

@@ -128,7 +128,8 @@ impl<'a> Chart<'a> {
     }
 
     /// The chart in the plane with as little change of angles as possible: least squares conformal maps (Lévy et al. 2002),
-    /// as Dirichlet energy less area. What can be unrolled is, without any distortion. `None` where a triangle turns over.
+    /// as Dirichlet energy less area. What can be unrolled is, without any distortion. `None` where a triangle turns over, or all is in
+    /// one place.
     pub fn unrolled(&self) -> Result<Option<Vec<DVec2>>> {
         let mut place = vec![DVec3::ZERO; self.count];
         for (vertices, points) in self.faces() {
@@ -146,6 +147,9 @@ impl<'a> Chart<'a> {
         };
         let first = farthest(0);
         let last = farthest(first);
+        if first == last {
+            return Ok(None);
+        }
         let held = |v: usize| match v {
             _ if v == first => Some(DVec2::ZERO),
             _ if v == last => Some(DVec2::new(place[first].distance(place[last]), 0.0)),
@@ -253,4 +257,43 @@ fn cotangent(points: [DVec3; 3], k: usize) -> f64 {
 fn weights(p: [DVec2; 3], q: DVec2) -> [f64; 3] {
     let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
     [0, 1, 2].map(|k| (p[(k + 1) % 3] - q).perp_dot(p[(k + 2) % 3] - q) / area)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sheet::Wall;
+    use super::*;
+
+    /// Two triangles with the same first and last corner.
+    fn pair(points: [DVec3; 4]) -> Sheet {
+        Sheet {
+            points: points.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            opposite: vec![NONE, NONE, 3, 2, NONE, NONE],
+            turn: vec![0; 6],
+            wall: vec![Wall::None; 6],
+            branch: vec![0; 6],
+            frame: vec![[DVec3::X, DVec3::Y]; 2],
+            region: vec![0; 2],
+            out: vec![0, 1, 2, 5],
+            length: 1.0,
+            divided: FxHashMap::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_folded_is_unrolled_but_for_what_is_in_one_place() {
+        let corners = [DVec3::ZERO, DVec3::X * 3.0, DVec3::X * 3.0 + DVec3::Y, DVec3::Z];
+        let sheet = pair(corners);
+        let chart = Chart::new(&sheet, &[0, 1]);
+        let flat = chart.unrolled().unwrap().unwrap();
+        for (vertices, points) in chart.faces() {
+            for k in 0..3 {
+                let length = flat[vertices[k] as usize].distance(flat[vertices[(k + 1) % 3] as usize]);
+                assert!((length - points[k].distance(points[(k + 1) % 3])).abs() < 1e-9);
+            }
+        }
+        let sheet = pair([DVec3::ONE; 4]);
+        assert_eq!(Chart::new(&sheet, &[0, 1]).unrolled().unwrap(), None);
+    }
 }
