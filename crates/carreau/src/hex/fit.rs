@@ -22,9 +22,10 @@ use rayon::prelude::*;
 const AGREES: f64 = 0.25;
 /// What is met along the normal is taken for this much nearer than the closest point.
 const AHEAD: f64 = 0.5;
-/// The surface bulges where it is farther from the boundary than this share of the boundary's faces; it is looked at in so
-/// many places, about.
+/// The surface bulges where it is farther from the boundary than this share of the boundary's faces, or than this share of its
+/// diagonal; it is looked at in so many places, about.
 const BULGE: f64 = 0.3;
+const FAR: f64 = 0.01;
 const SAMPLES: usize = 20_000;
 /// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
 const SWELL: f64 = 8e-5;
@@ -32,6 +33,8 @@ const SWELL: f64 = 8e-5;
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
+/// Passes over the vertices that were taken back, in which each is tried alone.
+const PASSES: usize = 20;
 
 /// The surface, its lids and borders.
 pub struct Target<'a> {
@@ -299,6 +302,7 @@ impl Skin {
     /// ```
     fn reach_out(&self, points: &[DVec3], shape: &Shape, target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
         let triangles: Vec<[u32; 3]> = self.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
+        let far = FAR * target.surface().diagonal();
         let tree = TriangleTree::new(points, &triangles);
         let bulge = |t: u32| {
             let n = target.normals[t as usize];
@@ -310,7 +314,7 @@ impl Skin {
                 triangles[found.triangle as usize].into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
             let v = walls.min_by(|a, b| near(a).total_cmp(&near(b)))?;
             let k = v as usize;
-            let bulges = found.distance() > BULGE * shape.sizes[k] && shape.normals[k].dot(n) > AGREES;
+            let bulges = found.distance() > far.min(BULGE * shape.sizes[k]) && shape.normals[k].dot(n) > AGREES;
             bulges.then_some((v, found.distance(), sample, n))
         };
         let wall = target.wall().len();
@@ -491,9 +495,48 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
         }
         weak.iter().flat_map(|&h| optimiser.corners_of(h)).for_each(|&v| goes[v as usize] = false);
     }
+    put_singly(optimiser, points, &places, &floors, &mut goes);
+    // Where it is near enough a vertex may stay.
+    let near = SWELL * target.surface().diagonal();
+    let is_there = |&(v, _, _): &(u32, DVec3, DVec3)| {
+        let k = v as usize;
+        goes[k]
+            || skin.parts[k] == Part::Wall
+                && target.closest_wall(points[k]).is_some_and(|c| c.0.distance(points[k]) <= near)
+    };
+    let there: Vec<bool> = places.par_iter().map(is_there).collect();
     let mut free = vec![true; points.len()];
-    places.iter().for_each(|p| free[p.0 as usize] = !goes[p.0 as usize]);
+    places.iter().zip(there).for_each(|(p, there)| free[p.0 as usize] = !there);
     free
+}
+
+/// One weak cell has taken back all of its corners, and a cell between those and others that went may have become weak by that,
+/// and so on: most of them can go alone, one after the other.
+fn put_singly(
+    optimiser: &Optimiser,
+    points: &mut [DVec3],
+    places: &[(u32, DVec3, DVec3)],
+    floors: &[f64],
+    goes: &mut [bool],
+) {
+    for _ in 0..PASSES {
+        let mut any = false;
+        for &(v, to, _) in places {
+            if goes[v as usize] {
+                continue;
+            }
+            let from = std::mem::replace(&mut points[v as usize], to);
+            goes[v as usize] = optimiser.cells_at(v).all(|h| !optimiser.is_weak(h, points, floors[h as usize]));
+            if goes[v as usize] {
+                any = true;
+            } else {
+                points[v as usize] = from;
+            }
+        }
+        if !any {
+            break;
+        }
+    }
 }
 
 #[cfg(test)]

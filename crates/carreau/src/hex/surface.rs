@@ -28,9 +28,9 @@ const FOLLOWED: u32 = 1;
 const FOLLOWINGS: usize = 2;
 /// No other cells are tried when so many have been made.
 const MANY_TRIED: usize = 150_000;
-/// Results are good where the surface is this near to the boundary, at most and on average, as shares of the diagonal, no
-/// vertex is off the surface, and no scaled Jacobian is smaller than this.
-const WANTED: [f64; 2] = [0.015, 0.0015];
+/// Results are good where the surface is this near to the boundary, at most and on average, and the boundary to the surface, as
+/// shares of the diagonal, no vertex is off the surface, and no scaled Jacobian is smaller than this.
+const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
 const POOR: f64 = 0.3;
 /// What a fold lacks, vertices off the surface, and so large a share of them more.
 const FOLDED: f64 = 100.0;
@@ -56,7 +56,7 @@ const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
 const LEAST: f64 = 0.6;
 /// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
-const KEPT: [f64; 3] = [0.4, 0.4, 0.2];
+const KEPT: [f64; 2] = [0.4, 0.2];
 /// The first cells take this share of the room about the skeleton.
 const INSIDE: f64 = 0.85;
 
@@ -104,8 +104,9 @@ pub fn from_surface(
         }
     }
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let fitted = best_fitted(tried, &closed, &target, context)?;
-    let (coarse, left) = (fitted.cells, fitted.left);
+    let by_facing = Target::new(&closed).by_facing();
+    let coarse = best_fitted(tried, &target, &by_facing, context)?.cells;
+    let left = coarse.left;
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
     warnings.extend(coarse.ready.warnings.into_iter().chain(coarse.warnings));
@@ -119,44 +120,60 @@ pub fn from_surface(
 }
 
 /// Fits the first cells, and where the result is not good others, too. The best result counts.
-fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Context) -> Result<Fitted> {
+fn best_fitted<'a>(
+    tried: Vec<Coarse>,
+    target: &'a Target<'a>,
+    by_facing: &'a Target<'a>,
+    context: &Context,
+) -> Result<Fitted<'a>> {
     let mut tried = tried.into_iter();
-    let Some(first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
+    let Some(mut first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
     let (ready, score) = (first.ready.clone(), first.score());
-    let even = first.is_even;
+    let mut uneven = None;
+    if first.is_even {
+        let mut other = Coarse::new(Ready { evenly: false, ..ready.clone() }, target, context)?;
+        tracing::debug!(
+            left = first.left,
+            mean = first.mean,
+            uneven = other.left,
+            uneven_mean = other.mean,
+            "uneven cells"
+        );
+        // Halved segments have flat cells, which may be in each other's way.
+        if first.left > 0 && other.left <= first.left {
+            std::mem::swap(&mut first, &mut other);
+        }
+        uneven = Some(other);
+    }
+    let mut coarsely_left = first.left;
     let mut best = Fitted::new(first, target, context)?;
     let mut cells = best.cells.tube.hexes.len();
     for other in Other::ALL {
         if best.lacks() == 0.0 || cells > MANY_TRIED {
             break;
         }
-        let fitted = match other {
-            Other::Facing => {
-                let target = Target::new(closed).by_facing();
-                Fitted::new(Coarse::new(ready.clone(), &target, context)?, &target, context)?
-            }
-            Other::Uneven if even => {
-                let uneven = Ready { evenly: false, ..ready.clone() };
-                Fitted::new(Coarse::new(uneven, target, context)?, target, context)?
-            }
-            Other::Skeleton if best.left > 0 => match tried.next().filter(|c| c.score() < SECOND * score) {
-                Some(second) => Fitted::new(second, target, context)?,
-                None => continue,
-            },
-            Other::Uneven | Other::Skeleton => continue,
+        let (next, target) = match other {
+            Other::Facing => (Some(Coarse::new(ready.clone(), by_facing, context)?), by_facing),
+            Other::Uneven => (uneven.take(), target),
+            Other::Skeleton if best.cells.left > 0 => (tried.next().filter(|c| c.score() < SECOND * score), target),
+            Other::Skeleton => (None, target),
         };
+        // Where coarse cells cannot be put onto the surface, fine ones hardly can.
+        let Some(next) = next.filter(|c| best.cells.left > 0 || c.left <= coarsely_left) else { continue };
+        let left = next.left;
+        let fitted = Fitted::new(next, target, context)?;
         cells += fitted.cells.tube.hexes.len();
         if fitted.lacks() < best.lacks() {
-            best = fitted;
+            (best, coarsely_left) = (fitted, left);
         }
     }
-    Ok(best)
+    best.improved(context)
 }
 
 /// What is tried where the first cells are not good.
 #[derive(Clone, Copy)]
 enum Other {
-    /// Segments are not halved for their length: halved ones have flat cells, which may be in each other's way.
+    /// Segments are not halved for their length, or they are: the ones that were not taken first.
     Uneven,
     /// The skeleton that came second, where vertices are off the surface.
     Skeleton,
@@ -169,38 +186,57 @@ impl Other {
 }
 
 /// Cells that follow the surface, and what they are worth.
-struct Fitted {
+struct Fitted<'a> {
     cells: Coarse,
-    /// Boundary vertices that could not be put onto the surface.
-    left: usize,
-    /// The largest distance of the surface from the boundary, and the mean, as shares of the diagonal.
-    far: [f64; 2],
+    /// What they are on.
+    target: &'a Target<'a>,
+    /// Whether poor cells have been improved.
+    is_improved: bool,
+    /// The largest distance of the surface from the boundary, the mean, and the largest of the boundary from the surface, as
+    /// shares of the diagonal.
+    far: [f64; 3],
     /// The least scaled Jacobian.
     least: f64,
 }
 
-impl Fitted {
-    fn new(mut cells: Coarse, target: &Target, context: &Context) -> Result<Self> {
-        let left = cells.fitted(target, context)?;
+impl<'a> Fitted<'a> {
+    /// Cells that all are on the surface are improved, too.
+    fn new(mut cells: Coarse, target: &'a Target<'a>, context: &Context) -> Result<Self> {
+        cells.fit(target, context)?;
+        let is_good = cells.left == 0;
+        let fitted = Fitted::measured(cells, target, context)?;
+        if is_good { fitted.improved(context) } else { Ok(fitted) }
+    }
+
+    fn measured(cells: Coarse, target: &'a Target<'a>, context: &Context) -> Result<Self> {
         let _stage = context.stage("fit");
         let TubeMesh { points, hexes, .. } = &cells.tube;
         let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
         let found = compare(target.surface(), &skin, &COARSELY, context)?;
         let diagonal = target.surface().diagonal().max(f64::MIN_POSITIVE);
-        let far = [found.a_to_b.distance.max.max(found.b_to_a.distance.max), found.a_to_b.distance.mean];
+        let far = [found.a_to_b.distance.max, found.a_to_b.distance.mean, found.b_to_a.distance.max];
         let least = super::least_scaled_jacobian(points, hexes);
-        let fitted = Fitted { left, far: far.map(|d| d / diagonal), least, cells };
-        tracing::debug!(left, far = ?fitted.far, least, lacks = fitted.lacks(), "fitted cells");
+        let fitted = Fitted { far: far.map(|d| d / diagonal), least, cells, target, is_improved: false };
+        tracing::debug!(left = fitted.cells.left, far = ?fitted.far, least, lacks = fitted.lacks(), "fitted cells");
         Ok(fitted)
+    }
+
+    /// The same with its poor cells improved.
+    fn improved(mut self, context: &Context) -> Result<Self> {
+        if self.is_improved {
+            return Ok(self);
+        }
+        self.cells.slide(self.target, context)?;
+        Ok(Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? })
     }
 
     /// By how much the cells miss what is wanted, zero for not at all: each want counts by the share that is lacking.
     fn lacks(&self) -> f64 {
-        let off = self.left as f64 / self.cells.tube.points.len() as f64;
+        let off = self.cells.left as f64 / self.cells.tube.points.len() as f64;
         let far = self.far.iter().zip(WANTED).map(|(d, wanted)| (d / wanted - 1.0).max(0.0)).sum::<f64>();
         let poor = (1.0 - self.least / POOR).max(0.0);
         let folded = if self.least > 0.0 { 0.0 } else { FOLDED };
-        far + poor + folded + if self.left > 0 { OFF + off / MANY_OFF } else { 0.0 }
+        far + poor + folded + if self.cells.left > 0 { OFF + off / MANY_OFF } else { 0.0 }
     }
 }
 
@@ -248,6 +284,8 @@ struct Coarse {
     mean: f64,
     /// Whether segments were halved for their length.
     is_even: bool,
+    /// Vertices that are inside, or could not be put onto the surface; empty for the coarsest cells.
+    free: Vec<bool>,
 }
 
 impl Coarse {
@@ -282,12 +320,11 @@ impl Coarse {
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even })
+        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even, free: Vec::new() })
     }
 
-    /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it. Returns how
-    /// many vertices could not be put onto it.
-    fn fitted(&mut self, target: &Target, context: &Context) -> Result<usize> {
+    /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it.
+    fn fit(&mut self, target: &Target, context: &Context) -> Result<()> {
         let stage = context.stage("fit");
         let Coarse { tube, lengths, ready: Ready { options, lid_of, freely, .. }, .. } = self;
         let levels = options.refine_across().max(options.refine_along);
@@ -318,29 +355,40 @@ impl Coarse {
             let mut optimiser = Optimiser::new(points, hexes);
             if level == levels {
                 fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
-                // What cannot be put onto the surface at once may have room when its neighbours are there.
                 let mut free = Vec::new();
                 for (attempt, kept) in KEPT.into_iter().enumerate() {
+                    if attempt > 0 {
+                        // What cannot be put onto the surface at once may have room when its neighbours are there.
+                        optimiser.fix(free.iter().map(|f| !f).collect());
+                        fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
+                        optimiser.fix(vec![false; free.len()]);
+                    }
                     free = fit::snap(&optimiser, points, &skin, target, kept);
                     left = stuck(&free, &skin);
-                    if left == 0 || attempt + 1 == KEPT.len() {
-                        optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
+                    if left > 0 {
+                        fit::seat(points, hexes, &skin, target, &mut free, context)?;
+                        left = stuck(&free, &skin);
+                    }
+                    if left == 0 {
                         break;
                     }
-                    optimiser.fix(free.iter().map(|f| !f).collect());
-                    fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
-                    optimiser.fix(vec![false; free.len()]);
                 }
-                if left > 0 {
-                    fit::seat(points, hexes, &skin, target, &mut free, context)?;
-                    left = stuck(&free, &skin);
-                }
+                optimiser.fix((0..free.len()).map(|v| skin.has(v)).collect());
                 optimiser.tie(Vec::new());
                 optimiser.run(points, &super::optimise::INNER, context)?;
-                fit::slide(points, hexes, &skin, target, &free, context)?;
+                self.free = free;
             }
         }
-        Ok(left)
+        self.left = left;
+        Ok(())
+    }
+
+    /// Boundary vertices slide along the surface where cells are poor.
+    fn slide(&mut self, target: &Target, context: &Context) -> Result<()> {
+        let _stage = context.stage("fit");
+        let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
+        let skin = Skin::new(hexes, caps, &self.ready.lid_of);
+        fit::slide(points, hexes, &skin, target, &self.free, context)
     }
 }
 

@@ -12,6 +12,7 @@
 //! Wall vertices are tied to where they belong by springs, stiff along the normal and weak along the surface.
 
 mod energy;
+mod lanes;
 mod patches;
 
 pub use patches::{Ties, relieve, seat};
@@ -21,7 +22,7 @@ use crate::error::Result;
 use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified};
 use crate::mesh::HEX_EDGES;
 use crate::numeric::lbfgs::{Stop, minimise};
-use energy::cell_energy;
+use energy::{CellEnergy, energies, least_bound};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -206,7 +207,7 @@ impl<'a> Optimiser<'a> {
 
     /// The least determinant of all cells, over their target volumes.
     pub fn least(&self, points: &[DVec3]) -> f64 {
-        let of = |h: usize| cell_energy(&self.cell(points, h), self.inverse[h], 1.0, 1).least;
+        let of = |h: usize| least_bound(&self.cell(points, h), self.inverse[h]);
         (0..self.hexes.len()).into_par_iter().with_min_len(MIN_CELLS).map(of).reduce(|| f64::INFINITY, f64::min)
     }
 
@@ -215,22 +216,26 @@ impl<'a> Optimiser<'a> {
         self.least(points) > VALID
     }
 
-    /// Energy of cells and springs, with its gradient; also the least determinant.
-    fn evaluate(&self, points: &[DVec3], gradient: &mut [DVec3], epsilon: f64, power: i32) -> (f64, f64) {
-        let cells: Vec<(f64, f64, [DVec3; 8])> = (0..self.hexes.len())
-            .into_par_iter()
-            .with_min_len(MIN_CELLS)
-            .map(|h| {
-                let e = cell_energy(&self.cell(points, h), self.inverse[h], epsilon, power);
-                let w = self.weight[h];
-                (w * e.value, e.least, e.gradient.map(|g| g * w))
-            })
-            .collect();
+    /// Energy of cells and springs, with its gradient; also the least determinant. `cells` is room for what each has.
+    fn evaluate(
+        &self,
+        points: &[DVec3],
+        gradient: &mut [DVec3],
+        cells: &mut Vec<CellEnergy>,
+        epsilon: f64,
+        power: i32,
+    ) -> (f64, f64) {
+        cells.resize(self.hexes.len(), CellEnergy::ZERO);
+        cells.par_chunks_mut(MIN_CELLS).enumerate().for_each(|(chunk, cells)| {
+            let first = chunk * MIN_CELLS;
+            energies(|k| (self.cell(points, first + k), self.inverse[first + k]), epsilon, power, cells);
+        });
         gradient.par_iter_mut().enumerate().with_min_len(MIN_VERTICES).for_each(|(v, g)| {
             let at = &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize];
-            *g = at.iter().map(|&c| cells[c as usize / 8].2[c as usize % 8]).sum();
+            let pull = |c: usize| cells[c / 8].gradient[c % 8] * self.weight[c / 8];
+            *g = at.iter().map(|&c| pull(c as usize)).sum();
         });
-        let mut value: f64 = cells.iter().map(|c| c.0).sum();
+        let mut value: f64 = cells.iter().zip(&self.weight).map(|(c, w)| w * c.value).sum();
         for s in &self.springs {
             let v = s.vertex as usize;
             let size = self.scale[v];
@@ -241,7 +246,7 @@ impl<'a> Optimiser<'a> {
                 gradient[v] += (normal * s.along + (off - normal) * s.across) * (2.0 / size);
             }
         }
-        (value, cells.iter().map(|c| c.1).fold(f64::INFINITY, f64::min))
+        (value, cells.iter().map(|c| c.least).fold(f64::INFINITY, f64::min))
     }
 
     /// Minimises the energy; with ε = 0 within the valid set.
@@ -254,11 +259,11 @@ impl<'a> Optimiser<'a> {
         context: &Context,
     ) -> Result<()> {
         let stop = Stop { iterations, decrease: if power < LAST_POWER { PASSED } else { SETTLED } };
-        let mut evaluations = 0;
+        let (mut evaluations, mut cells) = (0, Vec::new());
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
             evaluations += 1;
-            let (value, least) = self.evaluate(x, g, epsilon, power);
+            let (value, least) = self.evaluate(x, g, &mut cells, epsilon, power);
             Ok(if epsilon > 0.0 || least > 0.0 { value } else { f64::INFINITY })
         };
         let least = minimise(points, &self.scale, stop, value)?;
@@ -291,14 +296,14 @@ impl<'a> Optimiser<'a> {
     fn unfold(&self, points: &mut Vec<DVec3>, floor: f64, context: &Context) -> Result<bool> {
         let mut least = self.least(points);
         let mut epsilon = (1e-6 + 0.04 * least.min(0.0).powi(2)).sqrt();
-        let mut gradient = vec![DVec3::ZERO; points.len()];
+        let (mut gradient, mut cells) = (vec![DVec3::ZERO; points.len()], Vec::new());
         for round in 0..UNTANGLE_ROUNDS {
             if least > VALID {
                 return Ok(true);
             }
-            let before = self.evaluate(points, &mut gradient, epsilon, 1).0;
+            let before = self.evaluate(points, &mut gradient, &mut cells, epsilon, 1).0;
             self.descend(points, epsilon, 1, 60, context)?;
-            let (after, lowest) = self.evaluate(points, &mut gradient, epsilon, 1);
+            let (after, lowest) = self.evaluate(points, &mut gradient, &mut cells, epsilon, 1);
             least = lowest;
             let sigma = (1.0 - after / before).max(floor);
             let mu = (1.0 - sigma) * regularised(least, epsilon);
@@ -310,8 +315,7 @@ impl<'a> Optimiser<'a> {
 
     /// The folded cells.
     fn folded(&self, points: &[DVec3]) -> Vec<u32> {
-        let is_folded =
-            |&h: &u32| !(cell_energy(&self.cell(points, h as usize), self.inverse[h as usize], 1.0, 1).least > VALID);
+        let is_folded = |&h: &u32| !(least_bound(&self.cell(points, h as usize), self.inverse[h as usize]) > VALID);
         (0..self.hexes.len() as u32).into_par_iter().with_min_len(MIN_CELLS).filter(is_folded).collect()
     }
 
@@ -338,12 +342,20 @@ impl<'a> Optimiser<'a> {
     /// The cells that leave the valid set, and those whose scaled Jacobian is below a floor. A cell with a certificate by
     /// parts is not in the valid set: from there no descent would go on.
     pub fn weak(&self, points: &[DVec3], floors: &[f64]) -> Vec<u32> {
-        let is_weak = |h: &u32| {
-            let k = *h as usize;
-            let cell = self.cell(points, k);
-            scaled_jacobian(&cell) < floors[k] || !(cell_energy(&cell, self.inverse[k], 1.0, 1).least > VALID)
-        };
+        let is_weak = |&h: &u32| self.is_weak(h, points, floors[h as usize]);
         (0..self.hexes.len() as u32).into_par_iter().filter(is_weak).collect()
+    }
+
+    /// Whether a cell is such a one.
+    pub fn is_weak(&self, h: u32, points: &[DVec3], floor: f64) -> bool {
+        let cell = self.cell(points, h as usize);
+        scaled_jacobian(&cell) < floor || !(least_bound(&cell, self.inverse[h as usize]) > VALID)
+    }
+
+    /// The cells at a vertex.
+    pub fn cells_at(&self, v: u32) -> impl Iterator<Item = u32> {
+        let [first, end] = [0, 1].map(|k| self.offsets[v as usize + k] as usize);
+        self.corners[first..end].iter().map(|c| c / 8)
     }
 
     /// All steps, until every cell has a certificate or nothing helps.

@@ -23,15 +23,20 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const POOR: f64 = 0.4;
 /// Rings of cells around a poor one.
 const RINGS: usize = 5;
+/// Where a patch does no good, those around cells within so many rings do none either.
+const ALIKE: usize = 1;
 /// Powers of the energy in turn, with the iterations of each.
 const POWERS: [(i32, usize); 3] = [(4, 40), (8, 80), (16, 80)];
+/// Shares of the way that a patch goes, until no cell is folded when all that is tied is in place.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Inside once more, when the boundary is where it belongs.
 const INSIDE: (i32, usize) = (16, 60);
 /// A patch is taken when its worst cell is better by this share.
 const GAIN: f64 = 0.02;
-/// Rounds of patches side by side, and patches in all.
+/// Rounds of patches side by side, and patches in all: of poor cells, and of vertices put in place.
 const ROUNDS: usize = 20;
 const PATCHES: usize = 400;
+const SEATINGS: usize = 1500;
 /// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
 /// comes first. A cell may be as poor as this then, or as poor as before.
 const SEATING: [usize; 3] = [2, 3, 5];
@@ -190,7 +195,8 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
                     better += 1;
                     moved.into_iter().for_each(|(v, p)| points[v as usize] = p);
                 }
-                None => given_up[cells[0] as usize] = true,
+                // Its neighbours have nearly the same surroundings.
+                None => mesh.around(cells[0], ALIKE).into_iter().for_each(|c| given_up[c as usize] = true),
             }
         }
     }
@@ -219,19 +225,35 @@ fn settled(patch: &Patch, ties: &impl Ties, powers: &[(i32, usize)], context: &C
         optimiser.descend(&mut places, 0.0, power, iterations, context)?;
         optimiser.retarget(&places);
     }
-    let settled: Vec<Option<DVec3>> = (0..places.len())
-        .map(|k| (!patch.fixed[k]).then(|| ties.settled(patch.vertices[k], places[k])).flatten())
-        .collect();
-    if settled.iter().any(Option::is_some) {
-        settled.iter().zip(&mut places).for_each(|(to, p)| *p = to.unwrap_or(*p));
-        if !optimiser.is_valid(&places) {
-            return Ok(None);
-        }
-        optimiser.fix(patch.fixed.iter().zip(&settled).map(|(f, s)| *f || s.is_some()).collect());
+    let found = SHARES.iter().find_map(|&share| put(patch, ties, &optimiser, &places, share));
+    let Some((there, is_tied)) = found else { return Ok(None) };
+    places = there;
+    if is_tied.contains(&true) {
+        optimiser.fix(patch.fixed.iter().zip(&is_tied).map(|(f, s)| *f || *s).collect());
         optimiser.tie(Vec::new());
         optimiser.descend(&mut places, 0.0, INSIDE.0, INSIDE.1, context)?;
     }
     Ok(uncertified(&places, &patch.hexes).is_empty().then_some(places))
+}
+
+/// The vertices of a patch a share of the way to `places`, then on what they are tied to, and which of them are tied; `None`
+/// where a cell is folded there.
+fn put(
+    patch: &Patch,
+    ties: &impl Ties,
+    optimiser: &Optimiser,
+    places: &[DVec3],
+    share: f64,
+) -> Option<(Vec<DVec3>, Vec<bool>)> {
+    let mut there = patch.places.clone();
+    let mut is_tied = vec![false; there.len()];
+    for k in (0..there.len()).filter(|&k| !patch.fixed[k]) {
+        there[k] = there[k].lerp(places[k], share);
+        if let Some(to) = ties.settled(patch.vertices[k], there[k]) {
+            (there[k], is_tied[k]) = (to, true);
+        }
+    }
+    optimiser.is_valid(&there).then_some((there, is_tied))
 }
 
 /// Puts vertices onto what they are tied to, each with its surroundings alone, wider and wider ones; returns those that are
@@ -250,7 +272,7 @@ pub fn seat(
         let mut given_up = FxHashSet::default();
         loop {
             let open = stuck.iter().filter(|v| !seated.contains(v)).filter_map(|&v| mesh.at(v).first().copied());
-            let patches = mesh.disjoint(open.filter(|c| !given_up.contains(c)), rings, PATCHES - tried);
+            let patches = mesh.disjoint(open.filter(|c| !given_up.contains(c)), rings, SEATINGS - tried);
             if patches.is_empty() {
                 break;
             }
@@ -265,7 +287,10 @@ pub fn seat(
             let found: Vec<_> = patches.par_iter().map(one).collect::<Result<_>>()?;
             for (cells, found) in patches.iter().zip(found) {
                 given_up.insert(cells[0]);
-                let Some((patch, places)) = found else { continue };
+                let Some((patch, places)) = found else {
+                    given_up.extend(mesh.around(cells[0], 1));
+                    continue;
+                };
                 for (k, &v) in patch.vertices.iter().enumerate().filter(|(k, _)| !patch.fixed[*k]) {
                     points[v as usize] = places[k];
                     seated.insert(v);
