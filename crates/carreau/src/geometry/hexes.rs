@@ -13,7 +13,7 @@ use rayon::prelude::*;
 pub type Corners = [DVec3; 8];
 
 /// Every corner's neighbours along the three axes, in the order that gives a cube the value +1.
-const CORNERS: [[usize; 3]; 8] =
+pub const CORNERS: [[usize; 3]; 8] =
     [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
 /// A determinant counts as positive above this share of the cubed longest edge.
 const TINY: f64 = 1e-12;

@@ -543,6 +543,29 @@ fn put_singly(
 mod tests {
     use super::*;
 
+    /// Of two vertices side by side on the top of a block, one would turn its cells over: the other goes alone.
+    #[test]
+    fn a_vertex_goes_where_its_neighbour_cannot() {
+        let at = |i: u32, j: u32, k: u32| (k * 2 + j) * 4 + i;
+        let points: Vec<DVec3> =
+            (0..16).map(|v| DVec3::new(f64::from(v % 4), f64::from(v / 4 % 2), f64::from(v / 8))).collect();
+        let hexes: Vec<[u32; 8]> = (0..3)
+            .map(|i| {
+                let low = [at(i, 0, 0), at(i + 1, 0, 0), at(i + 1, 1, 0), at(i, 1, 0)];
+                let high = low.map(|v| v + 8);
+                [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+            })
+            .collect();
+        let (goes_alone, cannot) = (at(1, 0, 1), at(2, 0, 1));
+        let up = |v: u32, by: f64| (v, points[v as usize] + DVec3::Z * by, DVec3::Z);
+        let places = [up(goes_alone, 0.1), up(cannot, -1.5)];
+        let (mut moved, mut goes) = (points.clone(), vec![false; points.len()]);
+        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.4; 3], &mut goes);
+        assert!(goes[goes_alone as usize] && !goes[cannot as usize]);
+        assert_eq!(moved[goes_alone as usize], places[0].1);
+        assert!((0..16).filter(|&v| v != goes_alone).all(|v| moved[v as usize] == points[v as usize]));
+    }
+
     /// A vertex in a long body looks ahead, a little upward: the flank above it is nearer, but faces aside.
     #[test]
     fn by_facing_a_vertex_goes_ahead_not_aside() {

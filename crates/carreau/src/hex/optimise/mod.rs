@@ -7,10 +7,11 @@
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
 //!    and step 2 is repeated.
 //!
-//! 4. The worst cells once more, with their surroundings alone.
+//! 4. The worst cells once more, with their surroundings alone; there the least scaled Jacobian itself is raised (corners.rs).
 //!
 //! Wall vertices are tied to where they belong by springs, stiff along the normal and weak along the surface.
 
+mod corners;
 mod energy;
 mod lanes;
 mod patches;
@@ -22,6 +23,7 @@ use crate::error::Result;
 use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified};
 use crate::mesh::HEX_EDGES;
 use crate::numeric::lbfgs::{Stop, minimise};
+use corners::corner_energy;
 use energy::{CellEnergy, energies, least_bound};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -230,6 +232,11 @@ impl<'a> Optimiser<'a> {
             let first = chunk * MIN_CELLS;
             energies(|k| (self.cell(points, first + k), self.inverse[first + k]), epsilon, power, cells);
         });
+        self.summed(points, gradient, cells)
+    }
+
+    /// The sums of what the cells have and of the springs; also the least determinant.
+    fn summed(&self, points: &[DVec3], gradient: &mut [DVec3], cells: &[CellEnergy]) -> (f64, f64) {
         gradient.par_iter_mut().enumerate().with_min_len(MIN_VERTICES).for_each(|(v, g)| {
             let at = &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize];
             let pull = |c: usize| cells[c / 8].gradient[c % 8] * self.weight[c / 8];
@@ -268,6 +275,31 @@ impl<'a> Optimiser<'a> {
         };
         let least = minimise(points, &self.scale, stop, value)?;
         tracing::debug!(cells = self.hexes.len(), epsilon, power, evaluations, value = least, "descent");
+        Ok(())
+    }
+
+    /// Raises the least scaled Jacobian, which is about `usual`, within the valid set.
+    fn sharpen(
+        &self,
+        points: &mut Vec<DVec3>,
+        beta: f64,
+        usual: f64,
+        iterations: usize,
+        context: &Context,
+    ) -> Result<()> {
+        let stop = Stop { iterations, decrease: PASSED };
+        let mut cells = vec![CellEnergy::ZERO; self.hexes.len()];
+        let value = |x: &[DVec3], g: &mut [DVec3]| {
+            context.check()?;
+            cells.par_iter_mut().enumerate().with_min_len(MIN_CELLS).for_each(|(h, out)| {
+                let cell = self.cell(x, h);
+                let (value, gradient) = corner_energy(&cell, beta, usual);
+                *out = CellEnergy { value, gradient, least: least_bound(&cell, self.inverse[h]) };
+            });
+            let (value, least) = self.summed(x, g, &cells);
+            Ok(if least > VALID { value } else { f64::INFINITY })
+        };
+        minimise(points, &self.scale, stop, value)?;
         Ok(())
     }
 

@@ -23,18 +23,18 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const POOR: f64 = 0.4;
 /// Rings of cells around a poor one.
 const RINGS: usize = 5;
-/// Where a patch does no good, those around cells within so many rings do none either.
-const ALIKE: usize = 1;
 /// Powers of the energy in turn, with the iterations of each.
 const POWERS: [(i32, usize); 3] = [(4, 40), (8, 80), (16, 80)];
 /// Shares of the way that a patch goes, until no cell is folded when all that is tied is in place.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+/// Factors β of the least scaled Jacobian in turn, with the iterations of each.
+const SHARPER: [(f64, usize); 3] = [(15.0, 40), (30.0, 40), (60.0, 40)];
 /// Inside once more, when the boundary is where it belongs.
 const INSIDE: (i32, usize) = (16, 60);
-/// A patch is taken when its worst cell is better by this share.
+/// A patch is taken when what is worst of it is better by this share.
 const GAIN: f64 = 0.02;
 /// Rounds of patches side by side, and patches in all: of poor cells, and of vertices put in place.
-const ROUNDS: usize = 20;
+const ROUNDS: usize = 60;
 const PATCHES: usize = 400;
 const SEATINGS: usize = 1500;
 /// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
@@ -161,9 +161,69 @@ impl Patch {
         (0..self.vertices.len()).filter(|&k| !self.fixed[k]).flat_map(own).collect()
     }
 
+    fn quality(&self, places: &[DVec3], cell: usize) -> f64 {
+        scaled_jacobian(&self.hexes[cell].map(|v| places[v as usize]))
+    }
+
     fn worst(&self, places: &[DVec3]) -> f64 {
-        let quality = |h: &[u32; 8]| scaled_jacobian(&h.map(|v| places[v as usize]));
-        self.hexes.iter().map(quality).fold(f64::INFINITY, f64::min)
+        (0..self.hexes.len()).map(|h| self.quality(places, h)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The least quality of the first cell, which the patch is about, and of those that have become worse. What was and stays
+    /// worse than the first cell keeps nothing from being better.
+    fn worth(&self, places: &[DVec3]) -> f64 {
+        let worse = (1..self.hexes.len()).filter_map(|h| {
+            let now = self.quality(places, h);
+            (now < self.quality(&self.places, h)).then_some(now)
+        });
+        worse.fold(self.quality(places, 0), f64::min)
+    }
+}
+
+/// How the cells of a patch are made better.
+enum Descent<'a> {
+    /// By the energy, with powers and the iterations of each.
+    Energy(&'a [(i32, usize)]),
+    /// By their least scaled Jacobian.
+    Corners,
+}
+
+impl Descent<'_> {
+    fn run(
+        &self,
+        optimiser: &mut Optimiser,
+        patch: &Patch,
+        places: &mut Vec<DVec3>,
+        ties: &impl Ties,
+        context: &Context,
+    ) -> Result<()> {
+        match self {
+            Descent::Energy(powers) => {
+                for &(power, iterations) in *powers {
+                    optimiser.tie(patch.springs(places, ties));
+                    optimiser.descend(places, 0.0, power, iterations, context)?;
+                    optimiser.retarget(places);
+                }
+            }
+            Descent::Corners => {
+                for (beta, iterations) in SHARPER {
+                    optimiser.tie(patch.springs(places, ties));
+                    optimiser.sharpen(places, beta, patch.quality(places, 0), iterations, context)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// When what is tied is in its place.
+    fn finish(&self, optimiser: &Optimiser, patch: &Patch, places: &mut Vec<DVec3>, context: &Context) -> Result<()> {
+        match self {
+            Descent::Energy(_) => optimiser.descend(places, 0.0, INSIDE.0, INSIDE.1, context),
+            Descent::Corners => {
+                let (beta, iterations) = SHARPER[SHARPER.len() - 1];
+                optimiser.sharpen(places, beta, patch.quality(places, 0), iterations, context)
+            }
+        }
     }
 }
 
@@ -187,16 +247,17 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
         }
         tried += patches.len();
         let here = &*points;
-        let ease = |cells: &Vec<u32>| eased(&Patch::new(&mesh, here, cells, ties), ties, context);
+        let ease = |cells: &Vec<u32>| eased(Patch::new(&mesh, here, cells, ties), ties, context);
         let found: Vec<_> = patches.par_iter().map(ease).collect::<Result<_>>()?;
         for (cells, found) in patches.iter().zip(found) {
             match found {
                 Some(moved) => {
                     better += 1;
+                    // What did not help before may do now.
+                    cells.iter().for_each(|&c| given_up[c as usize] = false);
                     moved.into_iter().for_each(|(v, p)| points[v as usize] = p);
                 }
-                // Its neighbours have nearly the same surroundings.
-                None => mesh.around(cells[0], ALIKE).into_iter().for_each(|c| given_up[c as usize] = true),
+                None => given_up[cells[0] as usize] = true,
             }
         }
     }
@@ -205,47 +266,59 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
 }
 
 /// The vertices of a patch where its worst cell is better; `None` where none is found.
-fn eased(patch: &Patch, ties: &impl Ties, context: &Context) -> Result<Option<Vec<(u32, DVec3)>>> {
-    let Some(places) = settled(patch, ties, &POWERS, context)? else { return Ok(None) };
-    let is_better = patch.worst(&places) > (1.0 + GAIN) * patch.worst(&patch.places);
-    Ok(is_better.then(|| patch.vertices.iter().copied().zip(places).collect()))
+fn eased(patch: Patch, ties: &impl Ties, context: &Context) -> Result<Option<Vec<(u32, DVec3)>>> {
+    let start = patch.places.clone();
+    let mut best = (1.0 + GAIN) * patch.quality(&start, 0);
+    let mut found = None;
+    for descent in [Descent::Energy(&POWERS), Descent::Corners] {
+        let from = found.clone().unwrap_or_else(|| start.clone());
+        let Some(places) = settled(&patch, from, ties, &descent, context)? else { continue };
+        let worth = patch.worth(&places);
+        if worth > best {
+            (best, found) = (worth, Some(places));
+        }
+    }
+    Ok(found.map(|places| patch.vertices.into_iter().zip(places).collect()))
 }
 
-/// The places of a patch's vertices after the descents, on what they are tied to; `None` where a cell has no certificate
-/// there.
-fn settled(patch: &Patch, ties: &impl Ties, powers: &[(i32, usize)], context: &Context) -> Result<Option<Vec<DVec3>>> {
-    let mut places = patch.places.clone();
+/// The places of a patch's vertices after the descent from some places, on what they are tied to; `None` where a cell has no
+/// certificate there.
+fn settled(
+    patch: &Patch,
+    from: Vec<DVec3>,
+    ties: &impl Ties,
+    descent: &Descent,
+    context: &Context,
+) -> Result<Option<Vec<DVec3>>> {
+    let mut places = from.clone();
     let mut optimiser = Optimiser::new(&places, &patch.hexes);
     if !optimiser.is_valid(&places) {
         return Ok(None);
     }
     optimiser.fix(patch.fixed.clone());
-    for &(power, iterations) in powers {
-        optimiser.tie(patch.springs(&places, ties));
-        optimiser.descend(&mut places, 0.0, power, iterations, context)?;
-        optimiser.retarget(&places);
-    }
-    let found = SHARES.iter().find_map(|&share| put(patch, ties, &optimiser, &places, share));
+    descent.run(&mut optimiser, patch, &mut places, ties, context)?;
+    let found = SHARES.iter().find_map(|&share| put(patch, &from, ties, &optimiser, &places, share));
     let Some((there, is_tied)) = found else { return Ok(None) };
     places = there;
     if is_tied.contains(&true) {
         optimiser.fix(patch.fixed.iter().zip(&is_tied).map(|(f, s)| *f || *s).collect());
         optimiser.tie(Vec::new());
-        optimiser.descend(&mut places, 0.0, INSIDE.0, INSIDE.1, context)?;
+        descent.finish(&optimiser, patch, &mut places, context)?;
     }
     Ok(uncertified(&places, &patch.hexes).is_empty().then_some(places))
 }
 
-/// The vertices of a patch a share of the way to `places`, then on what they are tied to, and which of them are tied; `None`
+/// The vertices of a patch a share of the way between two places, then on what they are tied to, and which of them are tied; `None`
 /// where a cell is folded there.
 fn put(
     patch: &Patch,
+    from: &[DVec3],
     ties: &impl Ties,
     optimiser: &Optimiser,
     places: &[DVec3],
     share: f64,
 ) -> Option<(Vec<DVec3>, Vec<bool>)> {
-    let mut there = patch.places.clone();
+    let mut there = from.to_vec();
     let mut is_tied = vec![false; there.len()];
     for k in (0..there.len()).filter(|&k| !patch.fixed[k]) {
         there[k] = there[k].lerp(places[k], share);
@@ -281,7 +354,8 @@ pub fn seat(
             let one = |cells: &Vec<u32>| {
                 let patch = Patch::new(&mesh, here, cells, ties);
                 let least = SEATED.min(patch.worst(&patch.places));
-                let places = settled(&patch, ties, &SEATS, context)?.filter(|p| patch.worst(p) >= least);
+                let places = settled(&patch, patch.places.clone(), ties, &Descent::Energy(&SEATS), context)?
+                    .filter(|p| patch.worst(p) >= least);
                 Ok(places.map(|p| (patch, p)))
             };
             let found: Vec<_> = patches.par_iter().map(one).collect::<Result<_>>()?;
