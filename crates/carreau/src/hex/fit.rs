@@ -171,6 +171,20 @@ impl<'a> Target<'a> {
         }
     }
 
+    /// Where a vertex belongs that was on the wall and has been moved along it: at the closest place that faces as the vertex
+    /// does, or as the wall did where the vertex was. The two differ much where a few faces span a fork.
+    fn along_wall(&self, p: DVec3, facings: [DVec3; 2], reach: f64) -> Option<(DVec3, DVec3)> {
+        let agrees = |t: u32| facings.iter().any(|n| self.normals[t as usize].dot(*n) > AGREES);
+        let mut best: Option<(f64, u32, DVec3)> = None;
+        self.all.within(p, reach, |c| {
+            let is_nearer = best.is_none_or(|b| (c.distance_squared, c.triangle) < (b.0, b.1));
+            if is_nearer && self.is_wall(c.triangle) && agrees(c.triangle) {
+                best = Some((c.distance_squared, c.triangle, c.point));
+            }
+        });
+        best.map(|(_, triangle, point)| (point, self.normals[triangle as usize]))
+    }
+
     fn closest_wall(&self, p: DVec3) -> Option<(DVec3, DVec3)> {
         let c = self.all.closest(p)?;
         Some((c.point, self.normals[c.triangle as usize]))
@@ -405,13 +419,26 @@ struct Sliding<'a> {
     skin: &'a Skin,
     target: &'a Target<'a>,
     shape: Shape,
-    /// Vertices that are on the surface.
+    /// Vertices that are on the surface, or are to be put there.
     placed: &'a [bool],
+    /// The surface's normal at wall vertices that are on it.
+    under: Vec<Option<DVec3>>,
 }
 
-impl Sliding<'_> {
+impl<'a> Sliding<'a> {
+    /// Of the `placed` vertices, all but the `stuck` ones are on the surface.
+    fn new(points: &[DVec3], skin: &'a Skin, target: &'a Target<'a>, placed: &'a [bool], stuck: &[u32]) -> Self {
+        let mut is_on: Vec<bool> = (0..points.len()).map(|v| placed[v] && skin.parts[v] == Part::Wall).collect();
+        stuck.iter().for_each(|&v| is_on[v as usize] = false);
+        let normal = |(p, is_on): (&DVec3, &bool)| is_on.then(|| target.closest_wall(*p).map(|c| c.1)).flatten();
+        let under = points.par_iter().zip(&is_on).map(normal).collect();
+        Sliding { skin, target, shape: skin.shape(points), placed, under }
+    }
+
     fn place(&self, v: usize, at: DVec3) -> (DVec3, DVec3) {
-        self.target.place(self.skin.parts[v], at, self.shape.normals[v], 4.0 * self.shape.sizes[v])
+        let (normal, reach) = (self.shape.normals[v], 4.0 * self.shape.sizes[v]);
+        let along = self.under[v].and_then(|under| self.target.along_wall(at, [normal, under], reach));
+        along.unwrap_or_else(|| self.target.place(self.skin.parts[v], at, normal, reach))
     }
 }
 
@@ -449,7 +476,7 @@ pub fn slide(
     context: &Context,
 ) -> Result<()> {
     let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-    let sliding = Sliding { skin, target, shape: skin.shape(points), placed: &placed };
+    let sliding = Sliding::new(points, skin, target, &placed, &[]);
     relieve(points, hexes, &sliding, context)?;
     Ok(())
 }
@@ -465,7 +492,7 @@ pub fn seat(
 ) -> Result<()> {
     let boundary: Vec<bool> = (0..points.len()).map(|v| skin.has(v)).collect();
     let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && boundary[v as usize]).collect();
-    let sliding = Sliding { skin, target, shape: skin.shape(points), placed: &boundary };
+    let sliding = Sliding::new(points, skin, target, &boundary, &stuck);
     let seated = optimise::seat(points, hexes, &sliding, &stuck, context)?;
     (0..points.len()).filter(|&v| boundary[v]).for_each(|v| free[v] &= !seated.contains(&(v as u32)));
     Ok(())
