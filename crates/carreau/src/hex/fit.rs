@@ -476,9 +476,7 @@ pub fn slide(
     context: &Context,
 ) -> Result<()> {
     let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-    let sliding = Sliding::new(points, skin, target, &placed, &[]);
-    relieve(points, hexes, &sliding, context)?;
-    Ok(())
+    relieve(points, hexes, &Sliding::new(points, skin, target, &placed, &[]), context)
 }
 
 /// Puts boundary vertices onto the surface that are still `free`, with the cells around them.
@@ -522,7 +520,8 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
         }
         weak.iter().flat_map(|&h| optimiser.corners_of(h)).for_each(|&v| goes[v as usize] = false);
     }
-    put_singly(optimiser, points, &places, &floors, &mut goes);
+    let middles = Middles::new(skin, target);
+    put_singly(optimiser, points, &places, &floors, &mut goes, |v, points| middles.place(v, points));
     // Where it is near enough a vertex may stay.
     let near = SWELL * target.surface().diagonal();
     let is_there = |&(v, _, _): &(u32, DVec3, DVec3)| {
@@ -537,14 +536,50 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
     free
 }
 
+/// Where boundary vertices belong by their neighbours: places that are found one by one may be in each other's way.
+///
+/// ```text
+///       ·                       ·
+///   ·───v───·   v's own   ·──v──·      the middle of its neighbours, put onto the surface
+///       ·        place          ·
+/// ```
+struct Middles<'a> {
+    skin: &'a Skin,
+    target: &'a Target<'a>,
+    /// The boundary vertices around each.
+    around: Vec<Vec<u32>>,
+}
+
+impl<'a> Middles<'a> {
+    fn new(skin: &'a Skin, target: &'a Target<'a>) -> Self {
+        let mut around = vec![Vec::new(); skin.parts.len()];
+        for q in &skin.quads {
+            // Every side belongs to two faces, once in each sense.
+            (0..4).for_each(|k| around[q[k] as usize].push(q[(k + 1) % 4]));
+        }
+        Middles { skin, target, around }
+    }
+
+    /// `None` for what is not a vertex of the wall.
+    fn place(&self, v: u32, points: &[DVec3]) -> Option<DVec3> {
+        let around = &self.around[v as usize];
+        if self.skin.parts[v as usize] != Part::Wall || around.is_empty() {
+            return None;
+        }
+        let middle = around.iter().map(|&w| points[w as usize]).sum::<DVec3>() / around.len() as f64;
+        self.target.closest_wall(middle).map(|c| c.0)
+    }
+}
+
 /// One weak cell has taken back all of its corners, and a cell between those and others that went may have become weak by that,
-/// and so on: most of them can go alone, one after the other.
+/// and so on: most of them can go alone, one after the other, to their own places or to `others`.
 fn put_singly(
     optimiser: &Optimiser,
     points: &mut [DVec3],
     places: &[(u32, DVec3, DVec3)],
     floors: &[f64],
     goes: &mut [bool],
+    other: impl Fn(u32, &[DVec3]) -> Option<DVec3>,
 ) {
     for _ in 0..PASSES {
         let mut any = false;
@@ -552,11 +587,14 @@ fn put_singly(
             if goes[v as usize] {
                 continue;
             }
-            let from = std::mem::replace(&mut points[v as usize], to);
-            goes[v as usize] = optimiser.cells_at(v).all(|h| !optimiser.is_weak(h, points, floors[h as usize]));
-            if goes[v as usize] {
-                any = true;
-            } else {
+            let from = points[v as usize];
+            for to in [Some(to), other(v, points)].into_iter().flatten() {
+                points[v as usize] = to;
+                goes[v as usize] = optimiser.cells_at(v).all(|h| !optimiser.is_weak(h, points, floors[h as usize]));
+                if goes[v as usize] {
+                    any = true;
+                    break;
+                }
                 points[v as usize] = from;
             }
         }
@@ -587,10 +625,58 @@ mod tests {
         let up = |v: u32, by: f64| (v, points[v as usize] + DVec3::Z * by, DVec3::Z);
         let places = [up(goes_alone, 0.1), up(cannot, -1.5)];
         let (mut moved, mut goes) = (points.clone(), vec![false; points.len()]);
-        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.4; 3], &mut goes);
+        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.4; 3], &mut goes, |_, _| None);
         assert!(goes[goes_alone as usize] && !goes[cannot as usize]);
         assert_eq!(moved[goes_alone as usize], places[0].1);
         assert!((0..16).filter(|&v| v != goes_alone).all(|v| moved[v as usize] == points[v as usize]));
+    }
+
+    /// A block of 2 × 2 × 2 cells in a ball: the middle of its top belongs above the middle of the four vertices around it.
+    #[test]
+    fn a_vertex_may_go_where_its_neighbours_say() {
+        let at = |i: u32, j: u32, k: u32| (k * 3 + j) * 3 + i;
+        let hexes: Vec<[u32; 8]> = (0..8u32)
+            .map(|c| {
+                let [i, j, k] = [c % 2, c / 2 % 2, c / 4];
+                let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
+                let high = low.map(|v| v + 9);
+                [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+            })
+            .collect();
+        let mut points: Vec<DVec3> =
+            (0..27).map(|v| DVec3::from([v % 3, v / 3 % 3, v / 9].map(|x| 0.3 * (f64::from(x) - 1.0)))).collect();
+        let top = at(1, 1, 2);
+        points[top as usize] = DVec3::new(0.2, 0.1, 0.4);
+        let (closed, _) = skeleton::prepared(&crate::mesh::test_models::sphere(4), &Context::new()).unwrap();
+        let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
+        let middles = Middles::new(&skin, &target);
+        let to = middles.place(top, &points).unwrap();
+        assert!(to.distance(DVec3::Z) < 0.01, "{to}");
+        assert_eq!(middles.place(at(1, 1, 1), &points), None);
+        // Its own place would fold the cells; that of the others is taken.
+        let (mut moved, mut goes) = (points.clone(), vec![true; 27]);
+        goes[top as usize] = false;
+        let places = [(top, DVec3::new(0.0, 0.0, -0.5), DVec3::Z)];
+        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.1; 8], &mut goes, |_, _| {
+            Some(DVec3::new(0.0, 0.0, 0.5))
+        });
+        assert!(goes[top as usize]);
+        assert_eq!(moved[top as usize], DVec3::new(0.0, 0.0, 0.5));
+    }
+
+    /// Faces that span a fork face another way than the surface under their corners: a vertex stays where it is, and slides from
+    /// there, though by the faces alone it belongs on the other side.
+    #[test]
+    fn a_vertex_slides_from_where_it_is() {
+        let (closed, _) = skeleton::prepared(&crate::mesh::test_models::sphere(4), &Context::new()).unwrap();
+        let target = Target::new(&closed);
+        let (here, across) = (target.closest_wall(DVec3::Z).unwrap(), -DVec3::Z);
+        assert!(target.on_wall(here.0, across, 4.0).0.z < -0.9);
+        let along = |p: DVec3| target.along_wall(p, [across, here.1], 4.0).unwrap().0;
+        assert!(along(here.0).distance(here.0) < 1e-12);
+        let beside = along(here.0 + DVec3::X * 0.1);
+        assert!(beside.x > 0.05 && beside.z > 0.9, "{beside}");
+        assert!(target.along_wall(DVec3::Z * 9.0, [across, here.1], 4.0).is_none());
     }
 
     /// A vertex in a long body looks ahead, a little upward: the flank above it is nearer, but faces aside.

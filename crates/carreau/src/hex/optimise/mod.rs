@@ -84,6 +84,9 @@ const LAST_POWER: i32 = 8;
 const PASSED: f64 = 1e-3;
 const SETTLED: f64 = 3e-4;
 
+/// The share of the energy beside the least scaled Jacobian.
+const BARRIER: f64 = 0.1;
+
 /// Determinants above this share of the target count as positive.
 const VALID: f64 = 1e-6;
 
@@ -278,7 +281,9 @@ impl<'a> Optimiser<'a> {
         Ok(())
     }
 
-    /// Raises the least scaled Jacobian, which is about `usual`, within the valid set.
+    /// Raises the least scaled Jacobian, which is about `usual`, within the valid set. A share of the energy keeps away from the
+    /// end of that set: the corners of a cell do not tell that its inside is about to fold, and a descent that ran into the end
+    /// would go no farther, nor would those of other patches with the cell.
     fn sharpen(
         &self,
         points: &mut Vec<DVec3>,
@@ -291,13 +296,19 @@ impl<'a> Optimiser<'a> {
         let mut cells = vec![CellEnergy::ZERO; self.hexes.len()];
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
-            cells.par_iter_mut().enumerate().with_min_len(MIN_CELLS).for_each(|(h, out)| {
-                let cell = self.cell(x, h);
-                let (value, gradient) = corner_energy(&cell, beta, usual);
-                *out = CellEnergy { value, gradient, least: least_bound(&cell, self.inverse[h]) };
+            cells.par_chunks_mut(MIN_CELLS).enumerate().for_each(|(chunk, cells)| {
+                let first = chunk * MIN_CELLS;
+                energies(|k| (self.cell(x, first + k), self.inverse[first + k]), 0.0, 1, cells);
+                for (k, out) in cells.iter_mut().enumerate() {
+                    let (value, gradient) = corner_energy(&self.cell(x, first + k), beta, usual);
+                    out.value = value + BARRIER * out.value;
+                    for c in 0..8 {
+                        out.gradient[c] = gradient[c] + BARRIER * out.gradient[c];
+                    }
+                }
             });
             let (value, least) = self.summed(x, g, &cells);
-            Ok(if least > VALID { value } else { f64::INFINITY })
+            Ok(if least > 0.0 { value } else { f64::INFINITY })
         };
         minimise(points, &self.scale, stop, value)?;
         Ok(())
