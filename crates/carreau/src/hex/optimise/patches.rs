@@ -32,7 +32,7 @@ const SHARPER: [(f64, usize); 3] = [(15.0, 40), (30.0, 40), (60.0, 40)];
 /// Inside once more, when the boundary is where it belongs.
 const INSIDE: (i32, usize) = (16, 60);
 /// A patch is taken when what is worst of it is better by this share.
-const GAIN: f64 = 0.02;
+const GAIN: f64 = 0.01;
 /// Rounds of patches side by side, and patches in all: of poor cells, and of vertices put in place.
 const ROUNDS: usize = 60;
 const PATCHES: usize = 400;
