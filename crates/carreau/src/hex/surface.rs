@@ -31,7 +31,7 @@ const MANY_TRIED: usize = 150_000;
 /// Results are good where the surface is this near to the boundary, at most and on average, and the boundary to the surface, as
 /// shares of the diagonal, no vertex is off the surface, and no scaled Jacobian is smaller than this.
 const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
-const POOR: f64 = 0.3;
+const POOR: f64 = 0.4;
 /// What a fold lacks, vertices off the surface, and so large a share of them more.
 const FOLDED: f64 = 100.0;
 const OFF: f64 = 0.5;
