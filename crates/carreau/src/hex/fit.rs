@@ -651,7 +651,7 @@ mod tests {
         let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
         let middles = Middles::new(&skin, &target);
         let to = middles.place(top, &points).unwrap();
-        assert!(to.distance(DVec3::Z) < 0.01, "{to}");
+        assert!(to.distance(DVec3::Z) < 0.05, "{to}");
         assert_eq!(middles.place(at(1, 1, 1), &points), None);
         // Its own place would fold the cells; that of the others is taken.
         let (mut moved, mut goes) = (points.clone(), vec![true; 27]);
