@@ -102,8 +102,8 @@ impl<'a> Dual<'a> {
         let constraint = own.into_iter().find(|&c| self.feature[c as usize]);
         let area = self.along(own[0]).cross(self.along(own[1]));
         // However small a triangle is beside the others, its frame has the length one.
-        let normal = unit_sized(own.map(|c| self.triangles.point(c))).map_or(DVec3::ZERO, |[a, b, c]| b.cross(c - a));
-        let x = unit(self.along(constraint.unwrap_or(own[0]))).try_normalize().unwrap_or(DVec3::X);
+        let normal = unit_sized(own.map(|c| self.triangles.point(c))).map_or(DVec3::ZERO, |[_, b, c]| b.cross(c));
+        let x = unit(self.along(constraint.unwrap_or(own[0]))).normalize_or(DVec3::X);
         // Far from the origin the corners of a small triangle may be rounded onto a line: any frame along it will do.
         let y = unit(normal.cross(x)).try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
         self.angle.extend(own.map(|c| self.along(c).dot(y).atan2(self.along(c).dot(x))));

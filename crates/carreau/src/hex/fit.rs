@@ -607,20 +607,13 @@ fn put_singly(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::test_models::{bricks, sphere};
 
     /// Of two vertices side by side on the top of a block, one would turn its cells over: the other goes alone.
     #[test]
     fn a_vertex_goes_where_its_neighbour_cannot() {
         let at = |i: u32, j: u32, k: u32| (k * 2 + j) * 4 + i;
-        let points: Vec<DVec3> =
-            (0..16).map(|v| DVec3::new(f64::from(v % 4), f64::from(v / 4 % 2), f64::from(v / 8))).collect();
-        let hexes: Vec<[u32; 8]> = (0..3)
-            .map(|i| {
-                let low = [at(i, 0, 0), at(i + 1, 0, 0), at(i + 1, 1, 0), at(i, 1, 0)];
-                let high = low.map(|v| v + 8);
-                [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
-            })
-            .collect();
+        let (points, hexes) = bricks([3, 1, 1]);
         let (goes_alone, cannot) = (at(1, 0, 1), at(2, 0, 1));
         let up = |v: u32, by: f64| (v, points[v as usize] + DVec3::Z * by, DVec3::Z);
         let places = [up(goes_alone, 0.1), up(cannot, -1.5)];
@@ -635,19 +628,11 @@ mod tests {
     #[test]
     fn a_vertex_may_go_where_its_neighbours_say() {
         let at = |i: u32, j: u32, k: u32| (k * 3 + j) * 3 + i;
-        let hexes: Vec<[u32; 8]> = (0..8u32)
-            .map(|c| {
-                let [i, j, k] = [c % 2, c / 2 % 2, c / 4];
-                let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
-                let high = low.map(|v| v + 9);
-                [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
-            })
-            .collect();
-        let mut points: Vec<DVec3> =
-            (0..27).map(|v| DVec3::from([v % 3, v / 3 % 3, v / 9].map(|x| 0.3 * (f64::from(x) - 1.0)))).collect();
+        let (mut points, hexes) = bricks([2; 3]);
+        points.iter_mut().for_each(|p| *p = 0.3 * (*p - DVec3::ONE));
         let top = at(1, 1, 2);
         points[top as usize] = DVec3::new(0.2, 0.1, 0.4);
-        let (closed, _) = skeleton::prepared(&crate::mesh::test_models::sphere(4), &Context::new()).unwrap();
+        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
         let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
         let middles = Middles::new(&skin, &target);
         let to = middles.place(top, &points).unwrap();
@@ -668,7 +653,7 @@ mod tests {
     /// there, though by the faces alone it belongs on the other side.
     #[test]
     fn a_vertex_slides_from_where_it_is() {
-        let (closed, _) = skeleton::prepared(&crate::mesh::test_models::sphere(4), &Context::new()).unwrap();
+        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
         let target = Target::new(&closed);
         let (here, across) = (target.closest_wall(DVec3::Z).unwrap(), -DVec3::Z);
         assert!(target.on_wall(here.0, across, 4.0).0.z < -0.9);
@@ -682,7 +667,7 @@ mod tests {
     /// A vertex in a long body looks ahead, a little upward: the flank above it is nearer, but faces aside.
     #[test]
     fn by_facing_a_vertex_goes_ahead_not_aside() {
-        let ball = crate::mesh::test_models::sphere(4);
+        let ball = sphere(4);
         let points = ball.points().iter().map(|p| DVec3::new(4.0 * p.x, p.y, p.z)).collect();
         let long = SurfaceMesh::from_triangles(points, &ball.faces().fan().0).unwrap();
         let (closed, _) = skeleton::prepared(&long, &Context::new()).unwrap();

@@ -13,6 +13,7 @@ use crate::mesh::{CurveNet, SurfaceMesh, Topology, UnitScale, boundary_faces, sp
 use crate::skeleton::{self, Closed, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
+use std::cell::OnceCell;
 
 /// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
 const STEP: f64 = 1.2;
@@ -104,8 +105,7 @@ pub fn from_surface(
         }
     }
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let by_facing = Target::new(&closed).by_facing();
-    let coarse = best_fitted(tried, &target, &by_facing, context)?.cells;
+    let coarse = best_fitted(tried, &closed, &target, context)?;
     let left = coarse.left;
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
@@ -120,12 +120,8 @@ pub fn from_surface(
 }
 
 /// Fits the first cells, and where the result is not good others, too. The best result counts.
-fn best_fitted<'a>(
-    tried: Vec<Coarse>,
-    target: &'a Target<'a>,
-    by_facing: &'a Target<'a>,
-    context: &Context,
-) -> Result<Fitted<'a>> {
+fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Context) -> Result<Coarse> {
+    let by_facing = OnceCell::new();
     let mut tried = tried.into_iter();
     let Some(mut first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
     let (ready, score) = (first.ready.clone(), first.score());
@@ -153,7 +149,10 @@ fn best_fitted<'a>(
             break;
         }
         let (next, target) = match other {
-            Other::Facing => (Some(Coarse::new(ready.clone(), by_facing, context)?), by_facing),
+            Other::Facing => {
+                let by_facing = by_facing.get_or_init(|| Target::new(closed).by_facing());
+                (Some(Coarse::new(ready.clone(), by_facing, context)?), by_facing)
+            }
             Other::Uneven => (uneven.take(), target),
             Other::Skeleton if best.cells.left > 0 => (tried.next().filter(|c| c.score() < SECOND * score), target),
             Other::Skeleton => (None, target),
@@ -167,7 +166,7 @@ fn best_fitted<'a>(
             (best, coarsely_left) = (fitted, left);
         }
     }
-    best.improved(context)
+    Ok(best.improved(context)?.cells)
 }
 
 /// What is tried where the first cells are not good.

@@ -171,8 +171,8 @@ proptest! {
 #[test]
 fn odd_nets() {
     let x = |x: f64| DVec3::new(x, 0.0, 0.0);
-    // A U-turn (whose cells stay folded; a layer of them takes minutes), a fat node beside a short segment (which resampling passes over), a
-    // narrow fork.
+    // A U-turn (whose cells stay folded; a layer of them takes minutes), a fat node beside a short segment (which resampling
+    // passes over), a narrow fork.
     let turn = CurveNet::new(vec![x(0.0), x(1.0), DVec3::new(0.0, 0.05, 0.0)], vec![0.1; 3], vec![[0, 1], [1, 2]]);
     let fat = CurveNet::new(vec![x(0.0), x(0.1), x(3.0)], vec![0.1, 2.0, 0.1], vec![[0, 1], [1, 2]]);
     let narrow = CurveNet::new(

@@ -142,3 +142,16 @@ pub fn merged(mesh: &SurfaceMesh) -> SurfaceMesh {
     faces.corners_mut().iter_mut().for_each(|v| *v = first[*v as usize]);
     SurfaceMesh::new(mesh.points().to_vec(), faces).unwrap()
 }
+
+/// So many unit cubes along the three axes, from the origin; vertices and cells row by row, the x axis first.
+pub fn bricks([nx, ny, nz]: [u32; 3]) -> (Vec<DVec3>, Vec<[u32; 8]>) {
+    let triples = |[nx, ny, nz]: [u32; 3]| (0..nx * ny * nz).map(move |c| [c % nx, c / nx % ny, c / nx / ny]);
+    let at = |i: u32, j: u32, k: u32| (k * (ny + 1) + j) * (nx + 1) + i;
+    let hex = |[i, j, k]: [u32; 3]| {
+        let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
+        let high = low.map(|v| v + (nx + 1) * (ny + 1));
+        [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+    };
+    let points = triples([nx + 1, ny + 1, nz + 1]).map(|c| DVec3::from(c.map(f64::from)));
+    (points.collect(), triples([nx, ny, nz]).map(hex).collect())
+}

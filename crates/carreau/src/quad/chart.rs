@@ -128,8 +128,8 @@ impl<'a> Chart<'a> {
     }
 
     /// The chart in the plane with as little change of angles as possible: least squares conformal maps (Lévy et al. 2002),
-    /// as Dirichlet energy less area. What can be unrolled is, without any distortion. `None` where a triangle turns over, or all is in
-    /// one place.
+    /// as Dirichlet energy less area. What can be unrolled is, without any distortion. `None` where a triangle turns
+    /// over, or all is in one place.
     pub fn unrolled(&self) -> Result<Option<Vec<DVec2>>> {
         let mut place = vec![DVec3::ZERO; self.count];
         for (vertices, points) in self.faces() {

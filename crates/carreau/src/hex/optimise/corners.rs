@@ -34,29 +34,14 @@ pub fn corner_energy(p: &Corners, beta: f64, usual: f64) -> (f64, [DVec3; 8]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slopes::is_slope;
     use super::*;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
         fn the_gradient_is_the_slope(moves in prop::collection::vec(-0.4f64..0.4, 24), beta in 1.0f64..8.0) {
-            let unit = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
-            let mut p = unit.map(|c: [i32; 3]| DVec3::from(c.map(f64::from)));
-            p.iter_mut().enumerate().for_each(|(k, q)| *q += DVec3::from_slice(&moves[3 * k..3 * k + 3]));
-            let (value, gradient) = corner_energy(&p, beta, 0.3);
-            let step = 1e-6;
-            for corner in 0..8 {
-                for axis in 0..3 {
-                    let at = |by: f64| {
-                        let mut q = p;
-                        q[corner][axis] += by;
-                        corner_energy(&q, beta, 0.3).0
-                    };
-                    let slope = (at(step) - at(-step)) / (2.0 * step);
-                    let given = gradient[corner][axis];
-                    prop_assert!((slope - given).abs() < 1e-5 * (1.0 + value + slope.abs()), "{} {}", slope, given);
-                }
-            }
+            is_slope(&moves, |p| corner_energy(p, beta, 0.3))?;
         }
     }
 }

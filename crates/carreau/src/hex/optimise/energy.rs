@@ -266,6 +266,7 @@ fn along_axes(c: &mut [Numbers; 27], change: impl Fn([Numbers; 3]) -> [Numbers; 
 
 #[cfg(test)]
 mod tests {
+    use super::super::slopes::{is_slope, unit_cube};
     use super::*;
     use proptest::prelude::*;
 
@@ -280,24 +281,10 @@ mod tests {
         fn the_gradient_is_the_slope(
             moves in prop::collection::vec(-0.6f64..0.6, 24), epsilon in 0.2f64..1.0, power in 1i32..5,
         ) {
-            let unit = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
-            let mut p = unit.map(|c: [i32; 3]| DVec3::from(c.map(f64::from)));
-            p.iter_mut().enumerate().for_each(|(k, q)| *q += DVec3::from_slice(&moves[3 * k..3 * k + 3]));
-            let inverse = [1.0, 0.7, 1.4];
-            let here = cell_energy(&p, inverse, epsilon, power);
-            let step = 1e-6;
-            for corner in 0..8 {
-                for axis in 0..3 {
-                    let value = |by: f64| {
-                        let mut q = p;
-                        q[corner][axis] += by;
-                        cell_energy(&q, inverse, epsilon, power).value
-                    };
-                    let slope = (value(step) - value(-step)) / (2.0 * step);
-                    let given = here.gradient[corner][axis];
-                    prop_assert!((slope - given).abs() < 1e-5 * (1.0 + here.value + slope.abs()), "{} {}", slope, given);
-                }
-            }
+            is_slope(&moves, |p| {
+                let e = cell_energy(p, [1.0, 0.7, 1.4], epsilon, power);
+                (e.value, e.gradient)
+            })?;
         }
     }
 
@@ -313,9 +300,8 @@ mod tests {
     #[test]
     fn a_cell_has_the_same_energy_beside_any_others() {
         let cell = |k: usize| {
-            let unit = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
-            let moved = |c: [i32; 3]| DVec3::from(c.map(|x| f64::from(x) + 0.2 * (k as f64 + f64::from(x)).sin()));
-            (unit.map(moved), [1.0, 0.8, 1.1])
+            let moved = |c: DVec3| c.map(|x| x + 0.2 * (k as f64 + x).sin());
+            (unit_cube().map(moved), [1.0, 0.8, 1.1])
         };
         let mut together = [CellEnergy::ZERO; 7];
         energies(cell, 0.0, 4, &mut together);

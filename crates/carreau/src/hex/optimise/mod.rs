@@ -15,6 +15,8 @@ mod corners;
 mod energy;
 mod lanes;
 mod patches;
+#[cfg(test)]
+mod slopes;
 
 pub use patches::{Ties, relieve, seat};
 
@@ -230,12 +232,17 @@ impl<'a> Optimiser<'a> {
         epsilon: f64,
         power: i32,
     ) -> (f64, f64) {
+        self.cell_energies(points, cells, epsilon, power);
+        self.summed(points, gradient, cells)
+    }
+
+    /// What every cell has.
+    fn cell_energies(&self, points: &[DVec3], cells: &mut Vec<CellEnergy>, epsilon: f64, power: i32) {
         cells.resize(self.hexes.len(), CellEnergy::ZERO);
         cells.par_chunks_mut(MIN_CELLS).enumerate().for_each(|(chunk, cells)| {
             let first = chunk * MIN_CELLS;
             energies(|k| (self.cell(points, first + k), self.inverse[first + k]), epsilon, power, cells);
         });
-        self.summed(points, gradient, cells)
     }
 
     /// The sums of what the cells have and of the springs; also the least determinant.
@@ -293,18 +300,15 @@ impl<'a> Optimiser<'a> {
         context: &Context,
     ) -> Result<()> {
         let stop = Stop { iterations, decrease: PASSED };
-        let mut cells = vec![CellEnergy::ZERO; self.hexes.len()];
+        let mut cells = Vec::new();
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
-            cells.par_chunks_mut(MIN_CELLS).enumerate().for_each(|(chunk, cells)| {
-                let first = chunk * MIN_CELLS;
-                energies(|k| (self.cell(x, first + k), self.inverse[first + k]), 0.0, 1, cells);
-                for (k, out) in cells.iter_mut().enumerate() {
-                    let (value, gradient) = corner_energy(&self.cell(x, first + k), beta, usual);
-                    out.value = value + BARRIER * out.value;
-                    for c in 0..8 {
-                        out.gradient[c] = gradient[c] + BARRIER * out.gradient[c];
-                    }
+            self.cell_energies(x, &mut cells, 0.0, 1);
+            cells.par_iter_mut().with_min_len(MIN_CELLS).enumerate().for_each(|(h, cell)| {
+                let (value, gradient) = corner_energy(&self.cell(x, h), beta, usual);
+                cell.value = value + BARRIER * cell.value;
+                for c in 0..8 {
+                    cell.gradient[c] = gradient[c] + BARRIER * cell.gradient[c];
                 }
             });
             let (value, least) = self.summed(x, g, &cells);

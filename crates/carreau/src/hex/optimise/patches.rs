@@ -267,11 +267,10 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
 
 /// The vertices of a patch where its worst cell is better; `None` where none is found.
 fn eased(patch: Patch, ties: &impl Ties, context: &Context) -> Result<Option<Vec<(u32, DVec3)>>> {
-    let start = patch.places.clone();
-    let mut best = (1.0 + GAIN) * patch.quality(&start, 0);
-    let mut found = None;
+    let mut best = (1.0 + GAIN) * patch.quality(&patch.places, 0);
+    let mut found: Option<Vec<DVec3>> = None;
     for descent in [Descent::Energy(&POWERS), Descent::Corners] {
-        let from = found.clone().unwrap_or_else(|| start.clone());
+        let from = found.as_ref().unwrap_or(&patch.places);
         let Some(places) = settled(&patch, from, ties, &descent, context)? else { continue };
         let worth = patch.worth(&places);
         if worth > best {
@@ -285,12 +284,12 @@ fn eased(patch: Patch, ties: &impl Ties, context: &Context) -> Result<Option<Vec
 /// certificate there.
 fn settled(
     patch: &Patch,
-    from: Vec<DVec3>,
+    from: &[DVec3],
     ties: &impl Ties,
     descent: &Descent,
     context: &Context,
 ) -> Result<Option<Vec<DVec3>>> {
-    let mut places = from.clone();
+    let mut places = from.to_vec();
     let mut optimiser = Optimiser::new(&places, &patch.hexes);
     // Targets of its own make a cell that was barely valid for all seem not to be.
     if !(optimiser.least(&places) > 0.0) {
@@ -298,7 +297,7 @@ fn settled(
     }
     optimiser.fix(patch.fixed.clone());
     descent.run(&mut optimiser, patch, &mut places, ties, context)?;
-    let found = SHARES.iter().find_map(|&share| put(patch, &from, ties, &optimiser, &places, share));
+    let found = SHARES.iter().find_map(|&share| put(patch, from, ties, &optimiser, &places, share));
     let Some((there, is_tied)) = found else { return Ok(None) };
     places = there;
     if is_tied.contains(&true) {
@@ -355,7 +354,7 @@ pub fn seat(
             let one = |cells: &Vec<u32>| {
                 let patch = Patch::new(&mesh, here, cells, ties);
                 let least = SEATED.min(patch.worst(&patch.places));
-                let places = settled(&patch, patch.places.clone(), ties, &Descent::Energy(&SEATS), context)?
+                let places = settled(&patch, &patch.places, ties, &Descent::Energy(&SEATS), context)?
                     .filter(|p| patch.worst(p) >= least);
                 Ok(places.map(|p| (patch, p)))
             };
@@ -432,22 +431,16 @@ fn unfolded(
 mod tests {
     use super::super::FINE;
     use super::*;
+    use crate::mesh::test_models::bricks;
 
     const SIDE: u32 = 13;
 
     /// A block of cubes, its boundary held.
     fn block() -> (Vec<DVec3>, Vec<[u32; 8]>, Vec<bool>) {
-        let n = SIDE + 1;
-        let at = |i: u32, j: u32, k: u32| (k * n + j) * n + i;
-        let triples = |m: u32| (0..m * m * m).map(move |c| [c % m, c / m % m, c / m / m]);
-        let points = triples(n).map(|[i, j, k]| DVec3::new(f64::from(i), f64::from(j), f64::from(k))).collect();
-        let hex = |[i, j, k]: [u32; 3]| {
-            let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
-            let high = low.map(|v| v + n * n);
-            [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
-        };
-        let fixed = triples(n).map(|c| c.iter().any(|&x| x == 0 || x == SIDE)).collect();
-        (points, triples(SIDE).map(hex).collect(), fixed)
+        let (points, hexes) = bricks([SIDE; 3]);
+        let is_held = |p: &DVec3| p.to_array().iter().any(|&x| x == 0.0 || x == f64::from(SIDE));
+        let fixed = points.iter().map(is_held).collect();
+        (points, hexes, fixed)
     }
 
     fn held<'a>(hexes: &'a [[u32; 8]], straight: &[DVec3], fixed: &[bool]) -> Optimiser<'a> {
