@@ -75,7 +75,7 @@ impl Around {
 }
 
 /// The corners of a quad, with one vertex elsewhere.
-fn corners(work: &Work, q: u32, v: u32, at: DVec3) -> [DVec3; 4] {
+pub fn corners(work: &Work, q: u32, v: u32, at: DVec3) -> [DVec3; 4] {
     let face = work.faces.face(q as usize);
     [0, 1, 2, 3].map(|k| if face[k] == v { at } else { work.points[face[k] as usize] })
 }

@@ -4,8 +4,8 @@
 use super::budget::Budget;
 use super::ceiling::{worst_shape, worst_shapes};
 use super::draw::{Drawn, FINER, draw};
+use super::gaps::{Gap, Tight};
 use super::graft::Donor;
-use super::lift::{Gap, Tight};
 use super::regular::{MOST, Made, Refusal, USELESS, Wish, regular};
 use super::source::Source;
 use super::work::Work;

@@ -4,8 +4,8 @@
 //! corners is regular. Walls between nodes are arcs.
 
 use super::chords::fewest;
+use super::gaps::Tight;
 use super::graft::Strand;
-use super::lift::Tight;
 use super::sheet::{Sheet, Wall};
 use super::source::Source;
 use super::ticks::Bends;

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::geometry::distance::{Comparison, DistanceOptions, compare};
 use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::{HalfEdges, SurfaceMesh};
+use glam::DVec3;
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
@@ -75,12 +76,17 @@ pub fn straying(work: &Work, source: &Source, context: &Context) -> Result<f64> 
 pub fn halves(work: &Work) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * work.faces.len());
     for f in work.faces.iter() {
-        let p = [0, 1, 2, 3].map(|k| work.points[f[k] as usize]);
-        let shift = usize::from(p[1].distance_squared(p[3]) < p[0].distance_squared(p[2]));
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| f[(k + shift) % 4]);
-        triangles.extend([[a, b, c], [a, c, d]]);
+        triangles.extend(halves_of([0, 1, 2, 3].map(|k| work.points[f[k] as usize])).map(|half| half.map(|k| f[k])));
     }
     triangles
+}
+
+/// The corners of the halves of a quad.
+pub fn halves_of(p: [DVec3; 4]) -> [[usize; 3]; 2] {
+    match p[1].distance_squared(p[3]) < p[0].distance_squared(p[2]) {
+        false => [[0, 1, 2], [0, 2, 3]],
+        true => [[1, 2, 3], [1, 3, 0]],
+    }
 }
 
 /// How the quads are compared with a surface.

@@ -32,7 +32,7 @@ const PATIENCE: usize = 4;
 /// Vertices that slide along a curve leave edges of this share of those beside them.
 const APART: f64 = 0.4;
 /// They stay as near and parallel to it as this share of what counts.
-const SURE: f64 = 0.7;
+pub const SURE: f64 = 0.7;
 /// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
 const HOPELESS: f64 = 0.5;
 
@@ -224,7 +224,7 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
 }
 
 /// Whether a vertex on a curve may be elsewhere on it: its edges must not come off it, by a share of what counts as off.
-fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: DVec3, share: f64) -> bool {
+pub fn keeps_feature_at(work: &Work, around: &Around, source: &Source, v: u32, at: DVec3, share: f64) -> bool {
     let Place::Curve(curve) = work.place[v as usize] else { return true };
     let keeps = |w: u32, at: DVec3, share: f64| keeps_feature(source, curve, [work.points[w as usize], at], share);
     let neighbours = &around.neighbours[v as usize];
