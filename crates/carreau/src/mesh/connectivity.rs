@@ -4,7 +4,7 @@
 //! a vertex twice, which have no place in a surface) are left out of everything and form components of their own.
 
 use super::disjoint_sets::{DisjointSets, SignedSets};
-use super::half_edges::HalfEdges;
+use super::half_edges::{EdgeGroup, HalfEdges};
 use super::polygons::Polygons;
 
 /// Components of faces that share edges, the irregular edges, and which faces to turn.
@@ -109,9 +109,14 @@ fn smaller_parts(senses: &mut SignedSets, n: usize) -> Vec<bool> {
 ///   ╱ │ ╲       ───╱ ╲───
 /// ```
 ///
-/// An umbrella is named by its smallest corner. Edges with more than `most` faces do not link: 2 cuts the surface along
-/// its non-manifold edges, `usize::MAX` does not cut. Corners of ignored faces are left alone.
-pub(crate) fn umbrellas(faces: &Polygons, half_edges: &HalfEdges, ignore: &[bool], most: usize) -> Vec<u32> {
+/// An umbrella is named by its smallest corner. Edges that do not link cut the surface, with those of more than two sides along
+/// what is not manifold. Corners of ignored faces are left alone.
+pub(crate) fn umbrellas(
+    faces: &Polygons,
+    half_edges: &HalfEdges,
+    ignore: &[bool],
+    links: impl Fn(&EdgeGroup, usize) -> bool,
+) -> Vec<u32> {
     let (face_of, next) = (faces.face_of_corners(), faces.next_corners());
     let start = faces.corners();
     let mut sets = DisjointSets::new(start.len());
@@ -119,7 +124,7 @@ pub(crate) fn umbrellas(faces: &Polygons, half_edges: &HalfEdges, ignore: &[bool
     for edge in half_edges.groups() {
         sides.clear();
         sides.extend(edge.corners().filter(|&c| !ignore[face_of[c as usize] as usize]));
-        if sides.len() > most {
+        if !links(&edge, sides.len()) {
             continue;
         }
         // The corners of a side at the edge's smaller and larger vertex.

@@ -26,7 +26,7 @@
 mod area;
 mod attributes;
 mod boundary;
-mod connectivity;
+pub(crate) mod connectivity;
 mod curve_net;
 mod disjoint_sets;
 mod duplicates;

@@ -131,7 +131,7 @@ impl Topology {
                 let half_edges = mesh.half_edges();
                 rayon::join(
                     || Connectivity::of(faces, &half_edges, &repeats),
-                    || umbrellas(faces, &half_edges, &repeats, usize::MAX),
+                    || umbrellas(faces, &half_edges, &repeats, |_, _| true),
                 )
             },
             || {

@@ -121,12 +121,14 @@ fn divided(mesh: &SurfaceMesh, of_face: &FxHashMap<usize, (CornerId, Vec<DVec3>)
 pub fn shared_borders(mesh: &SurfaceMesh) -> Vec<CornerId> {
     let borders = border_edges(mesh);
     let mut count: FxHashMap<_, u32> = FxHashMap::default();
-    borders.iter().for_each(|&c| *count.entry(place(mesh, c)).or_default() += 1);
-    borders.into_iter().filter(|&c| count[&place(mesh, c)] > 1).collect()
+    borders.iter().for_each(|&c| *count.entry(edge_place(mesh, c)).or_default() += 1);
+    borders.into_iter().filter(|&c| count[&edge_place(mesh, c)] > 1).collect()
 }
 
 /// What tells where an edge is, whichever way it runs.
-fn place(mesh: &SurfaceMesh, c: CornerId) -> [[u64; 3]; 2] {
+pub type EdgePlace = [[u64; 3]; 2];
+
+pub fn edge_place(mesh: &SurfaceMesh, c: CornerId) -> EdgePlace {
     in_order(ends(mesh, c).map(|v| mesh.point(v))).map(|p| p.to_array().map(f64::to_bits))
 }
 
@@ -140,10 +142,10 @@ fn in_order([a, b]: [DVec3; 2]) -> [DVec3; 2] {
 pub fn with_shared_borders_divided(mesh: &SurfaceMesh, length: f64) -> Result<SurfaceMesh> {
     let mut mesh = mesh.clone();
     // A triangle's turn comes for one edge after the other: what they shared at first counts.
-    let shared: FxHashSet<_> = shared_borders(&mesh).into_iter().map(|c| place(&mesh, c)).collect();
+    let shared: FxHashSet<_> = shared_borders(&mesh).into_iter().map(|c| edge_place(&mesh, c)).collect();
     for _ in 0..ROUNDS {
         let mut of_face = FxHashMap::default();
-        for c in border_edges(&mesh).into_iter().filter(|&c| shared.contains(&place(&mesh, c))) {
+        for c in border_edges(&mesh).into_iter().filter(|&c| shared.contains(&edge_place(&mesh, c))) {
             let [a, b] = ends(&mesh, c).map(|v| mesh.point(v));
             let [from, to] = in_order([a, b]);
             let parts = (from.distance(to) / length).ceil().min(MOST_PARTS);

@@ -53,6 +53,7 @@ mod pattern;
 mod quality;
 mod quantise;
 mod regular;
+mod sew;
 mod sheet;
 mod smooth;
 mod source;
@@ -181,24 +182,10 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         return Ok(Quads { mesh: scale.back().moved(made.mesh, &[]), ..made });
     }
     let source = Source::new(mesh, &options.features, context)?;
-    let mut warnings = source.surface.repaired.clone();
-    let mut attempts = Attempts::new(&source, options, context);
-    if options.rung <= 2 {
-        attempts.run()?;
-    }
-    if !attempts.is_useful()
-        && let Some((work, gap)) = third(&source, options, &mut warnings, context)?
-    {
-        attempts.graft(work, gap)?;
-    }
-    let (made, refused) = attempts.best();
-    if options.rung <= 2 && made.as_ref().is_none_or(|made| made.rung.iter().all(|&r| r == 3)) {
-        warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
-    }
-    let made = made.unwrap_or_else(|| {
-        warnings.push("every triangle becomes three quads".into());
-        Made::all_on(4, fourth(&source), &source)
-    });
+    let (made, mut warnings) = match sewn_and_cut(&source, options, context)? {
+        Some(found) => found,
+        None => made(&source, options, context)?,
+    };
     let count = made.work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
         let rung = made.rung.iter().max().copied().unwrap_or(0);
@@ -215,6 +202,41 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     quality.distance_max = Some(distance);
     finish(&source, made, quality, warnings)
+}
+
+/// The best that the rungs give, and what they could not reach.
+fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Made, Vec<String>)> {
+    let mut warnings = source.surface.repaired.clone();
+    let mut attempts = Attempts::new(source, options, context);
+    if options.rung <= 2 {
+        attempts.run()?;
+    }
+    if !attempts.is_useful()
+        && let Some((work, gap)) = third(source, options, &mut warnings, context)?
+    {
+        attempts.graft(work, gap)?;
+    }
+    let (made, refused) = attempts.best();
+    if options.rung <= 2 && made.as_ref().is_none_or(|made| made.rung.iter().all(|&r| r == 3)) {
+        warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
+    }
+    let made = made.unwrap_or_else(|| {
+        warnings.push("every triangle becomes three quads".into());
+        Made::all_on(4, fourth(source), source)
+    });
+    Ok((made, warnings))
+}
+
+/// The same for a surface whose borders lie on each other, with these sewn while quads are made: both sides agree there. `None`
+/// where there is nothing to sew, or the quads are not those of the surface after it.
+fn sewn_and_cut(source: &Source, options: &QuadOptions, context: &Context) -> Result<Option<(Made, Vec<String>)>> {
+    let Some(sewn) = source.sewn(context)? else { return Ok(None) };
+    let (mut made, mut warnings) = made(&sewn, options, context)?;
+    sew::cut_open(&mut made.work, &mut made.tracks, |curve| sewn.is_sewn[curve as usize]);
+    let refusal = validate::topology_refusal(&made.work.to_mesh()?, source);
+    tracing::debug!(target: "carreau::quad", refusal, "cut open");
+    warnings.splice(0..0, source.surface.repaired.iter().cloned());
+    Ok(refusal.is_none().then_some((made, warnings)))
 }
 
 /// Polygons that are folded can be read as other triangles than ours: as fans, which most programs make of them.

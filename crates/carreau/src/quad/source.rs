@@ -1,7 +1,8 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
 use super::bends::{BEND_DEG, bends};
-use super::junction::{meeting_borders, shared_borders, with_shared_borders_divided};
+use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
+use super::sew::sewn;
 use super::tips::{Tip, tips};
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -45,6 +46,11 @@ pub struct Source {
     pub is_seam: Vec<bool>,
     /// Curves that are borders and lie on others.
     pub is_shared: Vec<bool>,
+    /// Curves along which borders were sewn.
+    pub is_sewn: Vec<bool>,
+    sewn_places: FxHashSet<EdgePlace>,
+    /// Sewn curves that end where their feature goes on: they stay as they are, or nobody would know later where they end.
+    is_kept: Vec<bool>,
     /// The points where curves end.
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
@@ -59,7 +65,22 @@ impl Source {
             let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
             surface = FeaturedSurface { repaired, missing: surface.missing, ..again };
         }
-        Self::of(surface, context)
+        Self::of(surface, &FxHashSet::default(), context)
+    }
+
+    /// The same with the borders sewn that lie on others; `None` where there are none. Regions keep their numbers, curves do
+    /// not.
+    pub fn sewn(&self, context: &Context) -> Result<Option<Self>> {
+        if !self.is_shared.contains(&true) {
+            return Ok(None);
+        }
+        let Some((mesh, places)) = sewn(&self.surface.mesh)? else { return Ok(None) };
+        let surface = FeaturedSurface::new(&mesh, &AS_MARKED, context)?;
+        // Whatever needs a repair now is better left open.
+        if !surface.repaired.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(Self::of(surface, &places, context)?))
     }
 
     /// The same with the borders that lie on others in edges up to a length, which stay as they are; `None` where there are
@@ -70,7 +91,7 @@ impl Source {
         }
         let mesh = with_shared_borders_divided(&self.surface.mesh, length)?;
         let surface = FeaturedSurface::new(&mesh, &AS_MARKED, context)?;
-        Ok(Some(Source { is_held: true, ..Self::of(surface, context)? }))
+        Ok(Some(Source { is_held: true, ..Self::of(surface, &self.sewn_places, context)? }))
     }
 
     /// Where the edges of borders that lie on others are, nothing moves.
@@ -81,17 +102,23 @@ impl Source {
 
     /// The edges that are held, by their ends.
     pub fn held_edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let is_held = |&(_, &curve): &(&[u32; 2], &u32)| self.is_held && self.is_shared[curve as usize];
+        let is_held = |&(_, &curve): &(&[u32; 2], &u32)| {
+            self.is_held && self.is_shared[curve as usize] || self.is_kept[curve as usize]
+        };
         self.edges.iter().zip(&self.curve).filter(is_held).map(|(&ends, _)| ends)
     }
 
-    fn of(surface: FeaturedSurface, context: &Context) -> Result<Self> {
+    /// Edges at these places were sewn.
+    fn of(surface: FeaturedSurface, sewn_places: &FxHashSet<EdgePlace>, context: &Context) -> Result<Self> {
         let mesh = &surface.mesh;
         if mesh.face_count() == 0 {
             return Err(Error::input("the mesh has no faces", "", ""));
         }
         let edges: Vec<[u32; 2]> = surface.features.edges(mesh).map(|c| ends(mesh, c)).collect();
-        let is_corner = corners(mesh, &edges);
+        let sewn = |c: CornerId| sewn_places.contains(&edge_place(mesh, c));
+        let sewn: Vec<bool> = surface.features.edges(mesh).map(sewn).collect();
+        let is_end = ends_of_sewn(mesh, &edges, &sewn);
+        let is_corner = corners(mesh, &edges, &is_end);
         let curve = curves(mesh, &edges, &is_corner);
         let at_corner = (0..is_corner.len()).filter(|&v| is_corner[v]).map(|v| bits(mesh.points()[v])).collect();
         let (region, regions) = regions(&surface);
@@ -112,8 +139,11 @@ impl Source {
         let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
         let mut is_shared = vec![false; curve_count];
         let shared: FxHashSet<[u32; 2]> = shared_borders(mesh).into_iter().map(|c| ends(mesh, c)).collect();
-        for (ends, &curve) in edges.iter().zip(&curve) {
+        let (mut is_sewn, mut is_kept) = (vec![false; curve_count], vec![false; curve_count]);
+        for ((ends, &curve), &sewn) in edges.iter().zip(&curve).zip(&sewn) {
             is_shared[curve as usize] |= shared.contains(ends);
+            is_sewn[curve as usize] |= sewn;
+            is_kept[curve as usize] |= sewn && ends.iter().any(|&v| is_end[v as usize]);
         }
         let line = |list: Vec<u32>| {
             let tree = TriangleTree::of_segments(mesh.points(), list.iter().map(|&e| edges[e as usize]));
@@ -136,6 +166,9 @@ impl Source {
             curve,
             is_seam,
             is_shared,
+            is_sewn,
+            is_kept,
+            sewn_places: sewn_places.clone(),
             is_held: false,
             at_corner,
             surface,
@@ -222,8 +255,17 @@ fn members(class: &[u32], count: usize) -> Vec<Vec<u32>> {
     lists
 }
 
-/// The vertices where feature curves end, branch or bend.
-fn corners(mesh: &SurfaceMesh, edges: &[[u32; 2]]) -> Vec<bool> {
+/// The vertices in the course of features where the part of them ends that was sewn.
+fn ends_of_sewn(mesh: &SurfaceMesh, edges: &[[u32; 2]], sewn: &[bool]) -> Vec<bool> {
+    let mut arms = vec![[0, 0]; mesh.vertex_count()];
+    for (ends, &sewn) in edges.iter().zip(sewn) {
+        ends.iter().for_each(|&v| arms[v as usize][usize::from(sewn)] += 1);
+    }
+    arms.into_iter().map(|arms| arms == [1, 1]).collect()
+}
+
+/// The vertices where feature curves end, branch or bend, and others that are known.
+fn corners(mesh: &SurfaceMesh, edges: &[[u32; 2]], is_known: &[bool]) -> Vec<bool> {
     let mut arms = vec![Vec::new(); mesh.vertex_count()];
     for &[a, b] in edges {
         let along = (mesh.points()[b as usize] - mesh.points()[a as usize]).normalize_or_zero();
@@ -236,7 +278,7 @@ fn corners(mesh: &SurfaceMesh, edges: &[[u32; 2]]) -> Vec<bool> {
         [a, b] => -a.dot(b) < cos,
         _ => true,
     };
-    arms.iter().map(is_corner).collect()
+    arms.iter().zip(is_known).map(|(arms, &known)| known || is_corner(arms)).collect()
 }
 
 /// Curve of every feature edge: they run from corner to corner.

@@ -6,10 +6,10 @@ use super::regular::{MOST, Wish, regular};
 use super::*;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::Topology;
-use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, triangles};
+use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, together, triangles, turned, without};
 use crate::sample;
 use glam::{DVec2, DVec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 fn part(name: &str) -> SurfaceMesh {
@@ -141,6 +141,33 @@ fn flat_grids_are_straight_however_their_triangles_are_graded() {
     check(&mesh, &result);
     let quality = &result.quality;
     assert!(quality.scaled_jacobian_min > 0.99 && quality.irregular == 8, "{quality:?}");
+}
+
+#[test]
+fn loose_faces_that_are_divided_differently_meet_on_the_first_rung() {
+    // The faces of a box, each by itself; one is divided at the middles of its sides.
+    let faces = |mesh: &SurfaceMesh, keep: &[usize]| {
+        let rest: Vec<usize> = (0..mesh.face_count()).filter(|f| !keep.contains(f)).collect();
+        without(mesh, &rest)
+    };
+    let whole = cube(DVec3::ZERO, 2.0);
+    let mut parts: Vec<SurfaceMesh> = (1..6).map(|f| faces(&whole, &[f])).collect();
+    // The bottom looks down.
+    parts.push(turned(&grid(2), |_| true));
+    let mesh = together(&parts);
+    let result = quads(&mesh, &QuadOptions { quads: 600, ..QuadOptions::default() }, &Context::new()).unwrap();
+    assert!(result.rung() == 1 && result.quality.irregular == 0, "{:?} {:?}", result.rungs, result.warnings);
+    check(&mesh, &result);
+    let out = &result.mesh;
+    assert_eq!(Topology::of(out).components, 6);
+    // Every vertex on a border lies on one of another face, to the bit.
+    let half_edges = out.half_edges();
+    let on_border: BTreeSet<u32> = half_edges.groups().filter(|e| e.len() == 1).flat_map(|e| e.ends).collect();
+    let mut at: BTreeMap<[u64; 3], usize> = BTreeMap::new();
+    for v in on_border {
+        *at.entry(out.points()[v as usize].to_array().map(f64::to_bits)).or_default() += 1;
+    }
+    assert!(at.len() > 60 && at.values().all(|&n| n == 2 || n == 3), "two at edges, three at corners");
 }
 
 #[test]

@@ -26,13 +26,8 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     if work.faces.iter().any(|f| f.len() != 4) {
         return Ok(Some("a face is no quad".into()));
     }
-    let (had, has) = (Topology::of(&source.surface.mesh), Topology::of(mesh));
-    if has.nonmanifold_edges + has.nonmanifold_vertices + has.inconsistent_edges + has.duplicate_faces > 0 {
-        return Ok(Some("it is not manifold".into()));
-    }
-    let counts = |t: &Topology| (t.components, t.euler, t.boundary_loops);
-    if counts(&had) != counts(&has) {
-        return Ok(Some("its topology is another".into()));
+    if let Some(why) = topology_refusal(mesh, source) {
+        return Ok(Some(why.into()));
     }
     if let Some((q, what)) = faults(work, source).next() {
         return Ok(Some(format!("quad {q} {what}")));
@@ -44,6 +39,16 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     let place =
         lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
     Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+}
+
+/// Why a mesh is no mesh of the source's topology.
+pub fn topology_refusal(mesh: &SurfaceMesh, source: &Source) -> Option<&'static str> {
+    let (had, has) = (Topology::of(&source.surface.mesh), Topology::of(mesh));
+    if has.nonmanifold_edges + has.nonmanifold_vertices + has.inconsistent_edges + has.duplicate_faces > 0 {
+        return Some("it is not manifold");
+    }
+    let counts = |t: &Topology| (t.components, t.euler, t.boundary_loops);
+    (counts(&had) != counts(&has)).then_some("its topology is another")
 }
 
 /// Quads that are no good, with what is wrong.

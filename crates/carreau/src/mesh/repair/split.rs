@@ -26,7 +26,7 @@ use crate::mesh::surface::TaggedEdge;
 pub fn into_sheets(soup: &mut Soup) -> usize {
     let half_edges = soup.half_edges();
     let repeats = soup.faces_with_repeats();
-    let umbrella = umbrellas(&soup.faces, &half_edges, &repeats, 2);
+    let umbrella = umbrellas(&soup.faces, &half_edges, &repeats, |_, sides| sides <= 2);
     let face_of = soup.faces.face_of_corners();
     let old = soup.faces.corners().to_vec();
     let mut new_id = old.clone();
