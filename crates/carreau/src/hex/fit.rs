@@ -420,22 +420,29 @@ struct Sliding<'a> {
     target: &'a Target<'a>,
     shape: Shape,
     /// Vertices that are on the surface, or are to be put there.
-    placed: &'a [bool],
+    placed: Vec<bool>,
     /// The surface's normal at wall vertices that are on it.
     under: Vec<Option<DVec3>>,
+    /// Vertices that belong where the surface is closest.
+    at_closest: Vec<bool>,
 }
 
 impl<'a> Sliding<'a> {
     /// Of the `placed` vertices, all but the `stuck` ones are on the surface.
-    fn new(points: &[DVec3], skin: &'a Skin, target: &'a Target<'a>, placed: &'a [bool], stuck: &[u32]) -> Self {
+    fn new(points: &[DVec3], skin: &'a Skin, target: &'a Target<'a>, placed: Vec<bool>, stuck: &[u32]) -> Self {
         let mut is_on: Vec<bool> = (0..points.len()).map(|v| placed[v] && skin.parts[v] == Part::Wall).collect();
         stuck.iter().for_each(|&v| is_on[v as usize] = false);
         let normal = |(p, is_on): (&DVec3, &bool)| is_on.then(|| target.closest_wall(*p).map(|c| c.1)).flatten();
         let under = points.par_iter().zip(&is_on).map(normal).collect();
-        Sliding { skin, target, shape: skin.shape(points), placed, under }
+        Sliding { skin, target, shape: skin.shape(points), placed, under, at_closest: vec![false; points.len()] }
     }
 
     fn place(&self, v: usize, at: DVec3) -> (DVec3, DVec3) {
+        if self.at_closest[v]
+            && let Some(closest) = self.target.closest_wall(at)
+        {
+            return closest;
+        }
         let (normal, reach) = (self.shape.normals[v], 4.0 * self.shape.sizes[v]);
         let along = self.under[v].and_then(|under| self.target.along_wall(at, [normal, under], reach));
         along.unwrap_or_else(|| self.target.place(self.skin.parts[v], at, normal, reach))
@@ -476,10 +483,10 @@ pub fn slide(
     context: &Context,
 ) -> Result<()> {
     let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-    relieve(points, hexes, &Sliding::new(points, skin, target, &placed, &[]), context)
+    relieve(points, hexes, &Sliding::new(points, skin, target, placed, &[]), context)
 }
 
-/// Puts boundary vertices onto the surface that are still `free`, with the cells around them.
+/// Puts boundary vertices onto the surface that are still `free`, where they belong, with the cells around them.
 pub fn seat(
     points: &mut [DVec3],
     hexes: &[[u32; 8]],
@@ -488,11 +495,47 @@ pub fn seat(
     free: &mut [bool],
     context: &Context,
 ) -> Result<()> {
-    let boundary: Vec<bool> = (0..points.len()).map(|v| skin.has(v)).collect();
-    let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && boundary[v as usize]).collect();
-    let sliding = Sliding::new(points, skin, target, &boundary, &stuck);
-    let seated = optimise::seat(points, hexes, &sliding, &stuck, context)?;
-    (0..points.len()).filter(|&v| boundary[v]).for_each(|v| free[v] &= !seated.contains(&(v as u32)));
+    seat_how(points, hexes, skin, target, free, [false; 2], context)
+}
+
+/// Puts boundary vertices onto the surface that are still `free` where it is closest, though it face another way there; those
+/// beside each other together, or else one by one.
+pub fn seat_at_closest(
+    points: &mut [DVec3],
+    hexes: &[[u32; 8]],
+    skin: &Skin,
+    target: &Target,
+    free: &mut [bool],
+    context: &Context,
+) -> Result<()> {
+    seat_how(points, hexes, skin, target, free, [true, false], context)?;
+    seat_how(points, hexes, skin, target, free, [true, true], context)
+}
+
+fn seat_how(
+    points: &mut [DVec3],
+    hexes: &[[u32; 8]],
+    skin: &Skin,
+    target: &Target,
+    free: &mut [bool],
+    [at_closest, singly]: [bool; 2],
+    context: &Context,
+) -> Result<()> {
+    let vertices = 0..points.len();
+    let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && skin.has(v as usize)).collect();
+    let mut sliding = Sliding::new(points, skin, target, vertices.clone().map(|v| skin.has(v)).collect(), &stuck);
+    for &v in &stuck {
+        sliding.at_closest[v as usize] = at_closest && skin.parts[v as usize] == Part::Wall;
+        sliding.placed[v as usize] = !singly;
+    }
+    for group in stuck.chunks(if singly { 1 } else { stuck.len().max(1) }) {
+        group.iter().for_each(|&v| sliding.placed[v as usize] = true);
+        let seated = optimise::seat(points, hexes, &sliding, group, context)?;
+        for v in vertices.clone().filter(|&v| skin.has(v) && seated.contains(&(v as u32))) {
+            free[v] = false;
+        }
+        group.iter().for_each(|&v| sliding.placed[v as usize] &= !singly || !free[v as usize]);
+    }
     Ok(())
 }
 
@@ -647,6 +690,25 @@ mod tests {
         });
         assert!(goes[top as usize]);
         assert_eq!(moved[top as usize], DVec3::new(0.0, 0.0, 0.5));
+    }
+
+    /// Ahead of a vertex in a ball the surface is nearer than where it is closest; but where a vertex cannot go there it goes to
+    /// the closest place.
+    #[test]
+    fn a_vertex_may_go_to_the_closest_place() {
+        let (mut points, hexes) = bricks([2; 3]);
+        points.iter_mut().for_each(|p| *p = 0.3 * (*p - DVec3::ONE));
+        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
+        let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
+        let top = (2 * 3 + 1) * 3 + 1;
+        let placed = (0..27).map(|v| skin.has(v)).collect();
+        let mut sliding = Sliding::new(&points, &skin, &target, placed, &[top]);
+        let (top, at) = (top as usize, DVec3::new(0.6, 0.0, 0.2));
+        let ahead = sliding.place(top, at).0;
+        sliding.at_closest[top] = true;
+        let closest = sliding.place(top, at).0;
+        assert!(ahead.distance(DVec3::new(0.6, 0.0, 0.8)) < 0.05, "{ahead}");
+        assert!(closest.distance(at.normalize()) < 0.05, "{closest}");
     }
 
     /// Faces that span a fork face another way than the surface under their corners: a vertex stays where it is, and slides from

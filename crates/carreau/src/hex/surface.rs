@@ -382,11 +382,15 @@ impl Coarse {
         Ok(())
     }
 
-    /// Boundary vertices slide along the surface where cells are poor.
+    /// What is not on the surface yet is put where that is closest; boundary vertices slide along it where cells are poor.
     fn slide(&mut self, target: &Target, context: &Context) -> Result<()> {
         let _stage = context.stage("fit");
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
+        if self.left > 0 {
+            fit::seat_at_closest(points, hexes, &skin, target, &mut self.free, context)?;
+            self.left = stuck(&self.free, &skin);
+        }
         fit::slide(points, hexes, &skin, target, &self.free, context)
     }
 }

@@ -33,10 +33,15 @@ const SHARPER: [(f64, usize); 3] = [(15.0, 40), (30.0, 40), (60.0, 40)];
 const INSIDE: (i32, usize) = (16, 60);
 /// A patch is taken when what is worst of it is better by this share.
 const GAIN: f64 = 0.01;
+/// What the mean quality of the mesh loses counts so much against what its worst cell gains.
+const LOSS: f64 = 2.0;
 /// Rounds of patches side by side, and patches in all: of poor cells, and of vertices put in place.
 const ROUNDS: usize = 60;
 const PATCHES: usize = 400;
 const SEATINGS: usize = 1500;
+/// No more are tried when those in vain have had so many times as many cells as the mesh: where a patch is most of the mesh, all
+/// are alike.
+const MOST_IN_VAIN: usize = 10;
 /// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
 /// comes first. A cell may be as poor as this then, or as poor as before.
 const SEATING: [usize; 3] = [2, 3, 5];
@@ -46,6 +51,8 @@ const SEATED: f64 = 0.1;
 const UNFOLDING: [usize; 4] = [2, 3, 4, 6];
 /// Where more than one of so many cells is folded, they are no exceptions.
 const EXCEPTIONS: usize = 10;
+/// Folded cells are given up, for each number of rings, when patches in vain have had so many times as many cells as the mesh.
+const IN_VAIN: usize = 1;
 
 /// What vertices are tied to while cells are improved.
 pub trait Ties: Sync {
@@ -133,6 +140,8 @@ struct Patch {
     places: Vec<DVec3>,
     hexes: Vec<[u32; 8]>,
     fixed: Vec<bool>,
+    /// Cells of the mesh.
+    of: usize,
 }
 
 impl Patch {
@@ -150,7 +159,13 @@ impl Patch {
         hexes.as_flattened().iter().for_each(|&v| used[v as usize] += 1);
         let is_held = |(&v, used): (&u32, usize)| used < mesh.at(v).len() || ties.is_fixed(v);
         let fixed = vertices.iter().zip(used).map(is_held).collect();
-        Patch { places: vertices.iter().map(|&v| points[v as usize]).collect(), vertices, hexes, fixed }
+        Patch {
+            places: vertices.iter().map(|&v| points[v as usize]).collect(),
+            vertices,
+            hexes,
+            fixed,
+            of: mesh.hexes.len(),
+        }
     }
 
     /// The springs of the vertices that may move.
@@ -169,14 +184,21 @@ impl Patch {
         (0..self.hexes.len()).map(|h| self.quality(places, h)).fold(f64::INFINITY, f64::min)
     }
 
+    /// What the patch adds to the mean quality of the mesh.
+    fn mean(&self, places: &[DVec3]) -> f64 {
+        (0..self.hexes.len()).map(|h| self.quality(places, h)).sum::<f64>() / self.of as f64
+    }
+
     /// The least quality of the first cell, which the patch is about, and of those that have become worse. What was and stays
-    /// worse than the first cell keeps nothing from being better.
+    /// worse than the first cell keeps nothing from being better. It is not bought with the others': where a patch is most of
+    /// the mesh, that may cost more than it gives.
     fn worth(&self, places: &[DVec3]) -> f64 {
         let worse = (1..self.hexes.len()).filter_map(|h| {
             let now = self.quality(places, h);
             (now < self.quality(&self.places, h)).then_some(now)
         });
-        worse.fold(self.quality(places, 0), f64::min)
+        let lost = (self.mean(&self.places) - self.mean(places)).max(0.0);
+        worse.fold(self.quality(places, 0), f64::min) - LOSS * lost
     }
 }
 
@@ -231,7 +253,7 @@ impl Descent<'_> {
 pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, context: &Context) -> Result<()> {
     let mesh = Mesh::new(points.len(), hexes);
     let mut given_up = vec![false; hexes.len()];
-    let (mut better, mut tried) = (0, 0);
+    let (mut better, mut tried, mut in_vain) = (0, 0, 0);
     for _ in 0..ROUNDS {
         let quality = |c: usize| scaled_jacobian(&hexes[c].map(|v| points[v as usize]));
         let mut poor: Vec<(f64, u32)> = (0..hexes.len())
@@ -242,7 +264,7 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
             .collect();
         poor.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let patches = mesh.disjoint(poor.into_iter().map(|c| c.1), RINGS, PATCHES - tried);
-        if patches.is_empty() {
+        if patches.is_empty() || in_vain > MOST_IN_VAIN * hexes.len() {
             break;
         }
         tried += patches.len();
@@ -257,7 +279,10 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
                     cells.iter().for_each(|&c| given_up[c as usize] = false);
                     moved.into_iter().for_each(|(v, p)| points[v as usize] = p);
                 }
-                None => given_up[cells[0] as usize] = true,
+                None => {
+                    in_vain += cells.len();
+                    given_up[cells[0] as usize] = true;
+                }
             }
         }
     }
@@ -384,30 +409,49 @@ pub fn unfold(all: &Optimiser, points: &mut [DVec3], effort: &Effort, context: &
         return Ok(false);
     }
     for rings in UNFOLDING {
-        let mut given_up = FxHashSet::default();
-        loop {
-            let open = folded.iter().copied().filter(|c| !given_up.contains(c));
-            let patches = mesh.disjoint(open, rings, usize::MAX);
-            if patches.is_empty() {
-                break;
-            }
-            let here = &*points;
-            let one = |cells: &Vec<u32>| unfolded(all, &Patch::new(&mesh, here, cells, all), cells, effort, context);
-            let found: Vec<_> = patches.par_iter().map(one).collect::<Result<_>>()?;
-            for (cells, found) in patches.iter().zip(found) {
-                match found {
-                    Some(moved) => moved.into_iter().for_each(|(v, p)| points[v as usize] = p),
-                    None => _ = given_up.insert(cells[0]),
-                }
-            }
-            folded = all.folded(points);
-        }
-        tracing::debug!(rings, left = folded.len(), "folded cells by patches");
+        let in_vain = unfold_patches(&mesh, all, points, &mut folded, rings, effort, context)?;
+        tracing::debug!(rings, in_vain, left = folded.len(), "folded cells by patches");
         if folded.is_empty() {
             break;
         }
     }
     Ok(folded.is_empty())
+}
+
+/// Unfolds patches of so many rings around folded cells; how many cells those had that stay folded.
+fn unfold_patches(
+    mesh: &Mesh,
+    all: &Optimiser,
+    points: &mut [DVec3],
+    folded: &mut Vec<u32>,
+    rings: usize,
+    effort: &Effort,
+    context: &Context,
+) -> Result<usize> {
+    let (mut given_up, mut in_vain) = (FxHashSet::default(), 0);
+    while in_vain < IN_VAIN * all.hexes.len() {
+        let open = folded.iter().copied().filter(|c| !given_up.contains(c));
+        let mut patches = mesh.disjoint(open, rings, usize::MAX);
+        // Most of the mesh is no patch of it: all of it has been tried, or will be.
+        patches.retain(|cells| 2 * cells.len() <= all.hexes.len());
+        if patches.is_empty() {
+            break;
+        }
+        let here = &*points;
+        let one = |cells: &Vec<u32>| unfolded(all, &Patch::new(mesh, here, cells, all), cells, effort, context);
+        let found: Vec<_> = patches.par_iter().map(one).collect::<Result<_>>()?;
+        for (cells, found) in patches.iter().zip(found) {
+            match found {
+                Some(moved) => moved.into_iter().for_each(|(v, p)| points[v as usize] = p),
+                None => {
+                    in_vain += cells.len();
+                    given_up.insert(cells[0]);
+                }
+            }
+        }
+        *folded = all.folded(points);
+    }
+    Ok(in_vain)
 }
 
 /// The vertices of a patch without a folded cell; `None` where that is not reached.
@@ -471,6 +515,46 @@ mod tests {
         let before = points.clone();
         assert!(!unfold(&held(&hexes, &straight, &fixed), &mut points, &FINE, &Context::new()).unwrap());
         assert_eq!(points, before);
+    }
+
+    /// Every other cell of a bar is folded by vertices that are held: work in vain ends when it has been as much as the mesh, and
+    /// where patches are most of the mesh there is none.
+    #[test]
+    fn what_cannot_be_unfolded_is_given_up() {
+        for (length, most) in [(400u32, 2 * 400), (5, 0)] {
+            let (straight, hexes) = bricks([length, 1, 1]);
+            let mut points = straight.clone();
+            (5..length - 5).step_by(12).for_each(|k| points[k as usize].x += 1.5);
+            if most == 0 {
+                points[2].x += 1.5;
+            }
+            let optimiser = held(&hexes, &straight, &vec![true; points.len()]);
+            let mut folded = optimiser.folded(&points);
+            assert!(!folded.is_empty());
+            let before = points.clone();
+            let mesh = Mesh::new(points.len(), &hexes);
+            let in_vain =
+                unfold_patches(&mesh, &optimiser, &mut points, &mut folded, 6, &FINE, &Context::new()).unwrap();
+            assert!(in_vain <= most && (most == 0 || in_vain >= 400), "{in_vain}");
+            assert_eq!(points, before);
+        }
+    }
+
+    /// What one cell gains does not count where all others lose more.
+    #[test]
+    fn a_poor_cell_is_not_mended_at_the_cost_of_all() {
+        let (straight, hexes, fixed) = block();
+        let optimiser = held(&hexes, &straight, &fixed);
+        let mesh = Mesh::new(straight.len(), &hexes);
+        let sheared = |by: f64| move |p: DVec3| DVec3::new(p.x + by * p.y, p.y, p.z);
+        let mut points: Vec<DVec3> = straight.iter().map(|p| sheared(0.3)(*p)).collect();
+        points[hexes[0][6] as usize] += DVec3::splat(-0.3);
+        let all: Vec<u32> = (0..hexes.len() as u32).collect();
+        let patch = Patch::new(&mesh, &points, &all, &optimiser);
+        let places = |by| -> Vec<DVec3> { patch.vertices.iter().map(|&v| sheared(by)(straight[v as usize])).collect() };
+        let (before, little, much) = (patch.worth(&patch.places), patch.worth(&places(0.3)), patch.worth(&places(1.5)));
+        assert!(patch.quality(&places(1.5), 0) > before, "{before}");
+        assert!(little > before && much < before, "{little} {before} {much}");
     }
 
     /// The top of the block is tied to its plane, the rest of the boundary held.
