@@ -51,10 +51,11 @@ pub fn face_normals(mesh: &SurfaceMesh) -> Vec<DVec3> {
 
 /// The unit normal of a face by its number, as [`face_normals`] has it.
 pub fn face_normal(mesh: &SurfaceMesh) -> impl Fn(usize) -> DVec3 + Send + Sync {
-    let extent = mesh.bounds().1 - mesh.bounds().0;
+    let (low, high) = mesh.bounds();
+    let extent = (high - low).max_element();
     // Products of lengths stay in the range of a double between these bounds.
-    let scaled: Option<Vec<DVec3>> = (!(1e-100..1e100).contains(&extent.max_element()))
-        .then(|| mesh.points().iter().map(|&p| (p - mesh.bounds().0) / extent.max_element()).collect());
+    let scaled: Option<Vec<DVec3>> =
+        (!(1e-100..1e100).contains(&extent)).then(|| mesh.points().iter().map(|&p| (p - low) / extent).collect());
     move |f| unit(area_vector(scaled.as_deref().unwrap_or(mesh.points()), mesh.faces().face(f)))
 }
 
@@ -122,6 +123,15 @@ fn collect_fan(mesh: &SurfaceMesh, feature: &[bool], c: CornerId, fan: &mut Vec<
 mod tests {
     use super::*;
     use crate::mesh::test_models::*;
+
+    #[test]
+    fn many_faces_of_any_size_have_normals() {
+        // Where products of lengths leave the range of a double: with the bounds looked up for every point this never ended.
+        for size in [1e-150, 1.0, 1e150] {
+            let mesh = moved(&grid(300), |p| size * p);
+            assert!(face_normals(&mesh).into_iter().all(|n| n == DVec3::Z), "{size}");
+        }
+    }
 
     #[test]
     fn an_angle_limit_says_the_same_as_the_angle() {
