@@ -171,7 +171,8 @@ proptest! {
 #[test]
 fn odd_nets() {
     let x = |x: f64| DVec3::new(x, 0.0, 0.0);
-    // A U-turn (whose cells stay folded), a fat node beside a short segment (which resampling passes over), a narrow fork.
+    // A U-turn (whose cells stay folded; a layer of them takes minutes), a fat node beside a short segment (which resampling
+    // passes over), a narrow fork.
     let turn = CurveNet::new(vec![x(0.0), x(1.0), DVec3::new(0.0, 0.05, 0.0)], vec![0.1; 3], vec![[0, 1], [1, 2]]);
     let fat = CurveNet::new(vec![x(0.0), x(0.1), x(3.0)], vec![0.1, 2.0, 0.1], vec![[0, 1], [1, 2]]);
     let narrow = CurveNet::new(
@@ -179,8 +180,9 @@ fn odd_nets() {
         vec![0.3; 4],
         vec![[0, 1], [0, 2], [0, 3]],
     );
-    for (net, warned) in [(turn, true), (fat, false), (narrow, true)] {
-        let options = HexOptions { allow_invalid: true, ..HexOptions::default() };
+    let nets = [(turn, Padding::None, true), (fat, Padding::All, false), (narrow, Padding::All, true)];
+    for (net, padding, warned) in nets {
+        let options = HexOptions { allow_invalid: true, padding, ..HexOptions::default() };
         let result = from_net(&net, &options, &Context::new()).unwrap();
         assert_conforming(&result.mesh.hexes, &result.mesh.points, &[0]);
         assert_eq!(!result.warnings.is_empty(), warned, "{:?}", result.warnings);
