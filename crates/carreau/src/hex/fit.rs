@@ -486,41 +486,29 @@ pub fn slide(
     relieve(points, hexes, &Sliding::new(points, skin, target, placed, &[]), context)
 }
 
-/// Puts boundary vertices onto the surface that are still `free`, where they belong, with the cells around them.
+/// Where boundary vertices are put.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seat {
+    /// Where they belong.
+    Own,
+    /// Where the surface is closest, though it face another way there.
+    Closest,
+    /// The same, one by one.
+    Singly,
+}
+
+/// Puts boundary vertices onto the surface that are still `free`, with the cells around them, those beside each other together
+/// if not one by one.
 pub fn seat(
     points: &mut [DVec3],
     hexes: &[[u32; 8]],
     skin: &Skin,
     target: &Target,
     free: &mut [bool],
+    where_to: Seat,
     context: &Context,
 ) -> Result<()> {
-    seat_how(points, hexes, skin, target, free, [false; 2], context)
-}
-
-/// Puts boundary vertices onto the surface that are still `free` where it is closest, though it face another way there; those
-/// beside each other together, or else one by one.
-pub fn seat_at_closest(
-    points: &mut [DVec3],
-    hexes: &[[u32; 8]],
-    skin: &Skin,
-    target: &Target,
-    free: &mut [bool],
-    context: &Context,
-) -> Result<()> {
-    seat_how(points, hexes, skin, target, free, [true, false], context)?;
-    seat_how(points, hexes, skin, target, free, [true, true], context)
-}
-
-fn seat_how(
-    points: &mut [DVec3],
-    hexes: &[[u32; 8]],
-    skin: &Skin,
-    target: &Target,
-    free: &mut [bool],
-    [at_closest, singly]: [bool; 2],
-    context: &Context,
-) -> Result<()> {
+    let (at_closest, singly) = (where_to != Seat::Own, where_to == Seat::Singly);
     let vertices = 0..points.len();
     let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && skin.has(v as usize)).collect();
     let mut sliding = Sliding::new(points, skin, target, vertices.clone().map(|v| skin.has(v)).collect(), &stuck);

@@ -1,7 +1,7 @@
 //! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
 
 use super::adapt::Lengths;
-use super::fit::{self, Rise, Skin, Target};
+use super::fit::{self, Rise, Seat, Skin, Target};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
@@ -365,7 +365,7 @@ impl Coarse {
                     free = fit::snap(&optimiser, points, &skin, target, kept);
                     left = stuck(&free, &skin);
                     if left > 0 {
-                        fit::seat(points, hexes, &skin, target, &mut free, context)?;
+                        fit::seat(points, hexes, &skin, target, &mut free, Seat::Own, context)?;
                         left = stuck(&free, &skin);
                     }
                     if left == 0 {
@@ -388,7 +388,9 @@ impl Coarse {
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
         if self.left > 0 {
-            fit::seat_at_closest(points, hexes, &skin, target, &mut self.free, context)?;
+            for seat in [Seat::Closest, Seat::Singly] {
+                fit::seat(points, hexes, &skin, target, &mut self.free, seat, context)?;
+            }
             self.left = stuck(&self.free, &skin);
         }
         fit::slide(points, hexes, &skin, target, &self.free, context)

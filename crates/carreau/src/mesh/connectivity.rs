@@ -141,6 +141,48 @@ pub(crate) fn umbrellas(
     sets.leaders()
 }
 
+/// A vertex of its own for every umbrella: the vertex of every corner, and for each new vertex the one it is a copy of. The
+/// first umbrella of a vertex keeps it, the others follow in the order of vertices, then faces: an order that does not depend on
+/// where a face begins or which way it turns. Corners of ignored faces keep theirs.
+pub(crate) fn vertices_of_umbrellas(
+    faces: &Polygons,
+    umbrella: &[u32],
+    ignore: &[bool],
+    vertices: usize,
+) -> (Vec<u32>, Vec<u32>) {
+    let (face_of, old) = (faces.face_of_corners(), faces.corners());
+    let named = |c: &u32| umbrella[*c as usize] == *c && !ignore[face_of[*c as usize] as usize];
+    let mut firsts: Vec<u32> = (0..old.len() as u32).filter(named).collect();
+    firsts.sort_by_key(|&c| (old[c as usize], c));
+    let (mut new, mut copied) = (old.to_vec(), Vec::new());
+    for of_vertex in firsts.chunk_by(|&a, &b| old[a as usize] == old[b as usize]) {
+        for &c in &of_vertex[1..] {
+            new[c as usize] = (vertices + copied.len()) as u32;
+            copied.push(old[c as usize]);
+        }
+    }
+    for c in 0..old.len() {
+        new[c] = new[umbrella[c] as usize];
+    }
+    (new, copied)
+}
+
+/// The edges that one was cut into, each with its smaller end first, where corners have `new` vertices; `None`: no face has it.
+/// `next`: the next corner of every one.
+pub(crate) fn copies_of_edge(
+    [a, b]: [u32; 2],
+    half_edges: &HalfEdges,
+    new: &[u32],
+    next: &[u32],
+) -> Option<Vec<[u32; 2]>> {
+    let ends = |c: u32| [new[c as usize], new[next[c as usize] as usize]];
+    let in_order = |[p, q]: [u32; 2]| [p.min(q), p.max(q)];
+    let mut copies: Vec<[u32; 2]> = half_edges.find(a, b)?.corners().map(ends).map(in_order).collect();
+    copies.sort_unstable();
+    copies.dedup();
+    Some(copies)
+}
+
 /// Which faces use a vertex more than once.
 pub(crate) fn faces_with_repeats(faces: &Polygons, vertices: usize) -> Vec<bool> {
     let mut seen_in = vec![u32::MAX; vertices];

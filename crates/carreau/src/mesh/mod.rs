@@ -42,7 +42,7 @@ mod space_order;
 mod surface;
 #[cfg(test)]
 pub(crate) mod test_models;
-mod topology;
+pub(crate) mod topology;
 mod triangles;
 mod triangulate;
 mod unit_scale;

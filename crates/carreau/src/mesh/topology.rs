@@ -271,6 +271,20 @@ fn used_vertices(mesh: &SurfaceMesh, ignore: &[bool]) -> Vec<bool> {
     used
 }
 
+/// The vertices of an edge or a face with a defect: more than two sides, sides that do not agree, a vertex used twice; and those
+/// with more than one umbrella.
+pub(crate) fn irregular_vertices(mesh: &SurfaceMesh) -> Vec<bool> {
+    let (faces, half_edges) = (mesh.faces(), mesh.half_edges());
+    let repeats = faces_with_repeats(faces, mesh.vertex_count());
+    let parts = Connectivity::of(faces, &half_edges, &repeats);
+    let umbrella = umbrellas(faces, &half_edges, &repeats, |_, _| true);
+    let mut irregular = vec![false; mesh.vertex_count()];
+    nonmanifold_vertices(mesh, &umbrella, &parts.nonmanifold, &repeats).for_each(|v| irregular[v.index()] = true);
+    let in_repeats = faces.iter().zip(&repeats).filter(|(_, repeats)| **repeats).flat_map(|(face, _)| face);
+    parts.inconsistent.as_flattened().iter().chain(in_repeats).for_each(|&v| irregular[v as usize] = true);
+    irregular
+}
+
 fn nonmanifold_vertices(
     mesh: &SurfaceMesh,
     umbrella: &[u32],

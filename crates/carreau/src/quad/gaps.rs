@@ -47,7 +47,7 @@ impl Gap {
 const STRAIGHT: f64 = 0.4;
 
 /// In which directions a quad is too long, where what is allowed is a share of what it is off by.
-pub fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<Item = Tight> + use<> {
+fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<Item = Tight> + use<> {
     let face = work.faces.face(q);
     let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
     let gap = |p: DVec3| to_surface(source, work.region[q], p);
@@ -167,4 +167,35 @@ fn places(source: &Source, face: usize, apart: f64) -> Vec<DVec3> {
 
 fn longer(a: DVec3, b: DVec3) -> DVec3 {
     if b.length_squared() > a.length_squared() { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::work::Place;
+    use super::*;
+    use crate::context::Context;
+    use crate::geometry::features::FeatureOptions;
+
+    #[test]
+    fn a_quad_on_a_cylinder_is_too_long_around_it_only() {
+        let context = Context::new();
+        let mesh = crate::sample::make("open-cylinder", None, &context).unwrap();
+        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
+        let source = Source::new(&mesh, &options, &context).unwrap();
+        let (low, high) = source.surface.mesh.bounds();
+        let (middle, radius) = (low.midpoint(high), 0.5 * (high.x - low.x));
+        let at = |angle: f64, z: f64| middle + DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
+        let work = Work {
+            points: vec![at(-0.4, -0.3), at(0.4, -0.3), at(0.4, 0.3), at(-0.4, 0.3)],
+            place: vec![Place::Region(0); 4],
+            faces: std::iter::once(&[0u32, 1, 2, 3][..]).collect(),
+            region: vec![0],
+            features: Vec::new(),
+        };
+        let found: Vec<Tight> = tight(&work, &source, 0, 0.25).collect();
+        let [only] = found[..] else { panic!("{found:?}") };
+        assert!(only.way.y.abs() > 0.99, "{:?}", only.way);
+        let chord = 2.0 * radius * 0.4f64.sin();
+        assert!((only.length - 0.5 * chord).abs() < 1e-9 * chord, "a quarter of the sag is half of the chord");
+    }
 }

@@ -94,7 +94,6 @@ mod tests {
     use crate::geometry::features::FeatureOptions;
     use crate::geometry::quality::scaled_jacobian;
     use crate::mesh::{Polygons, SurfaceMesh, test_models::cube};
-    use crate::quad::gaps::{Tight, tight};
     use rustc_hash::FxHashMap;
 
     /// The unit sphere as a cube blown up: `n` by `n` quads to a side.
@@ -154,29 +153,6 @@ mod tests {
         };
         assert!(work.points.iter().all(|p| (0.999..=1.0 + 1.01 * far).contains(&p.length())));
         assert!(least(&work) > 0.95 * least(&before));
-    }
-
-    #[test]
-    fn a_quad_on_a_cylinder_is_too_long_around_it_only() {
-        let context = Context::new();
-        let mesh = crate::sample::make("open-cylinder", None, &context).unwrap();
-        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
-        let source = Source::new(&mesh, &options, &context).unwrap();
-        let (low, high) = source.surface.mesh.bounds();
-        let (middle, radius) = (low.midpoint(high), 0.5 * (high.x - low.x));
-        let at = |angle: f64, z: f64| middle + DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
-        let work = Work {
-            points: vec![at(-0.4, -0.3), at(0.4, -0.3), at(0.4, 0.3), at(-0.4, 0.3)],
-            place: vec![Place::Region(0); 4],
-            faces: std::iter::once(&[0u32, 1, 2, 3][..]).collect(),
-            region: vec![0],
-            features: Vec::new(),
-        };
-        let found: Vec<Tight> = tight(&work, &source, 0, 0.25).collect();
-        let [only] = found[..] else { panic!("{found:?}") };
-        assert!(only.way.y.abs() > 0.99, "{:?}", only.way);
-        let chord = 2.0 * radius * 0.4f64.sin();
-        assert!((only.length - 0.5 * chord).abs() < 1e-9 * chord, "a quarter of the sag is half of the chord");
     }
 
     #[test]

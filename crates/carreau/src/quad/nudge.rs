@@ -38,10 +38,9 @@ pub fn nudge(
     work: &mut Work,
     around: &Around,
     gaps: &mut Gaps,
-    now: Vec<DVec3>,
+    mut now: Vec<DVec3>,
     context: &Context,
 ) -> Result<Vec<DVec3>> {
-    let mut now = now;
     for _ in 0..ROUNDS {
         let beyond: Vec<usize> = (0..now.len()).filter(|&q| now[q].length() > gaps.far).collect();
         if beyond.is_empty() || beyond.len() > FEW.max((SHARE * now.len() as f64) as usize) {

@@ -8,9 +8,11 @@
 //! ```
 
 use super::junction::{EdgePlace, edge_place, shared_borders};
+use super::source::ends;
 use super::work::Work;
 use crate::error::Result;
-use crate::mesh::connectivity::{faces_with_repeats, umbrellas};
+use crate::mesh::connectivity::{copies_of_edge, umbrellas, vertices_of_umbrellas};
+use crate::mesh::topology::irregular_vertices;
 use crate::mesh::{CornerId, DisjointSets, HalfEdges, Side, SurfaceMesh, TaggedEdge, VertexId};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -27,7 +29,7 @@ pub fn sewn(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, FxHashSet<EdgePla
             break;
         }
         let (next, number) = joined(mesh, &pairs)?;
-        let open = folded_vertices(&next);
+        let open = irregular_vertices(&next);
         if !open.contains(&true) {
             // Where the ends of two others came together, they are sewn, too.
             let corners = (0..mesh.corner_count()).map(CornerId::new);
@@ -38,10 +40,6 @@ pub fn sewn(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, FxHashSet<EdgePla
         pairs.retain(|pair| ends(mesh, pair[0]).iter().all(|&v| !open[number[v as usize] as usize]));
     }
     Ok(None)
-}
-
-fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
-    [mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0]
 }
 
 /// The border edges, two by two, that lie on each other and run against each other.
@@ -77,74 +75,24 @@ fn joined(mesh: &SurfaceMesh, pairs: &[[CornerId; 2]]) -> Result<(SurfaceMesh, V
     Ok((next, number))
 }
 
-/// The vertices at which a mesh is not manifold.
-fn folded_vertices(mesh: &SurfaceMesh) -> Vec<bool> {
-    let (faces, half_edges) = (mesh.faces(), mesh.half_edges());
-    let repeats = faces_with_repeats(faces, mesh.vertex_count());
-    let mut folded = vec![false; mesh.vertex_count()];
-    for edge in half_edges.groups() {
-        let agree = edge.corners().map(|c| faces.corners()[c as usize]).collect::<FxHashSet<u32>>().len() == edge.len();
-        if edge.len() > 2 || !agree {
-            edge.ends.iter().for_each(|&v| folded[v as usize] = true);
-        }
-    }
-    let leader = umbrellas(faces, &half_edges, &repeats, |_, _| true);
-    let mut first = vec![u32::MAX; mesh.vertex_count()];
-    for (&v, &own) in faces.corners().iter().zip(&leader) {
-        folded[v as usize] |= first[v as usize] != u32::MAX && first[v as usize] != own;
-        first[v as usize] = own;
-    }
-    faces.iter().zip(&repeats).filter(|(_, repeats)| **repeats).for_each(|(face, _)| {
-        face.iter().for_each(|&v| folded[v as usize] = true);
-    });
-    folded
-}
-
 /// Cuts quads open along features; of `tracks`, edges by their ends, what runs there is on one side.
 pub fn cut_open(work: &mut Work, tracks: &mut [[u32; 2]], is_cut: impl Fn(u32) -> bool) {
     let half_edges = HalfEdges::new(&work.faces, work.points.len());
     let cut: FxHashSet<[u32; 2]> = work.features.iter().filter(|f| is_cut(f.1)).map(|f| in_order(f.0)).collect();
     let whole = vec![false; work.faces.len()];
-    let leader = umbrellas(&work.faces, &half_edges, &whole, |edge, _| !cut.contains(&edge.ends));
-    // Every umbrella but the first of a vertex gets a vertex of its own.
-    let start = work.faces.corners().to_vec();
-    let (mut first, mut own) = (vec![u32::MAX; work.points.len()], FxHashMap::default());
-    let mut number = Vec::with_capacity(start.len());
-    for (&v, &leader) in start.iter().zip(&leader) {
-        if first[v as usize] == u32::MAX {
-            first[v as usize] = leader;
-        }
-        let is_first = first[v as usize] == leader;
-        number.push(if is_first {
-            v
-        } else {
-            *own.entry(leader).or_insert_with(|| {
-                work.points.push(work.points[v as usize]);
-                work.place.push(work.place[v as usize]);
-                work.points.len() as u32 - 1
-            })
-        });
+    let umbrella = umbrellas(&work.faces, &half_edges, &whole, |edge, _| !cut.contains(&edge.ends));
+    let (number, copied) = vertices_of_umbrellas(&work.faces, &umbrella, &whole, work.points.len());
+    for &v in &copied {
+        work.points.push(work.points[v as usize]);
+        work.place.push(work.place[v as usize]);
     }
-    // An edge as the quads beside it have it now, one after the other.
     let next = work.faces.next_corners();
-    let sides = |[a, b]: [u32; 2]| -> Vec<[u32; 2]> {
-        let corners: Vec<u32> = half_edges.find(a, b).map_or(Vec::new(), |edge| edge.corners().collect());
-        let of = |c: u32| match [c, next[c as usize]] {
-            [c, n] if start[c as usize] == a => [number[c as usize], number[n as usize]],
-            [c, n] => [number[n as usize], number[c as usize]],
-        };
-        corners.into_iter().map(of).collect()
-    };
+    let copies = |ends: [u32; 2]| copies_of_edge(ends, &half_edges, &number, &next).unwrap_or_default();
     for ends in tracks {
-        *ends = sides(*ends).first().copied().unwrap_or(*ends);
+        *ends = copies(*ends).first().copied().unwrap_or(*ends);
     }
-    let mut features = Vec::with_capacity(work.features.len());
-    for (ends, curve) in std::mem::take(&mut work.features) {
-        let mut found = sides(ends);
-        found.dedup();
-        features.extend(found.into_iter().map(|ends| (ends, curve)));
-    }
-    work.features = features;
+    let of_feature = |&(ends, curve): &([u32; 2], u32)| copies(ends).into_iter().map(move |ends| (ends, curve));
+    work.features = work.features.iter().flat_map(of_feature).collect();
     work.faces.corners_mut().copy_from_slice(&number);
 }
 

@@ -235,7 +235,8 @@ impl Source {
     }
 }
 
-fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
+/// The vertices of the edge that leaves a corner.
+pub fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
     [mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0]
 }
 
