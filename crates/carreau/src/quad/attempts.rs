@@ -211,7 +211,7 @@ impl<'a> Attempts<'a> {
             let wish = Wish {
                 length: self.length,
                 quads: self.quads,
-                most: self.most(),
+                most: self.most(way),
                 first: self.first,
                 deals: way.deals,
                 graft: way.graft,
@@ -257,9 +257,11 @@ impl<'a> Attempts<'a> {
     }
 
     /// How many times too many quads may be: a number that is missed by more than the best attempt is off speaks for that one.
-    fn most(&self) -> f64 {
+    /// Where nothing is useful, and some quads are of rung 3, it may be as many as these are for all.
+    fn most(&self, way: Way) -> f64 {
         let useful = self.best.as_ref().filter(|b| !b.cost.useless);
-        useful.map_or(MOST, |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST))
+        let third = way.graft.zip(self.quads).map_or(0.0, |(graft, n)| graft.0.count() as f64 / n as f64);
+        useful.map_or(MOST.max(third), |b| (1.0 + WITHIN + GRADE * f64::from(b.cost.grades)).min(MOST))
     }
 }
 

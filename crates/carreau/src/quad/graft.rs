@@ -54,6 +54,11 @@ impl<'a> Donor<'a> {
         Donor { work, chains, quads }
     }
 
+    /// Number of quads.
+    pub fn count(&self) -> usize {
+        self.work.faces.len()
+    }
+
     /// Gives patches of triangles that are taken the donor's quads, and the arcs around them its numbers. The error are the
     /// curves around that are others there.
     pub fn graft(&self, sheet: &Sheet, layout: &mut Layout, is_taken: impl Fn(u32) -> bool) -> Result<(), Vec<u32>> {

@@ -439,6 +439,10 @@ impl Layout {
         for side in sides {
             for s in side {
                 let arc = &mut self.arcs[s.arc as usize];
+                // What rung 3 has along an arc cannot be changed.
+                if arc.given.is_some() {
+                    continue;
+                }
                 arc.room = arc.room.max(least.div_ceil(side.len()) as i64);
                 arc.count = arc.count.max(arc.room);
             }

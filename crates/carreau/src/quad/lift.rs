@@ -65,6 +65,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
         let after = beyond(&moved);
         if after >= before {
             work.points = points;
+            now = gaps.of(work, &has_moved);
             break;
         }
         now = moved;

@@ -173,6 +173,8 @@ struct Rounds<'a> {
     drawn: &'a Drawn,
     wish: &'a Wish<'a>,
     budget: &'a mut Budget,
+    /// What was left of it at first.
+    allowance: u64,
     context: &'a Context,
     sheet: Sheet,
     state: Vec<State>,
@@ -197,6 +199,7 @@ impl<'a> Rounds<'a> {
             source,
             drawn,
             wish,
+            allowance: budget.left(),
             budget,
             context,
             sheet: drawn.sheet.clone(),
@@ -217,6 +220,7 @@ impl<'a> Rounds<'a> {
 
     fn give_up(&mut self, why: impl Into<String>) -> Result<ControlFlow<()>> {
         self.refusal.why = why.into();
+        tracing::debug!(target: "carreau::quad", why = self.refusal.why, "given up");
         Ok(ControlFlow::Break(()))
     }
 
@@ -398,9 +402,14 @@ impl<'a> Rounds<'a> {
         self.fewest = if bad.len() < self.fewest.0 { (bad.len(), 0) } else { (self.fewest.0, self.fewest.1 + 1) };
         self.refusal.regions = self.regions_of(layout, &bad);
         tell(&self.sheet, layout, &bad, &self.refusal.why);
-        let is_stuck = self.fewest.1 > PATIENCE;
-        let stuck = if is_stuck { bad } else { self.replace(layout, bad, kinds) };
-        if !stuck.is_empty() && !self.go_on_without(&self.regions_of(layout, &stuck)) {
+        let has_changed = if self.is_hasty() {
+            self.turn(&self.regions_of(layout, &bad), State::Grafted)
+        } else {
+            let is_stuck = self.fewest.1 > PATIENCE;
+            let stuck = if is_stuck { bad } else { self.replace(layout, bad, kinds) };
+            stuck.is_empty() || self.go_on_without(&self.regions_of(layout, &stuck))
+        };
+        if !has_changed {
             return ControlFlow::Break(());
         }
         open_holes(&mut self.sheet, |t| self.state[t as usize] == State::Grafted);
@@ -472,14 +481,20 @@ impl<'a> Rounds<'a> {
         has_changed
     }
 
+    /// Quads of rung 3 are there to be taken, and there is not budget enough to look for better ones.
+    fn is_hasty(&self) -> bool {
+        self.wish.graft.is_some() && self.budget.is_low(self.allowance)
+    }
+
     /// So do the regions beside features that were lost in many rounds; what was said of these is forgotten.
     fn graft_often_lost(&mut self) {
+        let rounds = if self.is_hasty() { 1 } else { LOST };
         let mut times: FxHashMap<u32, usize> = FxHashMap::default();
         for round in &self.lost {
             let curves: FxHashSet<u32> = round.iter().map(|lost| lost.0).collect();
             curves.into_iter().for_each(|curve| *times.entry(curve).or_default() += 1);
         }
-        let often: FxHashSet<u32> = times.into_iter().filter(|t| t.1 >= LOST).map(|t| t.0).collect();
+        let often: FxHashSet<u32> = times.into_iter().filter(|t| t.1 >= rounds).map(|t| t.0).collect();
         if !often.is_empty() {
             self.turn(&self.beside(&often), State::Grafted);
             self.lost.iter_mut().for_each(|round| round.retain(|lost| !often.contains(&lost.0)));
