@@ -105,8 +105,9 @@ fn describe(session: &mut Session, result: &Quads) {
         q.scaled_jacobian_min, q.scaled_jacobian_mean, q.irregular, q.inverted
     ));
     session.say(format!("features kept: {:.3} %", 100.0 * q.feature_recall));
-    if let Some(distance) = q.distance_max {
-        session.say(format!("distance: at most {:.4} % of the diagonal", 100.0 * distance));
+    if let Some((found, bound)) = q.distance_found.zip(q.distance_max) {
+        let [found, bound] = [found, bound].map(|share| 100.0 * share);
+        session.say(format!("distance: {found:.4} % of the diagonal was found, at most {bound:.4} %"));
     }
     session.record.set("quality", q);
     session.record.set("quads", count);

@@ -196,11 +196,12 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         let inverted = quality.inverted;
         warnings.push(format!("{inverted} quads are turned over: the triangles that they come from have no area"));
     }
-    let mut distance = quality::distance(&made.work, &source.surface.mesh, context)?;
+    let [mut found, mut bound] = quality::distance(&made.work, &source.surface.mesh, context)?;
     if let Some(fans) = other_triangles(mesh)? {
-        distance = distance.max(quality::distance(&made.work, &fans, context)?);
+        let of_fans = quality::distance(&made.work, &fans, context)?;
+        (found, bound) = (found.max(of_fans[0]), bound.max(of_fans[1]));
     }
-    quality.distance_max = Some(distance);
+    (quality.distance_found, quality.distance_max) = (Some(found), Some(bound));
     finish(&source, made, quality, warnings)
 }
 

@@ -27,6 +27,8 @@ pub struct QuadQuality {
     pub feature_recall: f64,
     /// Two-sided distance as a share of the diagonal: a bound, no sample.
     pub distance_max: Option<f64>,
+    /// The largest distance that was found in search of that bound: the truth is between the two.
+    pub distance_found: Option<f64>,
 }
 
 /// Samples in search of what quads leave out.
@@ -41,6 +43,7 @@ pub fn measure(work: &Work, source: &Source) -> QuadQuality {
         inverted: jacobians(work).filter(|j| !(*j > 0.0)).count(),
         feature_recall: recall(work, source).0,
         distance_max: None,
+        distance_found: None,
     }
 }
 
@@ -59,10 +62,11 @@ pub fn mean_jacobian(work: &Work) -> f64 {
     jacobians(work).sum::<f64>() / work.faces.len().max(1) as f64
 }
 
-/// A bound of the distance from a surface, both ways.
-pub fn distance(work: &Work, surface: &SurfaceMesh, context: &Context) -> Result<f64> {
+/// The distance from a surface, both ways: the largest that was found, and a bound.
+pub fn distance(work: &Work, surface: &SurfaceMesh, context: &Context) -> Result<[f64; 2]> {
     let options = DistanceOptions { samples: 40_000, refinements: 20_000, normals: false };
-    Ok(compared(work, surface, &options, context)?.relative.max_upper)
+    let found = compared(work, surface, &options, context)?.relative;
+    Ok([found.max, found.max_upper])
 }
 
 /// How far the quads leave the source, or leave part of it out: the largest distance of some samples, over the length of edges.

@@ -404,6 +404,7 @@ fn folded_polygons_are_told_as_far_as_the_farther_of_their_surfaces() {
     let made = quads(&dart, &options, &Context::new()).unwrap();
     let own = compare(&fans, &made.mesh.triangulated().unwrap(), &DistanceOptions::default(), &Context::new()).unwrap();
     assert!(made.quality.distance_max.unwrap() >= own.relative.max, "{:?}", own.relative);
+    assert!(made.quality.distance_found.unwrap() >= 0.99 * own.relative.max, "{:?}", own.relative);
     assert!(own.relative.max > 0.1);
 }
 
