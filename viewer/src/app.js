@@ -163,6 +163,7 @@ export class App {
     if (['left', 'right', 'layout'].some((name) => changed.has(name))) {
       stage.layout = this.shown().length < 2 ? 'single' : state.layout;
       stage.show(this.shown());
+      stage.refit();
       if (state.picked && !this.shown().includes(state.picked.model)) {
         state.values.picked = null;
         changed.add('picked');

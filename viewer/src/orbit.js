@@ -47,6 +47,11 @@ export class Orbit {
     this.changed();
   }
 
+  /** What is seen, to be compared. */
+  view() {
+    return [this.distance, ...this.target.toArray(), ...this.turn.toArray()].join(' ');
+  }
+
   rotate(dx, dy) {
     const right = new THREE.Vector3(1, 0, 0).applyQuaternion(this.turn);
     // Upside down, a drag to the right still turns what is near to the right.

@@ -75,6 +75,12 @@ export class Stage {
     if (!(box.x[1] >= box.x[0])) return;
     const middle = right.multiplyScalar((box.x[0] + box.x[1]) / 2).addScaledVector(up, (box.y[0] + box.y[1]) / 2);
     this.orbit.frame(middle, this.aspect(), (each) => this.points(each));
+    this.fitted = this.orbit.view();
+  }
+
+  /** What was fitted stays so in panes of another shape, unless it was moved since then. */
+  refit() {
+    if (this.fitted && this.orbit.view() === this.fitted) this.fit();
   }
 
   /** Every drawn point, in the frame of the world. */
@@ -188,6 +194,7 @@ export class Stage {
     if (w === 0 || h === 0) return;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.renderer.setSize(w, h);
+    this.refit();
     this.draw();
   }
 

@@ -77,6 +77,38 @@ describe('pages in a browser', { skip: browser === null }, () => {
     await page.close();
   });
 
+  test('the view fits panes of any shape until it is moved', async () => {
+    const page = await bench.page('quad.html', { viewport: { width: 1366, height: 500 } });
+    /** How far the points reach towards the sides of their pane: 1 is the side itself. */
+    const reach = () => page.evaluate(() => {
+      const { stage } = window.carreau;
+      const rect = stage.rect(0);
+      let most = 0;
+      stage.points((p) => {
+        const q = p.clone().project(stage.orbit.place(rect.width / rect.height));
+        most = Math.max(most, Math.abs(q.x), Math.abs(q.y));
+      });
+      return most;
+    });
+    const fits = async (what) => {
+      await page.waitForFunction(() => document.querySelector('canvas').clientWidth === document.querySelector('canvas').parentElement.clientWidth);
+      const most = await reach();
+      assert.ok(most > 0.8 && most < 0.95, `${what}: ${most}`);
+    };
+    await fits('at first');
+    await page.setViewportSize({ width: 800, height: 900 });
+    await page.waitForTimeout(300);
+    await fits('narrow and high');
+    await page.click('.segmented [data-value=single]');
+    await fits('alone');
+    const before = await page.evaluate(() => { window.carreau.stage.orbit.zoom(0.5); return window.carreau.stage.orbit.view(); });
+    await page.setViewportSize({ width: 1366, height: 768 });
+    await page.waitForTimeout(300);
+    assert.equal(await page.evaluate(() => window.carreau.stage.orbit.view()), before);
+    assert.deepEqual(page.troubles, []);
+    await page.close();
+  });
+
   test('the motorcycle graph is a layer of its own page and of its file', async () => {
     bench.run('motorcycle', 'bracket.ply', '-o', 'graph.vtp', '--report', 'motorcycle.html');
     bench.run('view', 'graph.vtp', '-o', 'graph.html');
