@@ -82,7 +82,7 @@ pub struct Sample {
 
 /// The resolutions that [`Sample::make`] accepts. The least makes the coarsest mesh of a model that is still sound; some
 /// models refuse resolutions below their own least.
-pub const RESOLUTIONS: std::ops::RangeInclusive<u32> = 4..=1000;
+pub const RESOLUTIONS: std::ops::RangeInclusive<u32> = 4..=1500;
 
 impl Sample {
     /// Makes the model with edges of about 1/`resolution` of the bounding-box diagonal; the number of triangles grows
