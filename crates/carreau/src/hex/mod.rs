@@ -408,7 +408,10 @@ fn prepare(
         }
         stay.extend(outside.iter().map(|&v| net.ids[v as usize]));
     }
-    let Some((_, ready, notes)) = best else { return Err(Error::input("the skeleton has no segment", "", "give one")) };
+    let ready = best.filter(|(_, ready, _)| !ready.edges.is_empty());
+    let Some((_, ready, notes)) = ready else {
+        return Err(Error::input("the skeleton has no segment", "", "give one"));
+    };
     warnings.extend(notes);
     check_size(&ready, options)?;
     Ok((net, ready, warnings))

@@ -24,7 +24,7 @@ pub fn drop_turns(net: &mut CurveNet) -> usize {
         for v in 0..net.points.len() {
             let &[[kept, a], [gone, b]] = around.of(v as u32) else { continue };
             let is_free = [v as u32, a, b].iter().all(|&k| !joined[k as usize]);
-            let makes_loop = around.of(a).iter().any(|s| s[1] == b);
+            let makes_loop = a == b || around.of(a).iter().any(|s| s[1] == b);
             if is_free && !makes_loop && turns_back(net, v, [a as usize, b as usize]) {
                 net.edges[kept as usize] = [a, b];
                 // Without length, it goes below.
@@ -72,11 +72,13 @@ mod tests {
         assert_eq!(drop_turns(&mut bent), 0);
     }
 
-    /// Three nodes in one ball keep their cycle.
+    /// Three nodes in one ball keep their cycle, and so do two.
     #[test]
     fn a_small_ring_stays() {
         let points = vec![DVec3::ZERO, DVec3::X, DVec3::new(0.5, 0.2, 0.0)];
         let mut net = CurveNet::new(points, vec![2.0; 3], vec![[0, 1], [1, 2], [2, 0]]);
         assert_eq!((drop_turns(&mut net), net.cycles()), (0, vec![1]));
+        let mut pair = CurveNet::new(vec![DVec3::ZERO, DVec3::X], vec![2.0; 2], vec![[0, 1], [0, 1]]);
+        assert_eq!((drop_turns(&mut pair), pair.cycles()), (0, vec![1]));
     }
 }

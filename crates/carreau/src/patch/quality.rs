@@ -72,13 +72,14 @@ type Shape = Option<([f64; 3], DVec3)>;
 const LEAST_AREA: f64 = 1e-150;
 
 fn shape(p: [DVec3; 3]) -> Shape {
-    // Scaled to edge length one: products of tiny or huge coordinates neither vanish nor overflow.
+    // Scaled to edge length one, about: products of tiny or huge coordinates neither vanish nor overflow, and nothing is rounded
+    // that the validator has not rounded, whose normal of a triangle as thin as that would be another one.
     let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
     let scale = edges.iter().map(|e| e.abs().max_element()).fold(0.0, f64::max);
     if !(scale > 0.0 && scale.is_finite()) {
         return None;
     }
-    let edges = edges.map(|e| e / scale);
+    let edges = edges.map(|e| e / power_of_two(scale));
     let angle = |out: DVec3, back: DVec3| out.cross(-back).length().atan2(out.dot(-back));
     // At the corner between the shorter edges, where the difference between these is not lost in rounding.
     let longest =
@@ -89,6 +90,12 @@ fn shape(p: [DVec3; 3]) -> Shape {
     }
     let normal = normal.normalize();
     Some(([angle(edges[0], edges[2]), angle(edges[1], edges[0]), angle(edges[2], edges[1])], normal))
+}
+
+/// The power of two that is not above a number; the number itself where that would be none.
+fn power_of_two(x: f64) -> f64 {
+    let power = f64::from_bits(x.to_bits() & (0x7ff << 52));
+    if power > 0.0 { power } else { x }
 }
 
 /// Lexicographic order of positions.

@@ -328,6 +328,18 @@ fn a_corner_far_away_is_measured_as_it_is() {
     }
 }
 
+/// Their normals are what rounding makes of them: the filters and the validator must round alike.
+#[test]
+fn triangles_on_a_line_are_seen_alike_by_filters_and_validator() {
+    let (sin, cos) = 10f64.to_radians().sin_cos();
+    for seed in 0..60 {
+        let (points, faces, ..) = bumpy(5, 5, seed).into_parts();
+        let along = |p: DVec3| (p.x + 0.3 * p.y) * 2e37 * DVec3::new(cos, 0.0, sin);
+        let mesh = SurfaceMesh::new(points.into_iter().map(along).collect(), faces).unwrap();
+        run(&mesh, &PatchOptions { min_cells: 1, ..PatchOptions::default() });
+    }
+}
+
 #[test]
 fn no_size_is_too_small_or_too_large() {
     let mesh = bumpy(6, 6, 10);

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | 1 | `attempts`, `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
-//! | 3 | `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
+//! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
 //! | stages of rung 1 | file |
@@ -24,7 +24,8 @@
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
 //! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
-//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `lift` |
+//! | borders that lie on each other are sewn while quads are made | `sew` |
+//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nudge` |
 //! | how good quads are, and can be between features | `around`, `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
 //! | how much may be done on a rung | `budget` |
@@ -59,6 +60,7 @@ mod smooth;
 mod source;
 #[cfg(test)]
 mod tests;
+mod third;
 mod ticks;
 mod tips;
 mod trace;
@@ -73,7 +75,6 @@ use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
 use attempts::Attempts;
-use budget::Budget;
 use gaps::Gap;
 use glam::DVec3;
 use halve::{Middle, halve};
@@ -142,17 +143,6 @@ impl Quads {
 
 /// Numbers of quads are met within this share.
 const WITHIN: f64 = 0.1;
-/// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
-const RUNS: usize = 6;
-const SHORTER: f64 = 0.7;
-/// No other is tried where the last one came no nearer by this share of the number.
-const NEARER: f64 = 0.04;
-/// Quads of less than this share of the wanted length would be far too many.
-const SHORTEST: f64 = 0.45;
-/// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
-const MANY: f64 = 1.2;
-const LOOSER: f64 = 1.5;
-const LOOSEST: f64 = 2.5;
 /// Rounds in which quads that are no good go back to where they were.
 const TAKEN_BACK: usize = 30;
 /// Quads farther from the surface than this share of their edges are for the next rung.
@@ -213,7 +203,7 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
         attempts.run()?;
     }
     if !attempts.is_useful()
-        && let Some((work, gap)) = third(source, options, &mut warnings, context)?
+        && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?
     {
         attempts.graft(work, gap)?;
     }
@@ -271,76 +261,6 @@ fn off(count: usize, wanted: usize) -> f64 {
     (count as f64 / wanted as f64 - 1.0).abs()
 }
 
-/// Rung 3, with the number of quads met as nearly as it goes, and how far they are from the surface; `None` where the validator refuses.
-fn third(
-    source: &Source,
-    options: &QuadOptions,
-    warnings: &mut Vec<String>,
-    context: &Context,
-) -> Result<Option<(Work, Gap)>> {
-    if options.rung > 3 {
-        return Ok(None);
-    }
-    let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    // A triangle of the coarse mesh becomes two quads, about.
-    let triangles = options.quads as f64 / 2.0;
-    let mut length = match options.edge_length {
-        Some(length) => 2.0 * length,
-        None => (source.area / triangles * 4.0 / 3f64.sqrt()).sqrt(),
-    };
-    // Borders that lie on each other get the same vertices.
-    let held = source.held(length, context)?;
-    let source = held.as_ref().unwrap_or(source);
-    let mut loose = 1.0;
-    let mut best: Option<(Work, Gap)> = None;
-    let mut refused = String::new();
-    let mut budget = Budget::new(2.0 * source.area / length.powi(2));
-    let shortest = SHORTEST * length;
-    for _ in 0..RUNS {
-        if budget.is_spent() || length < shortest {
-            break;
-        }
-        let Some(coarse) = attempt(pair::paired(source, length, loose, feature_deg, context))? else {
-            length *= SHORTER;
-            continue;
-        };
-        let mut work = halve(&coarse, source, Middle::OnSurface);
-        source.hold(&mut work);
-        budget.triangles(coarse.faces.len());
-        budget.quads(work.faces.len());
-        smooth::smooth(&mut work, source, context)?;
-        take_back(&mut work, &halve(&coarse, source, Middle::Straight).points, source);
-        let gap = lifted(&mut work, source, context)?;
-        let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
-        if why.is_none() && quality::straying(&work, source, context)? > LOST {
-            why = Some(LEFT_OUT.into());
-        }
-        if let Some(why) = why {
-            refused = why;
-            length *= SHORTER;
-            continue;
-        }
-        let count = work.faces.len();
-        let missed = off(count, options.quads);
-        let gain = best.as_ref().map_or(f64::INFINITY, |b| off(b.0.faces.len(), options.quads) - missed);
-        if gain > 0.0 {
-            best = Some((work, gap));
-        }
-        if options.edge_length.is_some() || missed < 0.5 * WITHIN || gain < NEARER {
-            break;
-        }
-        let ratio = count as f64 / options.quads as f64;
-        length *= ratio.sqrt();
-        if ratio > MANY {
-            loose = (LOOSER * loose).min(LOOSEST);
-        }
-    }
-    if best.is_none() {
-        warnings.push(format!("rung 3 was refused: {refused}"));
-    }
-    Ok(best)
-}
-
 /// Lifts quads, but for those that would be no good then. Returns how far they are from the surface.
 fn lifted(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> {
     let before = work.points.clone();
@@ -362,14 +282,6 @@ fn take_back(work: &mut Work, before: &[DVec3], source: &Source) {
         if !moved {
             return;
         }
-    }
-}
-
-/// What a rung cannot do is for the next one; a deadline, a cancellation or a defect is not.
-fn attempt<T>(result: Result<Option<T>>) -> Result<Option<T>> {
-    match result {
-        Err(Error::Numeric(_) | Error::Input { .. }) => Ok(None),
-        other => other,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Properties of whole quad meshes on made models, rung by rung.
 
+use super::budget::Budget;
 use super::draw::draw;
 use super::graft::Donor;
 use super::regular::{MOST, Wish, regular};
@@ -367,7 +368,7 @@ fn a_region_takes_the_quads_of_rung_3_and_the_others_meet_them() {
         let (mesh, context) = (part(name), Context::new());
         let options = QuadOptions { quads: 600, ..QuadOptions::default() };
         let source = Source::new(&mesh, &options.features, &context).unwrap();
-        let (third, _) = third(&source, &options, &mut Vec::new(), &context).unwrap().unwrap();
+        let (third, _) = third::third(&source, &options, &mut Vec::new(), &context).unwrap().unwrap();
         let donor = Donor::new(&third, &source);
         let length = (source.area / 600.0).sqrt();
         let drawn = draw(&source, length, length, options.features.angle_deg.unwrap(), &context).unwrap().unwrap();
@@ -427,4 +428,22 @@ fn a_vertex_far_away_leaves_no_number_out_of_range() {
             }
         }
     }
+}
+
+/// A ball with a rough skin bends everywhere: following it closely would take many times the quads that were asked for.
+#[test]
+fn a_rough_skin_is_followed_less_closely_on_rung_3() {
+    let ball = sample::make("icosphere", Some(40), &Context::new()).unwrap();
+    let mut random = sample::random::Random::new(5);
+    let rough = ball.points().iter().map(|p| *p * (1.0 + 0.01 * random.symmetric())).collect();
+    let mesh = SurfaceMesh::new(rough, ball.faces().clone()).unwrap();
+    let options = QuadOptions {
+        features: FeatureOptions { angle_deg: None, ..FeatureOptions::default() },
+        quads: 400,
+        rung: 3,
+        ..QuadOptions::default()
+    };
+    let result = quads(&mesh, &options, &Context::new()).unwrap();
+    check(&mesh, &result);
+    assert!(result.rung() == 3 && (360..=600).contains(&result.mesh.face_count()), "{}", result.mesh.face_count());
 }

@@ -1,0 +1,169 @@
+//! Rung 3, with the number of quads met as nearly as it goes: again with other lengths, and less close to a surface that bends so
+//! much that following it takes too many.
+
+use super::budget::Budget;
+use super::gaps::Gap;
+use super::halve::{Middle, halve};
+use super::pair::paired;
+use super::smooth::smooth;
+use super::source::Source;
+use super::work::Work;
+use super::{LEFT_OUT, LOST, QuadOptions, WITHIN, lifted, off, quality, take_back, validate};
+use crate::context::Context;
+use crate::error::{Error, Result};
+
+/// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
+const RUNS: usize = 6;
+const SHORTER: f64 = 0.7;
+/// No other is tried where the last one came no nearer by this share of the number.
+const NEARER: f64 = 0.04;
+/// Quads of less than this share of the wanted length would be far too many.
+const SHORTEST: f64 = 0.45;
+/// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
+const MANY: f64 = 1.2;
+const LOOSER: f64 = 1.5;
+const LOOSEST: f64 = 2.5;
+/// So many times too many are not even made, as long as the surface can be followed less closely.
+const TOO_MANY: f64 = 2.5;
+/// Where so many times too many are refused, more are not tried.
+const HOPELESS: f64 = 10.0;
+
+/// The quads, and how far they are from the surface; `None` where the validator refuses.
+pub fn third(
+    source: &Source,
+    options: &QuadOptions,
+    warnings: &mut Vec<String>,
+    context: &Context,
+) -> Result<Option<(Work, Gap)>> {
+    if options.rung > 3 {
+        return Ok(None);
+    }
+    // A triangle of the coarse mesh becomes two quads, about.
+    let triangles = options.quads as f64 / 2.0;
+    let length = match options.edge_length {
+        Some(length) => 2.0 * length,
+        None => (source.area / triangles * 4.0 / 3f64.sqrt()).sqrt(),
+    };
+    // Borders that lie on each other get the same vertices.
+    let held = source.held(length, context)?;
+    let source = held.as_ref().unwrap_or(source);
+    let (passed, refused) = (Vec::new(), String::new());
+    let mut search = Search { source, options, length, passed, best: None, refused, context };
+    // Features need what they need, and few quads along them are poor ones.
+    search.run(options.edge_length.is_none() && source.edges.is_empty())?;
+    // Where fewer quads are refused, the many are made.
+    let most = search.passed.first().map(|coarse| coarse.faces.corners().len());
+    if let (None, Some(most)) = (&search.best, most) {
+        search.make_passed()?;
+        if search.best.is_none() && most as f64 <= HOPELESS * options.quads as f64 {
+            search.length *= SHORTER;
+            search.run(false)?;
+        }
+    }
+    if search.best.is_none() {
+        warnings.push(format!("rung 3 was refused: {}", search.refused));
+    }
+    Ok(search.best)
+}
+
+/// One length after the other.
+struct Search<'a> {
+    source: &'a Source,
+    options: &'a QuadOptions,
+    /// Of the triangles at first.
+    length: f64,
+    /// Triangles and their pairs that would have been far too many quads, the most first.
+    passed: Vec<Work>,
+    best: Option<(Work, Gap)>,
+    /// Why the last one came to nothing.
+    refused: String,
+    context: &'a Context,
+}
+
+impl Search<'_> {
+    /// Far too many quads are passed over, if they may be.
+    fn run(&mut self, passes_over: bool) -> Result<()> {
+        let (source, wanted) = (self.source, self.options.quads);
+        let feature_deg = self.options.features.angle_deg.unwrap_or(180.0);
+        let (mut length, mut loose) = (self.length, 1.0);
+        let mut budget = Budget::new(2.0 * source.area / length.powi(2));
+        for _ in 0..RUNS {
+            if budget.is_spent() || length < SHORTEST * self.length {
+                break;
+            }
+            let Some(coarse) = attempt(paired(source, length, loose, feature_deg, self.context))? else {
+                length *= SHORTER;
+                continue;
+            };
+            budget.triangles(coarse.faces.len());
+            // Every corner becomes a quad.
+            let count = coarse.faces.corners().len();
+            let ratio = count as f64 / wanted as f64;
+            if passes_over && ratio > TOO_MANY && loose < LOOSEST {
+                self.passed.push(coarse);
+                (length, loose) = (length * ratio.sqrt(), looser(loose));
+                continue;
+            }
+            budget.quads(count);
+            let made = self.judged(&coarse)?;
+            let Some(made) = made else {
+                length *= SHORTER;
+                continue;
+            };
+            let missed = off(count, wanted);
+            let gain = self.best.as_ref().map_or(f64::INFINITY, |b| off(b.0.faces.len(), wanted) - missed);
+            if gain > 0.0 {
+                self.best = Some(made);
+            }
+            if self.options.edge_length.is_some() || missed < 0.5 * WITHIN || gain < NEARER {
+                break;
+            }
+            length *= ratio.sqrt();
+            if ratio > MANY {
+                loose = looser(loose);
+            }
+        }
+        Ok(())
+    }
+
+    /// The fewest of those passed over that are accepted.
+    fn make_passed(&mut self) -> Result<()> {
+        while let Some(coarse) = self.passed.pop() {
+            self.best = self.judged(&coarse)?;
+            if self.best.is_some() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Triangles and their pairs halved and smoothed; `None` where the validator refuses.
+    fn judged(&mut self, coarse: &Work) -> Result<Option<(Work, Gap)>> {
+        let (source, context) = (self.source, self.context);
+        let mut work = halve(coarse, source, Middle::OnSurface);
+        source.hold(&mut work);
+        smooth(&mut work, source, context)?;
+        take_back(&mut work, &halve(coarse, source, Middle::Straight).points, source);
+        let gap = lifted(&mut work, source, context)?;
+        let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
+        if why.is_none() && quality::straying(&work, source, context)? > LOST {
+            why = Some(LEFT_OUT.into());
+        }
+        let holds = why.is_none();
+        self.refused = why.unwrap_or_default();
+        tracing::debug!(target: "carreau::quad", count = work.faces.len(), refused = self.refused, "rung 3");
+        Ok(holds.then_some((work, gap)))
+    }
+}
+
+fn looser(loose: f64) -> f64 {
+    (LOOSER * loose).min(LOOSEST)
+}
+
+/// What a rung cannot do is for the next one; a deadline, a cancellation or a defect is not.
+fn attempt<T>(result: Result<Option<T>>) -> Result<Option<T>> {
+    match result {
+        Err(Error::Numeric(_) | Error::Input { .. }) => Ok(None),
+        other => other,
+    }
+}
