@@ -91,13 +91,16 @@ describe('pages in a browser', { skip: browser === null }, () => {
       return most;
     });
     const fits = async (what) => {
-      await page.waitForFunction(() => document.querySelector('canvas').clientWidth === document.querySelector('canvas').parentElement.clientWidth);
-      const most = await reach();
+      // The browser tells of another shape when it likes to.
+      let most = await reach();
+      for (let k = 0; k < 100 && !(most > 0.8 && most < 0.95); k++) {
+        await page.waitForTimeout(100);
+        most = await reach();
+      }
       assert.ok(most > 0.8 && most < 0.95, `${what}: ${most}`);
     };
     await fits('at first');
     await page.setViewportSize({ width: 800, height: 900 });
-    await page.waitForTimeout(300);
     await fits('narrow and high');
     await page.click('.segmented [data-value=single]');
     await fits('alone');
