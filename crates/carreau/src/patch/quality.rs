@@ -79,7 +79,8 @@ fn shape(p: [DVec3; 3]) -> Shape {
     if !(scale > 0.0 && scale.is_finite()) {
         return None;
     }
-    let edges = edges.map(|e| e / power_of_two(scale));
+    let scale = power_of_two(scale);
+    let edges = edges.map(|e| e / scale);
     let angle = |out: DVec3, back: DVec3| out.cross(-back).length().atan2(out.dot(-back));
     // At the corner between the shorter edges, where the difference between these is not lost in rounding.
     let longest =

@@ -24,11 +24,6 @@ impl Budget {
         self.0 == 0
     }
 
-    /// Less than half of what there was is left.
-    pub fn is_low(&self, before: u64) -> bool {
-        self.0 < before / 2
-    }
-
     /// What is left.
     pub fn left(&self) -> u64 {
         self.0

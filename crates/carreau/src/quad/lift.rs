@@ -65,6 +65,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
         let after = beyond(&moved);
         if after >= before {
             work.points = points;
+            // What the gaps know is of the places taken back.
             now = gaps.of(work, &has_moved);
             break;
         }

@@ -400,10 +400,11 @@ impl<'a> Rounds<'a> {
         bad.sort_unstable();
         bad.dedup();
         self.fewest = if bad.len() < self.fewest.0 { (bad.len(), 0) } else { (self.fewest.0, self.fewest.1 + 1) };
-        self.refusal.regions = self.regions_of(layout, &bad);
+        let regions = self.regions_of(layout, &bad);
+        self.refusal.regions.clone_from(&regions);
         tell(&self.sheet, layout, &bad, &self.refusal.why);
         let has_changed = if self.is_hasty() {
-            self.turn(&self.regions_of(layout, &bad), State::Grafted)
+            self.turn(&regions, State::Grafted)
         } else {
             let is_stuck = self.fewest.1 > PATIENCE;
             let stuck = if is_stuck { bad } else { self.replace(layout, bad, kinds) };
@@ -414,6 +415,11 @@ impl<'a> Rounds<'a> {
         }
         open_holes(&mut self.sheet, |t| self.state[t as usize] == State::Grafted);
         ControlFlow::Continue(())
+    }
+
+    /// Quads of rung 3 are there to be taken, and there is not budget enough to look for better ones.
+    fn is_hasty(&self) -> bool {
+        self.wish.graft.is_some() && self.budget.left() < self.allowance / 2
     }
 
     fn regions_of(&self, layout: &Layout, patches: &[usize]) -> Vec<u32> {
@@ -479,11 +485,6 @@ impl<'a> Rounds<'a> {
             self.fewest = (usize::MAX, 0);
         }
         has_changed
-    }
-
-    /// Quads of rung 3 are there to be taken, and there is not budget enough to look for better ones.
-    fn is_hasty(&self) -> bool {
-        self.wish.graft.is_some() && self.budget.is_low(self.allowance)
     }
 
     /// So do the regions beside features that were lost in many rounds; what was said of these is forgotten.

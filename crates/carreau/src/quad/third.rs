@@ -105,8 +105,7 @@ impl Search<'_> {
                 continue;
             }
             budget.quads(count);
-            let made = self.judged(&coarse)?;
-            let Some(made) = made else {
+            let Some(made) = self.judged(&coarse)? else {
                 length *= SHORTER;
                 continue;
             };
@@ -128,11 +127,10 @@ impl Search<'_> {
 
     /// The fewest of those passed over that are accepted.
     fn make_passed(&mut self) -> Result<()> {
-        while let Some(coarse) = self.passed.pop() {
+        while self.best.is_none()
+            && let Some(coarse) = self.passed.pop()
+        {
             self.best = self.judged(&coarse)?;
-            if self.best.is_some() {
-                break;
-            }
         }
         Ok(())
     }
