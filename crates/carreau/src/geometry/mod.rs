@@ -29,6 +29,7 @@ pub mod primitive;
 pub(crate) mod quadric;
 pub mod quality;
 pub mod search_tree;
+mod slabs;
 mod slices;
 pub mod summary;
 pub mod winding;

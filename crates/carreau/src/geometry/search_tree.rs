@@ -18,6 +18,7 @@
 //!     3 4
 //! ```
 
+use super::slabs::Slab;
 use super::slices::{Slice, slices};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,6 +33,8 @@ const DEPTH: usize = 34;
 /// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
 pub struct TriangleTree {
     boxes: Vec<Box3>,
+    /// Slabs of the nodes, or none.
+    slabs: Vec<Slab>,
     /// Corners of the triangles, in the order of the leaves: once for each of their slices.
     corners: Vec<[DVec3; 3]>,
     /// The slices with the ids, in the same order.
@@ -115,7 +118,20 @@ impl TriangleTree {
         }
         let slices: Vec<Slice> = items.into_iter().map(|(_, item)| slices[item as usize]).collect();
         let corners = slices.par_iter().map(|slice| corners_of(slice.id)).collect();
-        TriangleTree { boxes, corners, slices, len: triangles.len() }
+        TriangleTree { boxes, slabs: Vec::new(), corners, slices, len: triangles.len() }
+    }
+
+    /// The same tree for points far from the surface, as in its middle: closest points are found sooner there. `normals` are
+    /// those of the triangles, of any length.
+    pub fn with_slabs(mut self, normals: &[DVec3]) -> Self {
+        let nodes = self.nodes();
+        let slab = |node: &Node| {
+            let held = self.held(*node);
+            let normal = self.slices[held.clone()].iter().map(|slice| normals[slice.id as usize]).sum();
+            Slab::around(self.corners[held].iter().flatten().copied(), normal)
+        };
+        self.slabs = nodes.par_iter().map(slab).collect();
+        self
     }
 
     /// The tree of segments, as triangles without width; segment `k` has id `k`.
@@ -163,7 +179,11 @@ impl TriangleTree {
     fn closest_below(&self, p: DVec3, limit: f64) -> Option<Closest> {
         let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: limit };
         let mut stack = Stack::new();
-        self.root().into_iter().for_each(|root| stack.push(root, self.boxes[0].distance_squared(p)));
+        let to = |node: Node| {
+            let to_box = self.boxes[node.index as usize].distance_squared(p);
+            self.slabs.get(node.index as usize).map_or(to_box, |slab| to_box.max(slab.distance_squared(p)))
+        };
+        self.root().into_iter().for_each(|root| stack.push(root, to(root)));
         'waiting: while let Some((mut node, bound)) = stack.pop() {
             if bound > best.distance_squared {
                 continue;
@@ -171,7 +191,6 @@ impl TriangleTree {
             // Down to the nearest leaf; what is farther away waits.
             while node.leaves > 1 {
                 let [a, b] = node.children();
-                let to = |child: Node| self.boxes[child.index as usize].distance_squared(p);
                 let (to_a, to_b) = (to(a), to(b));
                 let (near, to_near, far, to_far) = if to_b < to_a { (b, to_b, a, to_a) } else { (a, to_a, b, to_b) };
                 if to_near > best.distance_squared {
@@ -274,8 +293,26 @@ impl TriangleTree {
     }
 
     fn leaf(&self, node: Node) -> std::ops::Range<usize> {
+        self.held(Node { leaves: 1, ..node })
+    }
+
+    /// The triangles of a node, by position.
+    fn held(&self, node: Node) -> std::ops::Range<usize> {
         let first = node.first_leaf as usize * LEAF;
-        first..(first + LEAF).min(self.slices.len())
+        first..(first + node.leaves as usize * LEAF).min(self.slices.len())
+    }
+
+    /// All nodes, in preorder.
+    fn nodes(&self) -> Vec<Node> {
+        let mut stack: Vec<Node> = self.root().into_iter().collect();
+        let mut nodes = Vec::with_capacity(self.boxes.len());
+        while let Some(node) = stack.pop() {
+            nodes.push(node);
+            if node.leaves > 1 {
+                stack.extend(node.children().into_iter().rev());
+            }
+        }
+        nodes
     }
 }
 
@@ -529,6 +566,21 @@ mod tests {
                 }
                 prop_assert_eq!(tree.closest_within(p, found.distance() * (1.0 + 1e-12)), Some(found));
                 prop_assert_eq!(tree.closest_within(p, found.distance() * 0.999 - 1e-12), None);
+            }
+        }
+
+        /// Whatever the normals are said to be.
+        #[test]
+        fn slabs_change_no_answer(
+            (points, triangles) in soup_or_fan(),
+            queries in prop::collection::vec(point(), 20),
+            normals in prop::collection::vec(point(), 300),
+        ) {
+            let tree = TriangleTree::new(&points, &triangles);
+            let with_slabs = TriangleTree::new(&points, &triangles).with_slabs(&normals);
+            for p in queries {
+                let (plain, found) = (tree.closest(p).unwrap(), with_slabs.closest(p).unwrap());
+                prop_assert!((plain.distance() - found.distance()).abs() < 1e-12);
             }
         }
 

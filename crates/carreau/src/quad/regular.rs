@@ -164,7 +164,27 @@ pub fn regular(source: &Source, drawn: &Drawn, wish: &Wish, budget: &mut Budget,
             break;
         }
     }
-    Ok(rounds.outcome())
+    rounds.outcome()
+}
+
+/// Quads that have not been fitted to the surface yet: those of most rounds need not be.
+struct Smooth {
+    made: Made,
+    smoothing: Smoothing,
+}
+
+impl Smooth {
+    /// Fits them, if they stay good.
+    fn fitted(self, source: &Source, context: &Context) -> Result<Made> {
+        let Smooth { mut made, smoothing } = self;
+        let before = made.work.clone();
+        let lost = |work: &Work| lost_features(work, source, NEAR).len();
+        smoothing.fit(&mut made.work, source, context)?;
+        if faults(&made.work, source).next().is_some() || lost(&made.work) > lost(&before) {
+            made.work = before;
+        }
+        Ok(made)
+    }
 }
 
 /// One layout after the other, until its quads will do.
@@ -187,9 +207,9 @@ struct Rounds<'a> {
     /// The fewest bad patches, and the rounds since then.
     fewest: (usize, usize),
     /// The result nearest to the number so far, with how far it is off.
-    nearest: Option<(f64, Made)>,
+    nearest: Option<(f64, Smooth)>,
     /// What is there in any case, while patches with useless quads give way.
-    spare: Option<Made>,
+    spare: Option<Smooth>,
     refusal: Refusal,
 }
 
@@ -214,8 +234,11 @@ impl<'a> Rounds<'a> {
         }
     }
 
-    fn outcome(self) -> Outcome {
-        self.nearest.map(|n| n.1).or(self.spare).ok_or(self.refusal)
+    fn outcome(self) -> Result<Outcome> {
+        match self.nearest.map(|n| n.1).or(self.spare) {
+            Some(smooth) => smooth.fitted(self.source, self.context).map(Ok),
+            None => Ok(Err(self.refusal)),
+        }
     }
 
     fn give_up(&mut self, why: impl Into<String>) -> Result<ControlFlow<()>> {
@@ -251,7 +274,7 @@ impl<'a> Rounds<'a> {
             Err(unfilled) => return Ok(self.give_way(&layout, unfilled, &[])),
         };
         let mut work = settled(work, source);
-        let smoothing = Smoothing::new(&mut work, source);
+        let mut smoothing = Smoothing::new(&mut work, source);
         let near = if round < TIGHT { SAG * NEAR } else { NEAR };
         // What is lost already need not be smoothed.
         if !is_last {
@@ -290,11 +313,12 @@ impl<'a> Rounds<'a> {
         let useless: Vec<usize> = useless.map(|(_, &p)| p as usize).collect();
         let rung = self.rungs(&layout, &work, &patch, &kind);
         let made = Made { work, rung, tracks, numbers: self.numbers.clone() };
+        let smooth = Smooth { made, smoothing };
         if useless.is_empty() || self.spare.is_some() || self.nearest.is_some() {
-            return Ok(self.take(made));
+            return Ok(self.take(smooth));
         }
         self.refusal.why = "a quad is as flat as a triangle".into();
-        self.spare = Some(made);
+        self.spare = Some(smooth);
         Ok(self.give_way(&layout, useless, &kind))
     }
 
@@ -361,13 +385,13 @@ impl<'a> Rounds<'a> {
     }
 
     /// Takes a result if it is nearer to the number than the one before, and goes on where it is not near enough.
-    fn take(&mut self, made: Made) -> ControlFlow<()> {
-        let count = made.work.faces.len() as f64;
+    fn take(&mut self, smooth: Smooth) -> ControlFlow<()> {
+        let count = smooth.made.work.faces.len() as f64;
         let off = self.wish.quads.map_or(0.0, |n| (count / n as f64).ln().abs());
         if self.nearest.as_ref().is_some_and(|n| off >= n.0) {
             return ControlFlow::Break(());
         }
-        self.nearest = Some((off, made));
+        self.nearest = Some((off, smooth));
         if off < WITHIN {
             return ControlFlow::Break(());
         }

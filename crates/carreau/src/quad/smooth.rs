@@ -36,15 +36,19 @@ pub const SURE: f64 = 0.7;
 /// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
 const HOPELESS: f64 = 0.5;
 
-/// Puts vertices on features to where these bend, and smooths what may move.
+/// Puts vertices on features to where these bend, smooths what may move, and fits it to the surface.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
-    Smoothing::new(work, source).run(work, source, context)
+    let mut smoothing = Smoothing::new(work, source);
+    smoothing.run(work, source, context)?;
+    smoothing.fit(work, source, context)
 }
 
 /// Smoothing whose features are done: vertices on them are where these bend, and others have not moved yet.
 pub struct Smoothing {
     around: Around,
     held: Vec<(u32, Place)>,
+    /// What was even, before poor quads were looked after: the vertices, and where they may go.
+    even: Option<(Vec<DVec3>, Vec<Place>)>,
 }
 
 impl Smoothing {
@@ -52,12 +56,13 @@ impl Smoothing {
         let mut around = Around::new(work);
         let held = bends::follow(work, &around, source);
         tips::follow(work, &mut around, source);
-        Smoothing { around, held }
+        Smoothing { around, held, even: None }
     }
 
-    pub fn run(self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+    /// Makes quads even and none poor, as far as that can be.
+    pub fn run(&mut self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
         let _stage = context.stage("smooth");
-        let Smoothing { around, held } = self;
+        let around = &self.around;
         if turned(work).len() as f64 > HOPELESS * work.faces.len() as f64 {
             return Ok(());
         }
@@ -66,8 +71,8 @@ impl Smoothing {
             for v in 0..work.points.len() as u32 {
                 context.check_every(v as usize)?;
                 let has_moved = match work.place[v as usize] {
-                    Place::Region(_) => relax(work, &around, source, v),
-                    Place::Curve(_) => slide(work, &around, source, v),
+                    Place::Region(_) => relax(work, around, source, v),
+                    Place::Curve(_) => slide(work, around, source, v),
                     Place::Fixed => false,
                 };
                 moved += usize::from(has_moved);
@@ -77,12 +82,24 @@ impl Smoothing {
             }
         }
         // What stays turned over is refused: how near it is to the surface does not matter.
-        if untangle(work, &around, source, context)? {
-            fit(work, &around, source, context)?;
-        }
-        look_after(work, &around, source, context)?;
-        if bends::let_go(work, &around, &held) {
-            look_after(work, &around, source, context)?;
+        self.even = untangle(work, around, source, context)?.then(|| (work.points.clone(), work.place.clone()));
+        self.finish(work, source, context)
+    }
+
+    /// Takes quads that have been smoothed nearer to the surface.
+    pub fn fit(self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+        let _stage = context.stage("fit");
+        let Some((points, place)) = &self.even else { return Ok(()) };
+        work.points.clone_from(points);
+        work.place.clone_from(place);
+        fit(work, &self.around, source, context)?;
+        self.finish(work, source, context)
+    }
+
+    fn finish(&self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+        look_after(work, &self.around, source, context)?;
+        if bends::let_go(work, &self.around, &self.held) {
+            look_after(work, &self.around, source, context)?;
         }
         Ok(())
     }

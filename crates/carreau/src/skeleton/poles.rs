@@ -11,7 +11,9 @@
 //! ```
 //!
 //! A ball that is stopped by a vertex next door is stopped by noise: when p and q are seen from the new centre under a
-//! small angle, the ball of before is kept.
+//! small angle, the ball of before is kept. A ball is small enough when no vertex is much nearer to its centre than p: in a
+//! tube whole rings of vertices are about as near, and which of them is the nearest takes the longer to tell the more there
+//! are.
 
 use crate::context::Context;
 use crate::error::Result;
@@ -24,6 +26,8 @@ use rayon::prelude::*;
 /// p and q seen under less than this angle from the centre: noise.
 const LEAST_ANGLE: f64 = 0.55;
 const ROUNDS: usize = 30;
+/// No vertex is nearer to the centre of a ball than its radius less this share.
+const SLACK: f64 = 5e-3;
 
 /// The pole of every vertex.
 pub fn poles(mesh: &SurfaceMesh, context: &Context) -> Result<Vec<DVec3>> {
@@ -31,7 +35,7 @@ pub fn poles(mesh: &SurfaceMesh, context: &Context) -> Result<Vec<DVec3>> {
     let normals = vertex_normals(mesh, &face_normals(mesh));
     // Points are triangles of three equal corners.
     let vertices: Vec<[u32; 3]> = (0..points.len() as u32).map(|v| [v; 3]).collect();
-    let tree = TriangleTree::new(points, &vertices);
+    let tree = TriangleTree::new(points, &vertices).with_slabs(&normals);
     let start = 0.5 * mesh.diagonal();
     context.check()?;
     Ok(points.par_iter().zip(&normals).map(|(&p, &n)| shrink(p, n, start, &tree)).collect())
@@ -41,7 +45,7 @@ fn shrink(p: DVec3, n: DVec3, start: f64, tree: &TriangleTree) -> DVec3 {
     let mut r = start;
     for round in 0..ROUNDS {
         let centre = p - n * r;
-        let Some(near) = tree.closest_within(centre, r * (1.0 - 1e-9)) else { break };
+        let Some(near) = tree.closest_within(centre, r * (1.0 - SLACK)) else { break };
         let to = p - near.point;
         let depth = 2.0 * n.dot(to);
         if !(depth > 0.0) {
@@ -50,7 +54,7 @@ fn shrink(p: DVec3, n: DVec3, start: f64, tree: &TriangleTree) -> DVec3 {
         let smaller = to.length_squared() / depth;
         let inner = p - n * smaller;
         let angle = (p - inner).angle_between(near.point - inner);
-        if !(smaller < r * (1.0 - 1e-6)) || (round > 0 && angle < LEAST_ANGLE) {
+        if !(smaller < r) || (round > 0 && angle < LEAST_ANGLE) {
             break;
         }
         r = smaller;
