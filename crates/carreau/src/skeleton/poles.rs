@@ -27,7 +27,7 @@ use rayon::prelude::*;
 const LEAST_ANGLE: f64 = 0.55;
 const ROUNDS: usize = 30;
 /// No vertex is nearer to the centre of a ball than its radius less this share.
-const SLACK: f64 = 5e-3;
+const SLACK: f64 = 1e-4;
 
 /// The pole of every vertex.
 pub fn poles(mesh: &SurfaceMesh, context: &Context) -> Result<Vec<DVec3>> {

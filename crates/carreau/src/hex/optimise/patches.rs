@@ -21,6 +21,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Cells with a lower scaled Jacobian are worked on.
 const POOR: f64 = 0.5;
+/// Nor are those that are better by this than one that was given up: the least scaled Jacobian stays.
+const MARGIN: f64 = 0.1;
 /// Rings of cells around a poor one.
 const RINGS: usize = 5;
 /// Powers of the energy in turn, with the iterations of each.
@@ -42,6 +44,9 @@ const SEATINGS: usize = 1500;
 /// No more are tried when those in vain have had so many times as many cells as the mesh: where a patch is most of the mesh, all
 /// are alike.
 const MOST_IN_VAIN: usize = 10;
+/// Where a patch has more than one of so many cells of the mesh, those beside a cell that is given up are, too: they are in the
+/// same straits, and better.
+const ALIKE: usize = 5;
 /// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
 /// comes first. A cell may be as poor as this then, or as poor as before.
 const SEATING: [usize; 3] = [2, 3, 5];
@@ -256,11 +261,12 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
     let (mut better, mut tried, mut in_vain) = (0, 0, 0);
     for _ in 0..ROUNDS {
         let quality = |c: usize| scaled_jacobian(&hexes[c].map(|v| points[v as usize]));
+        let stuck = (0..hexes.len()).filter(|&c| given_up[c]).map(quality).fold(f64::INFINITY, f64::min);
         let mut poor: Vec<(f64, u32)> = (0..hexes.len())
             .into_par_iter()
             .filter(|&c| !given_up[c])
             .map(|c| (quality(c), c as u32))
-            .filter(|c| c.0 < POOR)
+            .filter(|c| c.0 < POOR.min(stuck + MARGIN))
             .collect();
         poor.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let patches = mesh.disjoint(poor.into_iter().map(|c| c.1), RINGS, PATCHES - tried);
@@ -281,7 +287,9 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
                 }
                 None => {
                     in_vain += cells.len();
-                    given_up[cells[0] as usize] = true;
+                    let is_large = ALIKE * cells.len() > hexes.len();
+                    let alike = mesh.around(cells[0], usize::from(is_large));
+                    alike.into_iter().for_each(|c| given_up[c as usize] = true);
                 }
             }
         }
