@@ -178,6 +178,34 @@ impl TriangleTree {
     /// The closest point whose squared distance is not above a limit.
     fn closest_below(&self, p: DVec3, limit: f64) -> Option<Closest> {
         let mut best = Closest { triangle: u32::MAX, point: p, distance_squared: limit };
+        self.nearest_first(p, limit, |found| {
+            if (found.distance_squared, found.triangle) < (best.distance_squared, best.triangle) {
+                best = found;
+            }
+            best.distance_squared
+        });
+        (best.triangle != u32::MAX).then_some(best)
+    }
+
+    /// The triangle that costs least, of those not farther than `radius` whose cost there is, and its cost; the smallest id of
+    /// several. A cost is never below the distance: what is farther than the best costs is not looked at.
+    pub fn cheapest(&self, p: DVec3, radius: f64, cost: impl Fn(&Closest) -> Option<f64>) -> Option<(f64, Closest)> {
+        let mut best: Option<(f64, Closest)> = None;
+        self.nearest_first(p, radius * radius, |found| {
+            if let Some(cost) = cost(&found)
+                && found.distance_squared <= radius * radius
+                && best.is_none_or(|(least, b)| (cost, found.triangle) < (least, b.triangle))
+            {
+                best = Some((cost, found));
+            }
+            best.map_or(radius * radius, |(least, _)| radius.min(least).powi(2))
+        });
+        best
+    }
+
+    /// Offers triangles, the nearer ones about first, with their closest points; what is farther than the limit, squared, may be
+    /// left out. The limit is what is returned for the last one.
+    fn nearest_first(&self, p: DVec3, mut limit: f64, mut offer: impl FnMut(Closest) -> f64) {
         let mut stack = Stack::new();
         let to = |node: Node| {
             let to_box = self.boxes[node.index as usize].distance_squared(p);
@@ -185,7 +213,7 @@ impl TriangleTree {
         };
         self.root().into_iter().for_each(|root| stack.push(root, to(root)));
         'waiting: while let Some((mut node, bound)) = stack.pop() {
-            if bound > best.distance_squared {
+            if bound > limit {
                 continue;
             }
             // Down to the nearest leaf; what is farther away waits.
@@ -193,24 +221,21 @@ impl TriangleTree {
                 let [a, b] = node.children();
                 let (to_a, to_b) = (to(a), to(b));
                 let (near, to_near, far, to_far) = if to_b < to_a { (b, to_b, a, to_a) } else { (a, to_a, b, to_b) };
-                if to_near > best.distance_squared {
+                if to_near > limit {
                     continue 'waiting;
                 }
                 stack.push(far, to_far);
                 node = near;
             }
             for k in self.leaf(node) {
-                if Box3::around(self.corners[k]).distance_squared(p) > best.distance_squared {
+                if Box3::around(self.corners[k]).distance_squared(p) > limit {
                     continue;
                 }
                 let point = closest_on_triangle(p, self.corners[k]);
-                let found = Closest { triangle: self.slices[k].id, point, distance_squared: p.distance_squared(point) };
-                if (found.distance_squared, found.triangle) < (best.distance_squared, best.triangle) {
-                    best = found;
-                }
+                limit =
+                    offer(Closest { triangle: self.slices[k].id, point, distance_squared: p.distance_squared(point) });
             }
         }
-        (best.triangle != u32::MAX).then_some(best)
     }
 
     /// Calls `visit` for every triangle whose closest point is not farther than `radius`, in no particular but always
@@ -582,6 +607,25 @@ mod tests {
                 let (plain, found) = (tree.closest(p).unwrap(), with_slabs.closest(p).unwrap());
                 prop_assert!((plain.distance() - found.distance()).abs() < 1e-12);
             }
+        }
+
+        #[test]
+        fn the_cheapest_is_the_cheapest_of_those_within(
+            (points, triangles) in soup_or_fan(),
+            p in point(),
+            radius in 0.0f64..2.0,
+        ) {
+            let tree = TriangleTree::new(&points, &triangles);
+            let cost = |c: &Closest| (!c.triangle.is_multiple_of(3)).then(|| c.distance() * f64::from(1 + c.triangle % 7));
+            let mut expected: Option<(f64, u32)> = None;
+            tree.within(p, radius, |c| {
+                if let Some(cost) = cost(&c)
+                    && expected.is_none_or(|e| (cost, c.triangle) < e)
+                {
+                    expected = Some((cost, c.triangle));
+                }
+            });
+            prop_assert_eq!(tree.cheapest(p, radius, cost).map(|(cost, c)| (cost, c.triangle)), expected);
         }
 
         #[test]

@@ -11,7 +11,7 @@ use super::optimise::{self, Optimiser, Spring, Ties, relieve};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::face_normals;
-use crate::geometry::search_tree::TriangleTree;
+use crate::geometry::search_tree::{Closest, TriangleTree};
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, SurfaceMesh, boundary_faces, split_quad};
 use crate::skeleton::{self, Closed, Lid};
@@ -159,12 +159,12 @@ impl<'a> Target<'a> {
                 }
             });
         }
-        self.all.within(p, best.map_or(reach, |b| b.0.min(reach)), |c| {
-            let Some(far) = farther(c.distance(), c.triangle) else { return };
-            if best.is_none_or(|b| (far, c.triangle) < (b.0, b.2)) {
-                best = Some((far, c.point, c.triangle));
-            }
-        });
+        let reach = best.map_or(reach, |b| b.0.min(reach));
+        if let Some((far, c)) = self.all.cheapest(p, reach, |c| farther(c.distance(), c.triangle))
+            && best.is_none_or(|b| (far, c.triangle) < (b.0, b.2))
+        {
+            best = Some((far, c.point, c.triangle));
+        }
         match best {
             Some((_, point, triangle)) => (point, self.normals[triangle as usize]),
             None => self.closest_wall(p).unwrap_or((p, n)),
@@ -175,14 +175,9 @@ impl<'a> Target<'a> {
     /// does, or as the wall did where the vertex was. The two differ much where a few faces span a fork.
     fn along_wall(&self, p: DVec3, facings: [DVec3; 2], reach: f64) -> Option<(DVec3, DVec3)> {
         let agrees = |t: u32| facings.iter().any(|n| self.normals[t as usize].dot(*n) > AGREES);
-        let mut best: Option<(f64, u32, DVec3)> = None;
-        self.all.within(p, reach, |c| {
-            let is_nearer = best.is_none_or(|b| (c.distance_squared, c.triangle) < (b.0, b.1));
-            if is_nearer && self.is_wall(c.triangle) && agrees(c.triangle) {
-                best = Some((c.distance_squared, c.triangle, c.point));
-            }
-        });
-        best.map(|(_, triangle, point)| (point, self.normals[triangle as usize]))
+        let cost = |c: &Closest| (self.is_wall(c.triangle) && agrees(c.triangle)).then(|| c.distance());
+        let (_, c) = self.all.cheapest(p, reach, cost)?;
+        Some((c.point, self.normals[c.triangle as usize]))
     }
 
     fn closest_wall(&self, p: DVec3) -> Option<(DVec3, DVec3)> {

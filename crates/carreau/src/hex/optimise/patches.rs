@@ -21,7 +21,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Cells with a lower scaled Jacobian are worked on.
 const POOR: f64 = 0.5;
-/// Nor are those that are better by this than one that was given up: the least scaled Jacobian stays.
+/// But not those that are better by this than one that was given up: the least of the mesh would stay.
 const MARGIN: f64 = 0.1;
 /// Rings of cells around a poor one.
 const RINGS: usize = 5;
