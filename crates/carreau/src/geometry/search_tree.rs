@@ -198,7 +198,8 @@ impl TriangleTree {
             {
                 best = Some((cost, found));
             }
-            best.map_or(radius * radius, |(least, _)| radius.min(least).powi(2))
+            // The square of a root may be less than the number by rounding.
+            best.map_or(radius * radius, |(least, _)| radius.min(least).powi(2) * (1.0 + 4.0 * f64::EPSILON))
         });
         best
     }
