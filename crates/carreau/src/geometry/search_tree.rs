@@ -187,19 +187,19 @@ impl TriangleTree {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// The triangle that costs least, of those not farther than `radius` whose cost there is, and its cost; the smallest id of
-    /// several. A cost is never below the distance: what is farther than the best costs is not looked at.
+    /// The triangle that costs least of those within `radius` that have a cost, and its cost; the smallest id of several. A
+    /// cost is never below the distance: what is farther than the best costs is not looked at.
     pub fn cheapest(&self, p: DVec3, radius: f64, cost: impl Fn(&Closest) -> Option<f64>) -> Option<(f64, Closest)> {
-        let mut best: Option<(f64, Closest)> = None;
-        self.nearest_first(p, radius * radius, |found| {
-            if let Some(cost) = cost(&found)
-                && found.distance_squared <= radius * radius
+        let (mut best, within): (Option<(f64, Closest)>, f64) = (None, radius * radius);
+        self.nearest_first(p, within, |found| {
+            if found.distance_squared <= within
+                && let Some(cost) = cost(&found)
                 && best.is_none_or(|(least, b)| (cost, found.triangle) < (least, b.triangle))
             {
                 best = Some((cost, found));
             }
             // The square of a root may be less than the number by rounding.
-            best.map_or(radius * radius, |(least, _)| radius.min(least).powi(2) * (1.0 + 4.0 * f64::EPSILON))
+            best.map_or(within, |(least, _)| radius.min(least).powi(2) * (1.0 + 4.0 * f64::EPSILON))
         });
         best
     }

@@ -49,7 +49,7 @@ fn outcome(seed: usize) -> Outcome {
 
 /// Every star is meshed, conforms and is included; 99 % are certified; no scaled Jacobian of those is below .2.
 #[test]
-#[ignore = "takes half an hour"]
+#[ignore = "takes hours"]
 #[allow(clippy::print_stdout)]
 fn random_stars_by_the_thousand() {
     let stars = std::env::var("CARREAU_STARS").map_or(STARS, |n| n.parse().unwrap());

@@ -39,8 +39,20 @@ const HOPELESS: f64 = 0.5;
 /// Puts vertices on features to where these bend, smooths what may move, and fits it to the surface.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     let mut smoothing = Smoothing::new(work, source);
-    smoothing.run(work, source, context)?;
-    smoothing.fit(work, source, context)
+    match smoothing.settle(work, source, context)? {
+        Settled::Hopeless => Ok(()),
+        Settled::Turned => smoothing.finish(work, source, context),
+        Settled::Even => smoothing.fit(work, source, context),
+    }
+}
+
+/// What has become of quads before poor ones are looked after.
+enum Settled {
+    /// Too many are turned over: none was moved.
+    Hopeless,
+    /// Some are turned over still.
+    Turned,
+    Even,
 }
 
 /// Smoothing whose features are done: vertices on them are where these bend, and others have not moved yet.
@@ -61,10 +73,17 @@ impl Smoothing {
 
     /// Makes quads even and none poor, as far as that can be.
     pub fn run(&mut self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+        match self.settle(work, source, context)? {
+            Settled::Hopeless => Ok(()),
+            Settled::Turned | Settled::Even => self.finish(work, source, context),
+        }
+    }
+
+    fn settle(&mut self, work: &mut Work, source: &Source, context: &Context) -> Result<Settled> {
         let _stage = context.stage("smooth");
         let around = &self.around;
         if turned(work).len() as f64 > HOPELESS * work.faces.len() as f64 {
-            return Ok(());
+            return Ok(Settled::Hopeless);
         }
         for _ in 0..SWEEPS {
             let mut moved = 0usize;
@@ -82,21 +101,27 @@ impl Smoothing {
             }
         }
         // What stays turned over is refused: how near it is to the surface does not matter.
-        self.even = untangle(work, around, source, context)?.then(|| (work.points.clone(), work.place.clone()));
-        self.finish(work, source, context)
+        if !untangle(work, around, source, context)? {
+            return Ok(Settled::Turned);
+        }
+        self.even = Some((work.points.clone(), work.place.clone()));
+        Ok(Settled::Even)
     }
 
     /// Takes quads that have been smoothed nearer to the surface.
     pub fn fit(self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
-        let _stage = context.stage("fit");
         let Some((points, place)) = &self.even else { return Ok(()) };
         work.points.clone_from(points);
         work.place.clone_from(place);
-        fit(work, &self.around, source, context)?;
+        {
+            let _stage = context.stage("smooth");
+            fit(work, &self.around, source, context)?;
+        }
         self.finish(work, source, context)
     }
 
     fn finish(&self, work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+        let _stage = context.stage("smooth");
         look_after(work, &self.around, source, context)?;
         if bends::let_go(work, &self.around, &self.held) {
             look_after(work, &self.around, source, context)?;
