@@ -3,6 +3,8 @@
 //! Algorithms receive a `&Context`, call [`Context::check`] at least every 50 ms, and open a [`Stage`] for each step of
 //! the method. A stage is a tracing span, so that log, progress bar and the timings of the record come from one source.
 
+mod in_order;
+
 use crate::error::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +25,8 @@ pub struct Context {
     pub seed: u64,
     deadline: Option<Instant>,
     cancel: Arc<AtomicBool>,
+    /// Set once this part of the run is not needed any more; see [`Context::in_order`].
+    needless: Vec<Arc<AtomicBool>>,
     progress: Option<Arc<dyn Progress>>,
     pool: Option<Arc<rayon::ThreadPool>>,
 }
@@ -60,7 +64,7 @@ impl Context {
 
     /// Fails when the run was cancelled or its deadline has passed.
     pub fn check(&self) -> Result<()> {
-        if self.cancel.load(Ordering::Relaxed) {
+        if self.cancel.load(Ordering::Relaxed) || self.needless.iter().any(|n| n.load(Ordering::Relaxed)) {
             return Err(Error::Cancelled);
         }
         match self.deadline {

@@ -8,8 +8,9 @@
 //! Distance Computation for General Polygonal Models", SIGGRAPH 2009). Triangles whose bound exceeds the lower bound are
 //! divided in four, best first in rounds of fixed size, until the two bounds meet or the budget is spent.
 
+use super::closest::closest_on_triangle;
 use super::normals::{angle_between, face_normals};
-use super::search_tree::{Closest, TriangleTree, closest_on_triangle};
+use super::search_tree::{Closest, TriangleTree};
 use super::summary::{Summary, sum};
 use crate::context::Context;
 use crate::error::{Error, Result};

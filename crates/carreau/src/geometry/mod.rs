@@ -14,11 +14,13 @@
 //! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
+//! | `closest`, `ray` | the same for one triangle |
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
 pub mod brep;
 pub mod bspline;
+pub(crate) mod closest;
 pub mod curvature;
 pub mod distance;
 pub mod features;
@@ -28,6 +30,7 @@ pub(crate) mod planar;
 pub mod primitive;
 pub(crate) mod quadric;
 pub mod quality;
+mod ray;
 pub mod search_tree;
 mod slabs;
 mod slices;

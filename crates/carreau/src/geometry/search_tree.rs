@@ -18,6 +18,8 @@
 //!     3 4
 //! ```
 
+use super::closest::closest_on_triangle;
+use super::ray::Ray;
 use super::slabs::Slab;
 use super::slices::{Slice, slices};
 use glam::DVec3;
@@ -427,92 +429,6 @@ impl Stack {
     }
 }
 
-/// The point of a triangle that is closest to `p`. Needles are treated as their edges: with a height of 1e-8 of the length that
-/// is wrong by no more than the weights of the corners are, by rounding.
-///
-/// If the projection falls outside, the closest point lies on an edge that `p` is outside of: only those are tried.
-/// Inside, the point is a weighted mean of the corners, so that it lies in the triangle whatever the rounding.
-#[inline]
-pub fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
-    let (ab, bc, ca) = (b - a, c - b, a - c);
-    let (ap, bp, cp) = (p - a, p - b, p - c);
-    let normal = ca.cross(ab);
-    // Twice the areas between the projection and each edge, times the length of the normal.
-    let (w_c, w_a, w_b) = (ab.cross(ap).dot(normal), bc.cross(bp).dot(normal), ca.cross(cp).dot(normal));
-    let longest = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());
-    let needle = normal.length_squared() <= 1e-16 * longest * longest;
-    if w_a > 0.0 && w_b > 0.0 && w_c > 0.0 && !needle {
-        return (a * w_a + b * w_b + c * w_c) / (w_a + w_b + w_c);
-    }
-    let mut best = (f64::INFINITY, a);
-    let mut offer = |weight: f64, q: DVec3, along: DVec3, qp: DVec3| {
-        if weight <= 0.0 || needle {
-            let point = closest_on_segment(q, along, qp);
-            let distance = p.distance_squared(point);
-            if distance < best.0 {
-                best = (distance, point);
-            }
-        }
-    };
-    offer(w_c, a, ab, ap);
-    offer(w_a, b, bc, bp);
-    offer(w_b, c, ca, cp);
-    best.1
-}
-
-/// The closest point of the segment from `q` along `along` to `q + qp`.
-#[inline]
-fn closest_on_segment(q: DVec3, along: DVec3, qp: DVec3) -> DVec3 {
-    let length_squared = along.length_squared();
-    let t = if length_squared > 0.0 { (along.dot(qp) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
-    q + t * along
-}
-
-/// A ray in coordinates where it starts at the origin and runs along z with unit speed (Woop, Benthin, Wald, "Watertight
-/// Ray/Triangle Intersection", Journal of Computer Graphics Techniques 2013).
-///
-/// A corner has the same coordinates in all its triangles, and the sign of a difference of two rounded products is never
-/// the opposite of the exact one: no ray slips between neighbours.
-struct Ray {
-    origin: DVec3,
-    /// The axes that take the part of x, y and z.
-    axes: [usize; 3],
-    /// Slopes of the ray against the z axis, and the inverse of its speed along it.
-    shear: DVec3,
-}
-
-impl Ray {
-    fn new(origin: DVec3, direction: DVec3) -> Self {
-        let z = direction.abs().max_position();
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // A reflection keeps the sense of the triangles where the axis points against the ray.
-        if direction[z] < 0.0 {
-            (x, y) = (y, x);
-        }
-        let shear = DVec3::new(direction[x], direction[y], 1.0) / direction[z];
-        Ray { origin, axes: [x, y, z], shear }
-    }
-
-    /// Distance along the ray and whether it meets the front.
-    #[inline]
-    fn meets(&self, corners: [DVec3; 3]) -> Option<(f64, bool)> {
-        let [x, y, z] = self.axes;
-        let [a, b, c] = corners.map(|p| p - self.origin);
-        let flat = |p: DVec3| (p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z]);
-        let (a2, b2, c2) = (flat(a), flat(b), flat(c));
-        let side = |p: (f64, f64), q: (f64, f64)| p.0 * q.1 - p.1 * q.0;
-        let (u, v, w) = (side(b2, c2), side(c2, a2), side(a2, b2));
-        let back = u >= 0.0 && v >= 0.0 && w >= 0.0;
-        let front = u <= 0.0 && v <= 0.0 && w <= 0.0;
-        let area = u + v + w;
-        if !(front || back) || area == 0.0 {
-            return None;
-        }
-        let t = self.shear.z * (u * a[z] + v * b[z] + w * c[z]) / area;
-        (t >= 0.0).then_some((t, front))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -668,26 +584,6 @@ mod tests {
             prop_assert!(times.iter().all(|&n| n <= 1));
             let volume = (a - origin).dot((b - origin).cross(c - origin)).abs();
             prop_assert!(volume < 1e-6 || (hit.unwrap() - 1.0).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn degenerate_triangles_are_edges_or_points() {
-        let (a, b, c) = (DVec3::ZERO, DVec3::X * 2.0, DVec3::X);
-        let p = DVec3::new(1.5, 1.0, 0.0);
-        for t in [[a, b, c], [b, c, a], [c, a, b], [a, b, b], [a, b, a]] {
-            assert_eq!(closest_on_triangle(p, t), DVec3::X * 1.5);
-        }
-        assert_eq!(closest_on_triangle(p, [b, b, b]), b);
-        let needle = [a, DVec3::new(1e9, 1e-9, 0.0), DVec3::new(1e9, -1e-9, 0.0)];
-        assert!(closest_on_triangle(DVec3::new(5.0, 3.0, 4.0), needle).distance(DVec3::X * 5.0) < 1e-6);
-        // However thin one is, what lies on it is near it.
-        let (along, across) = (DVec3::new(0.48, 0.6, 0.64), DVec3::new(0.8, 0.0, -0.6));
-        for (height, share) in (4..16).flat_map(|k| [0.1, 0.37, 0.9].map(|share| (0.1f64.powi(k), share))) {
-            let needle = [a, 0.3 * along + height * across, along];
-            let on =
-                [needle[0], needle[1], needle[2], needle[0].lerp(needle[1], share), needle[1].lerp(needle[2], share)];
-            assert!(on.iter().all(|&p| closest_on_triangle(p, needle).distance(p) < 1e-7), "{height}");
         }
     }
 

@@ -7,8 +7,8 @@
 //!      │         │           │    │    │
 //! ```
 
-use super::fit::Target;
 use super::refine::TubeMesh;
+use super::target::Target;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CurveNet, NONE, boundary_faces, split_quad};
 use rayon::prelude::*;

@@ -13,7 +13,7 @@
 //!    ────v───          ───v────
 //! ```
 
-use super::fit::Target;
+use super::target::Target;
 use crate::mesh::{Branch, CurveNet, branches};
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};

@@ -18,6 +18,7 @@
 //! | hexes and sewing | `sew` |
 //! | padding, halving across and along | `refine` |
 //! | segments halved where a surface is far | `adapt` |
+//! | the surface, the boundary of the mesh, and how the one comes to the other | `target`, `skin`, `fit` |
 //! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
 //! | figures of the result | `figures` |
@@ -40,9 +41,11 @@ mod optimise;
 mod refine;
 mod resample;
 mod sew;
+mod skin;
 #[cfg(test)]
 mod star_tests;
 mod surface;
+mod target;
 #[cfg(test)]
 mod tests;
 mod tips;

@@ -1,10 +1,12 @@
 //! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
 
 use super::adapt::Lengths;
-use super::fit::{self, Rise, Seat, Skin, Target};
+use super::fit::{self, Rise, Seat};
 use super::optimise::{Optimiser, PASSING};
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
+use super::skin::Skin;
+use super::target::Target;
 use super::{HexOptions, HexResult, Stage, deliver, limit, meet, padded, tips, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};

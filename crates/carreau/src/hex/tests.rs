@@ -313,7 +313,7 @@ fn branches_meet_where_their_tubes_aim_at() {
         }
     }
     let mut net = CurveNet::new(points, vec![0.12; 51], edges);
-    meet::meet(&mut net, &fit::Target::new(&closed));
+    meet::meet(&mut net, &target::Target::new(&closed));
     assert!(net.points[0].length() < 0.02, "{}", net.points[0]);
 }
 

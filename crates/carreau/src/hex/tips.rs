@@ -10,7 +10,7 @@
 //!
 //! An end that meets a lid lies in it, at its middle.
 
-use super::fit::Target;
+use super::target::Target;
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 

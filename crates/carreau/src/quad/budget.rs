@@ -10,7 +10,7 @@ const QUAD: u64 = 5;
 const STEPS: u64 = 100;
 
 /// What is left of it, in triangles made.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Budget(u64);
 
 impl Budget {
@@ -29,8 +29,13 @@ impl Budget {
         self.0
     }
 
-    fn take(&mut self, cost: u64) {
+    /// Others have spent this much of it.
+    pub fn spend(&mut self, cost: u64) {
         self.0 = self.0.saturating_sub(cost);
+    }
+
+    fn take(&mut self, cost: u64) {
+        self.spend(cost);
         tracing::debug!(target: "carreau::quad", cost, left = self.0, "budget");
     }
 

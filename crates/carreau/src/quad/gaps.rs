@@ -3,8 +3,9 @@
 use super::quality::halves;
 use super::source::Source;
 use super::work::Work;
+use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::normals::unit;
-use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
+use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::NONE;
 use glam::DVec3;
 use rayon::prelude::*;

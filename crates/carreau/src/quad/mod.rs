@@ -4,7 +4,7 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `attempts`, `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
+//! | 1 | `attempts`, `tried`, `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
@@ -64,6 +64,7 @@ mod third;
 mod ticks;
 mod tips;
 mod trace;
+mod tried;
 mod validate;
 mod work;
 
@@ -198,16 +199,17 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
 /// The best that the rungs give, and what they could not reach.
 fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Made, Vec<String>)> {
     let mut warnings = source.surface.repaired.clone();
-    let mut attempts = Attempts::new(source, options, context);
+    let attempts = Attempts::new(source, options, context);
+    let mut tried = attempts.none();
     if options.rung <= 2 {
-        attempts.run()?;
+        attempts.run(&mut tried)?;
     }
-    if !attempts.is_useful()
+    if !tried.is_useful()
         && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?
     {
-        attempts.graft(work, gap)?;
+        attempts.graft(work, gap, &mut tried)?;
     }
-    let (made, refused) = attempts.best();
+    let (made, refused) = tried.best();
     if options.rung <= 2 && made.as_ref().is_none_or(|made| made.rung.iter().all(|&r| r == 3)) {
         warnings.push(format!("rungs 1 and 2 were refused: {refused}"));
     }

@@ -14,7 +14,7 @@ use super::smooth::{SURE, keeps_feature_at};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::search_tree::closest_on_triangle;
+use crate::geometry::closest::closest_on_triangle;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 

@@ -12,7 +12,7 @@
 //! ```
 
 use crate::field::Field;
-use crate::geometry::search_tree::closest_on_triangle;
+use crate::geometry::closest::closest_on_triangle;
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 use rustc_hash::FxHashMap;

@@ -2,7 +2,8 @@
 //! the ball of their branching are dropped.
 
 use super::limbs::{farthest, grow_limbs, leaves};
-use crate::geometry::search_tree::{TriangleTree, closest_on_triangle};
+use crate::geometry::closest::closest_on_triangle;
+use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh, branches};
 use glam::DVec3;
