@@ -83,11 +83,12 @@ impl<'a> Attempts<'a> {
         };
         self.with_field(FINER[0], self.ways(0), tried, self.context)?;
         if goes_on(tried) {
-            let others = &FINER[1..];
+            // Where the first one will do, the usual ones are enough, whatever comes of them.
+            let others = if tried.will_do() { &FINER[1..USUAL] } else { &FINER[1..] };
             let field = |k: usize, known: &mut Tried, context: &Context| {
                 self.with_field(others[k], self.ways(k + 1), known, context)
             };
-            self.each(others.len(), field, goes_on, tried, self.context)?;
+            self.each(others.len(), field, goes_on, tried)?;
         }
         Ok(())
     }
@@ -121,7 +122,7 @@ impl<'a> Attempts<'a> {
             let ways: Vec<Way> = of_field.map(|t| Way { deals: t.deals, graft: Some((&donor, &t.regions)) }).collect();
             self.with_field(fields[k][0].finer, &ways, known, context)
         };
-        self.each(fields.len(), field, |tried| !tried.budget.is_spent() && !tried.will_do(), tried, self.context)
+        self.each(fields.len(), field, |tried| !tried.budget.is_spent() && !tried.will_do(), tried)
     }
 
     /// Attempts that know of what was tried before, but not of each other, so that they can be made at the same time. They count
@@ -132,14 +133,13 @@ impl<'a> Attempts<'a> {
         make: impl Fn(usize, &mut Tried, &Context) -> Result<()> + Sync,
         mut goes_on: impl FnMut(&Tried) -> bool + Send,
         tried: &mut Tried,
-        context: &Context,
     ) -> Result<()> {
         let known = tried.afresh();
         let attempt = |k: usize, context: &Context| {
             let mut own = known.afresh();
             make(k, &mut own, context).map(|()| own)
         };
-        context.in_order(count, attempt, |own| {
+        self.context.in_order(count, attempt, |own| {
             tried.take_up(own, &known);
             if goes_on(tried) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         })
@@ -156,14 +156,16 @@ impl<'a> Attempts<'a> {
             }
         };
         tried.budget.triangles(drawn.coarse.mesh.face_count());
-        let make = |k: usize, own: &mut Tried, context: &Context| {
-            let regions = self.shrink(&drawn, ways[k], own, context)?;
+        for way in ways {
+            let regions = self.shrink(&drawn, *way, tried, context)?;
             if !regions.is_empty() && regions.len() < self.source.regions {
-                own.trouble.push(Trouble { finer, deals: ways[k].deals, regions });
+                tried.trouble.push(Trouble { finer, deals: way.deals, regions });
             }
-            Ok(())
-        };
-        self.each(ways.len(), make, |tried| !tried.budget.is_spent() && !tried.will_do(), tried, context)
+            if tried.budget.is_spent() || tried.will_do() {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Again with smaller quads where they were too far from the surface, as long as that helps. Returns the regions that

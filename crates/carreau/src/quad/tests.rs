@@ -395,14 +395,14 @@ fn a_region_takes_the_quads_of_rung_3_and_the_others_meet_them() {
 #[test]
 fn folded_polygons_are_told_as_far_as_the_farther_of_their_surfaces() {
     assert!(other_triangles(&grid(3)).unwrap().is_none());
-    // The part of a dart that a fan turns over is a surface of its own.
-    let dart = [[0.0, 2.0], [-1.0, -1.0], [0.0, 0.0], [1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+    // The first triangle of the fan is flat, so that ears are taken; its last one is turned over: a surface of its own.
+    let hook = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.5, 0.2]].map(|[x, y]| DVec3::new(x, y, 0.0));
     let mut faces = Polygons::new();
-    faces.push(&[1, 2, 3, 0]);
-    let dart = SurfaceMesh::new(dart.to_vec(), faces).unwrap();
-    let fans = other_triangles(&dart).unwrap().unwrap();
+    faces.push(&[0, 1, 2, 3, 4]);
+    let hook = SurfaceMesh::new(hook.to_vec(), faces).unwrap();
+    let fans = other_triangles(&hook).unwrap().unwrap();
     let options = QuadOptions { quads: 60, ..QuadOptions::default() };
-    let made = quads(&dart, &options, &Context::new()).unwrap();
+    let made = quads(&hook, &options, &Context::new()).unwrap();
     let own = compare(&fans, &made.mesh.triangulated().unwrap(), &DistanceOptions::default(), &Context::new()).unwrap();
     assert!(made.quality.distance_max.unwrap() >= own.relative.max, "{:?}", own.relative);
     assert!(made.quality.distance_found.unwrap() >= 0.99 * own.relative.max, "{:?}", own.relative);

@@ -23,14 +23,16 @@ pub fn sound(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<
     Ok((repaired.mesh.triangulated()?, said))
 }
 
-/// The mesh cut into triangles, with its tagged edges; attributes are left behind where it had polygons.
+/// The mesh cut into triangles, with its tagged edges; attributes are left behind where it had polygons. These are fans, as
+/// others read them, even where one is turned over; but not where that needs a repair that better triangles do not.
 fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
     if mesh.is_triangular() {
         return Ok(mesh.clone());
     }
     let mut bare = SurfaceMesh::new(mesh.points().to_vec(), mesh.faces().clone())?;
     bare.tagged_edges = mesh.tagged_edges.clone();
-    bare.triangulated()
+    let fans = bare.clone().fanned()?;
+    if needs_repair(&fans) { bare.triangulated() } else { Ok(fans) }
 }
 
 fn needs_repair(mesh: &SurfaceMesh) -> bool {
@@ -115,6 +117,18 @@ mod tests {
         let mesh = SurfaceMesh::new(p.to_vec(), faces).unwrap();
         let (out, said) = sentences(&mesh);
         assert_eq!((out.face_count(), out.vertex_count(), said), (4, 5, 0));
+    }
+
+    /// An arrowhead: its second triangle is turned over, as in everybody's reading.
+    #[test]
+    fn polygons_are_fans_where_these_are_sound() {
+        let p = [DVec3::ZERO, DVec3::new(3.0, 1.0, 0.0), DVec3::X, DVec3::new(3.0, -1.0, 0.0)];
+        let mut faces = Polygons::new();
+        faces.push(&[1, 2, 3, 0]);
+        let mesh = SurfaceMesh::new(p.to_vec(), faces).unwrap();
+        let (out, said) = sentences(&mesh);
+        assert_eq!((out.faces().corners(), said), (&[1, 2, 3, 1, 3, 0][..], 0));
+        assert_ne!(mesh.triangulated().unwrap().faces(), out.faces());
     }
 
     #[test]
