@@ -59,8 +59,8 @@ pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use raw::{Cells, RawMesh};
-pub(crate) use repair::is_flawed;
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
+pub(crate) use repair::{divided, is_flawed};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};

@@ -4,7 +4,7 @@ use super::attributes::{Attributes, gather_columns};
 use super::half_edges::HalfEdges;
 use super::id::{CornerId, FaceId, VertexId};
 use super::polygons::Polygons;
-use super::triangulate::{Cut, fans, triangulate};
+use super::triangulate::{Cut, fans, nearly_fans, triangulate};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -263,6 +263,12 @@ impl SurfaceMesh {
     /// that name triangles by their number.
     pub fn fanned(self) -> Result<Self> {
         self.divided(fans)
+    }
+
+    /// As [`Self::fanned`], but where a fan has a flat triangle or doubles an edge the polygon is cut as by
+    /// [`Self::triangulated`].
+    pub fn nearly_fanned(self) -> Result<Self> {
+        self.divided(nearly_fans)
     }
 
     fn divided(self, cut: impl FnOnce(&[DVec3], &Polygons) -> Cut) -> Result<Self> {

@@ -1,5 +1,5 @@
 //! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
-//! of the fan would be turned or flat, or a diagonal an edge already, [`triangulate`] takes ears instead, the best shaped first (Meisters,
+//! of the fan would be flat, or turned but for [`nearly_fans`], or a diagonal an edge already, ears are taken instead, the best shaped first (Meisters,
 //! "Polygons have ears", 1975). A polygon that is folded however it is cut is a fan where that has a clearly smaller area: the
 //! rest lies on itself.
 //!
@@ -41,9 +41,19 @@ pub struct Cut {
 
 /// Cuts all polygons, in their order.
 pub fn triangulate(points: &[DVec3], faces: &Polygons) -> Cut {
+    cut(points, faces, |shape| shape > 0.0)
+}
+
+/// Cuts all polygons, with fans where these have no flat triangle and no edge twice, though one be turned.
+pub fn nearly_fans(points: &[DVec3], faces: &Polygons) -> Cut {
+    cut(points, faces, |shape| shape.abs() > MARGIN)
+}
+
+/// Cuts polygons into fans whose triangles will do, all of them, and the others into ears.
+fn cut(points: &[DVec3], faces: &Polygons, will_do: impl Fn(f64) -> bool) -> Cut {
     let mut cutter = Cutter::new(points, faces);
     for (f, face) in faces.iter().enumerate() {
-        cutter.add(f as u32, face, faces.offsets()[f]);
+        cutter.add(f as u32, face, faces.offsets()[f], &will_do);
     }
     cutter.cut
 }
@@ -86,16 +96,16 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    fn add(&mut self, parent: u32, face: &[u32], first: u32) {
+    fn add(&mut self, parent: u32, face: &[u32], first: u32, will_do: impl Fn(f64) -> bool) {
         let fan = fan(face);
         if face.len() > MOST_CORNERS {
             self.push(parent, face, first, fan);
             return;
         }
         let normal = area_vector(self.points, face);
-        let is_upright = |triangle: [u32; 3]| self.shape(face, normal, triangle) > 0.0;
+        let is_fine = |triangle: [u32; 3]| will_do(self.shape(face, normal, triangle));
         let fan_is_new = fan.clone().skip(1).all(|[_, k, _]| self.is_new(face[0], face[k as usize]));
-        if fan_is_new && fan.clone().all(is_upright) {
+        if fan_is_new && fan.clone().all(is_fine) {
             self.push(parent, face, first, fan);
             return;
         }
@@ -252,6 +262,17 @@ mod tests {
             assert_eq!(triangles, [[face[0], face[1], face[2]], [face[0], face[2], face[3]]]);
             assert_eq!((corners, parent), (vec![0, 1, 2, 0, 2, 3], vec![0, 0]));
         }
+    }
+
+    #[test]
+    fn nearly_fans_are_fans_but_for_flat_and_double_triangles() {
+        let points = flat(&[(0.0, 0.0), (2.0, -1.0), (0.5, 0.0), (2.0, 1.0), (3.0, 0.0)]);
+        let found = |face: &[u32]| nearly_fans(&points, &[face].into_iter().collect()).triangles;
+        assert_eq!(found(&[1, 2, 3, 0]), [[1, 2, 3], [1, 3, 0]], "turned, but a fan");
+        assert!(found(&[0, 2, 4, 3]).iter().all(|t| t.contains(&3)), "its first triangle is flat");
+        let twice: Polygons = [&[0, 1, 2, 3][..], &[0, 2, 1]].into_iter().collect();
+        let first = &nearly_fans(&points, &twice).triangles[..2];
+        assert!(first.iter().all(|t| t.contains(&1) && t.contains(&3)), "its diagonal is an edge");
     }
 
     /// Two quads that share three vertices: the middle one has no other face, and both shorter diagonals are the same.

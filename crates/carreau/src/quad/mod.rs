@@ -74,7 +74,7 @@ pub use quality::QuadQuality;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
-use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId};
+use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use attempts::Attempts;
 use gaps::Gap;
 use glam::DVec3;
@@ -238,7 +238,7 @@ fn other_triangles(mesh: &SurfaceMesh) -> Result<Option<SurfaceMesh>> {
         return Ok(None);
     }
     let fans = mesh.clone().fanned()?;
-    Ok((fans.faces() != mesh.clone().triangulated()?.faces()).then_some(fans))
+    Ok((fans.faces() != divided(mesh)?.faces()).then_some(fans))
 }
 
 fn check(options: &QuadOptions) -> Result<()> {

@@ -30,8 +30,8 @@ use crate::length::Length;
 use serde::{Deserialize, Serialize};
 use soup::Soup;
 
-pub(crate) use sound::is_flawed;
 pub use sound::sound;
+pub(crate) use sound::{divided, is_flawed};
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -25,13 +25,13 @@ pub fn sound(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<
 
 /// The mesh cut into triangles, with its tagged edges; attributes are left behind where it had polygons. These are fans, as
 /// others read them, even where one is turned over; but not where that needs a repair that better triangles do not.
-fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
+pub fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
     if mesh.is_triangular() {
         return Ok(mesh.clone());
     }
     let mut bare = SurfaceMesh::new(mesh.points().to_vec(), mesh.faces().clone())?;
     bare.tagged_edges = mesh.tagged_edges.clone();
-    let fans = bare.clone().fanned()?;
+    let fans = bare.clone().nearly_fanned()?;
     if needs_repair(&fans) { bare.triangulated() } else { Ok(fans) }
 }
 
