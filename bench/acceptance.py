@@ -21,6 +21,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -187,8 +188,8 @@ class Run:
         return rows
 
 
-def jobs(run, options):
-    """(room, file) of everything to do, every --sample-th file of each category; the cheap files first."""
+def jobs(run, options, offset=0, sample=1):
+    """(room, file) of everything there is, or of every sample-th file of each category."""
     for room, r in ROOMS.items():
         if options.room and room not in options.room:
             continue
@@ -207,14 +208,14 @@ def jobs(run, options):
                          and not {"Tetrahedra", "Hexahedra"} & set(f.get("cells", {}))]
             else:
                 files = [f for f in files if not f["name"].endswith((".bin", ".json"))]
-            for f in sorted(files, key=lambda f: f["name"])[options.offset::options.sample]:
+            for f in sorted(files, key=lambda f: f["name"])[offset::sample]:
                 yield room, f["name"]
 
 
-def table(rows):
-    """Markdown: one line per room and category."""
-    lines = ["| room | category | runs | accepted | refused | unreached | failed | timeout | median s | worst s | most MiB |",
-             "|---|---|---|---|---|---|---|---|---|---|---|"]
+def table(rows, files):
+    """Markdown: one line per room and category; `files` is how many files each of them has."""
+    lines = ["| room | category | files | runs | accepted | refused | unreached | failed | timeout | median s | worst s | most MiB |",
+             "|---|---|---|---|---|---|---|---|---|---|---|---|"]
     groups = {}
     for row in rows:
         groups.setdefault((row["room"], row["file"].split("/")[0]), []).append(row)
@@ -222,14 +223,16 @@ def table(rows):
     for (room, category), part in sorted(groups.items(), key=lambda g: (g[0][1] == "nasty", order.index(g[0][0]) if g[0][0] in order else 99, g[0])):
         counts = [sum(r["outcome"] == o for r in part) for o in OUTCOMES]
         seconds = sorted(r["seconds"] for r in part)
-        lines.append(f"| {room} | {category} | {len(part)} | " + " | ".join(str(c) if c else "–" for c in counts)
+        of = files["nasty" if category == "nasty" else room, category]
+        lines.append(f"| {room} | {category} | {of} | {len(part)} | " + " | ".join(str(c) if c else "–" for c in counts)
                      + f" | {seconds[len(seconds) // 2]:.2f} | {seconds[-1]:.1f} | {max(r['mib'] for r in part):.0f} |")
     return "\n".join(lines)
 
 
-def report(rows, options):
+def report(rows, files, options):
     """The whole generated text."""
-    sampling = "every file" if options.sample == 1 else f"every {options.sample}th file of each category"
+    tried = len({(r["job"], r["file"]) for r in rows})
+    sampling = "every file" if tried == sum(files.values()) else "as many files as the table says, evenly spread"
     builds = {}
     for r in rows:
         builds[r.get("commit", "?")] = builds.get(r.get("commit", "?"), 0) + 1
@@ -243,7 +246,7 @@ def report(rows, options):
             folder = f"{Path(options.shared).resolve()}/data/"
             reason = r["reason"].replace(folder, "").replace("|", "\\|").replace("\n", " ")[:220]
             notes.append(f"- {outcome}: {r['room']} `{r['file']}`" + (f": {reason}" if reason else ""))
-    return "\n".join([head, table(rows), "", *notes]).rstrip()
+    return "\n".join([head, table(rows, files), "", *notes]).rstrip()
 
 
 def main():
@@ -279,10 +282,10 @@ def main():
     again = {(r["job"], r["file"]) for r in lines if r["outcome"] in options.again}
     lines = [r for r in lines if (r["job"], r["file"]) not in again]
     done = {(r["job"], r["file"]) for r in lines}
-    todo = list(jobs(run, options))
-    wanted = set(todo)
-    rows = [r for r in lines if (r["job"], r["file"]) in wanted]
-    open_jobs = [j for j in todo if j not in done]
+    # What other calls have done counts, too, whatever they left out.
+    wanted = list(jobs(run, options))
+    rows = [r for r in lines if (r["job"], r["file"]) in set(wanted)]
+    open_jobs = [j for j in jobs(run, options, options.offset, options.sample) if j not in done]
     with ThreadPoolExecutor(options.jobs) as pool, open(kept, "a") as file:
         for job, found in zip(open_jobs, pool.map(run.one, open_jobs)):
             for row in found:
@@ -292,9 +295,9 @@ def main():
                 if row["outcome"] in ("failed", "timeout"):
                     print(f"{row['outcome']} {row['room']} {row['file']}: {row['reason'][:200]}", file=sys.stderr)
             file.flush()
-    text = report(rows, options)
+    text = report(rows, Counter((room, file.split("/")[0]) for room, file in wanted), options)
     (out / "acceptance.md").write_text(text + "\n")
-    (out / "acceptance.json").write_text(json.dumps({"commit": built, "sample": options.sample, "rows": rows}, indent=1) + "\n")
+    (out / "acceptance.json").write_text(json.dumps({"commit": built, "rows": rows}, indent=1) + "\n")
     if options.docs:
         write_between(options.docs, options.marker, text)
     print(text)

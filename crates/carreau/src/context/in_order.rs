@@ -22,7 +22,8 @@ impl Context {
     ) -> Result<()> {
         self.install(|| {
             let needless = Arc::new(AtomicBool::new(false));
-            let inside = Context { needless: [&self.needless[..], &[needless.clone()]].concat(), ..self.clone() };
+            let mut inside = self.clone();
+            inside.needless.push(needless.clone());
             let queue = Mutex::new(Queue { found: (0..jobs).map(|_| None).collect(), taken: 0, take, ended: Ok(()) });
             let next = AtomicUsize::new(0);
             let runner = || {
