@@ -7,7 +7,7 @@
 //!
 //! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
 
-use super::optimise::{self, Optimiser, Spring, Ties, relieve};
+use super::optimise::{self, Optimiser, Spring, Ties, polish};
 use super::skin::{SWELL, Shape, Skin};
 use super::target::{Part, Target};
 use crate::context::Context;
@@ -148,7 +148,8 @@ pub fn slide(
     context: &Context,
 ) -> Result<()> {
     let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-    relieve(points, hexes, &Sliding::new(points, skin, target, placed, &[]), context)
+    let sliding = Sliding::new(points, skin, target, placed, &[]);
+    polish(points, hexes, &sliding, context)
 }
 
 /// Where boundary vertices are put.

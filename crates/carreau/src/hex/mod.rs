@@ -63,7 +63,7 @@ use crate::geometry::hexes::{scaled_jacobian, uncertified};
 use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
 use cubic::Cube;
 use glam::DVec3;
-use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
+use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, polish};
 use refine::{CORE, TubeMesh};
 use resample::Step;
 use rustc_hash::FxHashSet;
@@ -126,6 +126,8 @@ pub const MOST_HEXES: f64 = 5e7;
 const STEP: f64 = 1.5;
 /// More segments than this are not made without being asked for: the steps grow instead.
 const MANY_SEGMENTS: usize = 1500;
+/// Steps are at most this long, in radii; longer than the first ones only where these are too many.
+const LONGEST: [f64; 2] = [1e3, 1e12];
 /// Thinner and thinner layers, tried where one of the usual thickness folds.
 const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
 /// Branchings closer than this share of the smaller radius become one.
@@ -340,7 +342,7 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
     let _stage = context.stage("poor cells");
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
     hold(&mut optimiser, &tube, held);
-    relieve(&mut tube.points, &tube.hexes, &optimiser, context)?;
+    polish(&mut tube.points, &tube.hexes, &optimiser, context)?;
     Ok(tube)
 }
 
@@ -481,8 +483,14 @@ fn resized(net: &CurveNet, options: &HexOptions) -> CurveNet {
 
 /// The finest resampled net that fits, by bisection of the logarithm of the steps.
 fn finest(net: &CurveNet, step: impl Fn(f64) -> Step, fits: impl Fn(&CurveNet) -> bool) -> CurveNet {
-    let (mut low, mut high) = (0.02f64.ln(), 1000f64.ln());
-    let mut best = resample::resample(net, step(1000.0));
+    // The longest one is for threads, thin beyond all measure.
+    let [long, longest] = LONGEST.map(|k| (k.ln(), step(k)));
+    let usual = resample::resample(net, long.1);
+    let (mut high, mut best) = match fits(&usual) {
+        true => (long.0, usual),
+        false => (longest.0, resample::resample(net, longest.1)),
+    };
+    let mut low = 0.02f64.ln();
     for _ in 0..24 {
         let middle = 0.5 * (low + high);
         let tried = resample::resample(net, step(middle.exp()));

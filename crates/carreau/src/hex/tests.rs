@@ -327,3 +327,11 @@ fn a_segment_halved_alone_conforms() {
     assert_eq!(tube.hexes.len(), before + 12);
     assert_conforming(&tube.hexes, &tube.points, &net.cycles());
 }
+
+/// Steps as long as usual in radii would be hundreds of millions, and a thousand times as long still too many.
+#[test]
+fn a_thread_has_few_cells() {
+    let net = CurveNet::new(vec![DVec3::ZERO, DVec3::X], vec![1e-8; 2], vec![[0, 1]]);
+    let made = from_net(&net, &HexOptions::default(), &Context::new()).unwrap();
+    assert!((1000..100_000).contains(&made.mesh.hexes.len()), "{}", made.mesh.hexes.len());
+}

@@ -189,8 +189,8 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
     })
 }
 
-/// What is thinner than this share of the diagonal is a sheet, flat or folded onto itself, but for rounding.
-const THINNEST: f64 = 1e-9;
+/// What is thinner than this share of the diagonal is a sheet, flat or folded onto itself, but for rounding to single precision.
+const THINNEST: f64 = 1e-6;
 /// Volumes below this share of the cube of the diagonal are rounding.
 const EMPTY: f64 = 1e-14;
 

@@ -7,18 +7,20 @@
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
 //!    and step 2 is repeated.
 //!
-//! 4. The worst cells once more, with their surroundings alone; there the least scaled Jacobian itself is raised (corners.rs).
+//! 4. The worst cells once more, with their surroundings alone; there the least scaled Jacobian itself is raised (corners.rs), and
+//!    before and after that the mean of all (mean.rs).
 //!
 //! Wall vertices are tied to where they belong by springs, stiff along the normal and weak along the surface.
 
 mod corners;
 mod energy;
 mod lanes;
+mod mean;
 mod patches;
 #[cfg(test)]
 mod slopes;
 
-pub use patches::{Ties, relieve, seat};
+pub use patches::{Ties, polish, seat};
 
 use crate::context::Context;
 use crate::error::Result;

@@ -213,6 +213,8 @@ enum Descent<'a> {
     Energy(&'a [(i32, usize)]),
     /// By their least scaled Jacobian.
     Corners,
+    /// By the mean of their scaled Jacobians.
+    Mean,
 }
 
 impl Descent<'_> {
@@ -232,6 +234,10 @@ impl Descent<'_> {
                     optimiser.retarget(places);
                 }
             }
+            Descent::Mean => {
+                optimiser.tie(patch.springs(places, ties));
+                optimiser.straighten(places, patch.worst(places), context)?;
+            }
             Descent::Corners => {
                 for (beta, iterations) in SHARPER {
                     optimiser.tie(patch.springs(places, ties));
@@ -246,6 +252,7 @@ impl Descent<'_> {
     fn finish(&self, optimiser: &Optimiser, patch: &Patch, places: &mut Vec<DVec3>, context: &Context) -> Result<()> {
         match self {
             Descent::Energy(_) => optimiser.descend(places, 0.0, INSIDE.0, INSIDE.1, context),
+            Descent::Mean => optimiser.straighten(places, patch.worst(places), context),
             Descent::Corners => {
                 let (beta, iterations) = SHARPER[SHARPER.len() - 1];
                 optimiser.sharpen(places, beta, patch.quality(places, 0), iterations, context)
@@ -255,7 +262,7 @@ impl Descent<'_> {
 }
 
 /// Improves the worst cells.
-pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, context: &Context) -> Result<()> {
+fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, context: &Context) -> Result<()> {
     let mesh = Mesh::new(points.len(), hexes);
     let mut given_up = vec![false; hexes.len()];
     let (mut better, mut tried, mut in_vain) = (0, 0, 0);
@@ -295,6 +302,30 @@ pub fn relieve(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, conte
         }
     }
     tracing::debug!(tried, better, "patches of poor cells");
+    Ok(())
+}
+
+/// Improves the worst cells, and the mean quality of all before and after that.
+pub fn polish(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, context: &Context) -> Result<()> {
+    straighten(points, hexes, ties, 0.0, context)?;
+    relieve(points, hexes, ties, context)?;
+    straighten(points, hexes, ties, POOR, context)
+}
+
+/// Raises the mean quality of all cells, where that costs none of the least. Cells whose quality is below `held` stay.
+fn straighten(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, held: f64, context: &Context) -> Result<()> {
+    let mesh = Mesh::new(points.len(), hexes);
+    let all: Vec<u32> = (0..hexes.len() as u32).collect();
+    let mut patch = Patch::new(&mesh, points, &all, ties);
+    let poor: Vec<usize> = (0..hexes.len()).filter(|&h| patch.quality(&patch.places, h) < held).collect();
+    poor.iter().flat_map(|&h| patch.hexes[h]).for_each(|v| patch.fixed[v as usize] = true);
+    let Some(places) = settled(&patch, &patch.places, ties, &Descent::Mean, context)? else { return Ok(()) };
+    let (before, after) = (patch.mean(&patch.places), patch.mean(&places));
+    let (least, now) = (patch.worst(&patch.places), patch.worst(&places));
+    tracing::debug!(before, after, least, now, "mean scaled Jacobian");
+    if after > before && now >= least.min(POOR) {
+        patch.vertices.iter().zip(places).for_each(|(&v, p)| points[v as usize] = p);
+    }
     Ok(())
 }
 

@@ -1,0 +1,58 @@
+//! The mean scaled Jacobian of a whole mesh.
+//!
+//! The energy (energy.rs) asks for boxes, and the power that it is raised to for worst cells that are as good as the others:
+//! neither is the mean of what the quality of a cell is, the least scaled Jacobian of its corners. At last that mean itself is
+//! raised, by the soft maximum of what the corners lack of one:
+//!
+//! E = Σ ln Σ exp(β (1 − s)) / β over the cells, and the corners of each.
+//!
+//! What the least of the mesh is made of (corners.rs) is added, so that it does not fall, and a share of the energy, which
+//! keeps away from the end of the valid set.
+
+use super::corners::corner_energy;
+use super::energy::CellEnergy;
+use super::{MANY_CELLS, MIN_CELLS, Optimiser, SETTLED};
+use crate::context::Context;
+use crate::error::Result;
+use crate::numeric::lbfgs::{Stop, minimise};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How nearly the soft maximum is the largest.
+const SOFT: f64 = 20.0;
+/// How narrow the band of corners near to the least of the mesh is, and what these count.
+const NARROW: f64 = 40.0;
+const GUARD: f64 = 10.0;
+/// The share of the energy.
+const BARRIER: f64 = 0.01;
+const ITERATIONS: f64 = 300.0;
+
+impl Optimiser<'_> {
+    /// Raises the mean scaled Jacobian within the valid set, where none is below `least`.
+    pub(super) fn straighten(&self, points: &mut Vec<DVec3>, least: f64, context: &Context) -> Result<()> {
+        let mut cells = Vec::new();
+        let value = |x: &[DVec3], g: &mut [DVec3]| {
+            context.check()?;
+            self.cell_energies(x, &mut cells, 0.0, 1);
+            cells.par_iter_mut().with_min_len(MIN_CELLS).enumerate().for_each(|(h, cell)| {
+                let p = self.cell(x, h);
+                let (sum, by_sum) = corner_energy(&p, SOFT, 1.0);
+                let (near, by_near) = corner_energy(&p, NARROW, least);
+                *cell = CellEnergy {
+                    value: sum.ln() / SOFT + near * GUARD + BARRIER * cell.value,
+                    gradient: std::array::from_fn(|c| {
+                        by_sum[c] / (SOFT * sum) + by_near[c] * GUARD + cell.gradient[c] * BARRIER
+                    }),
+                    least: cell.least,
+                };
+            });
+            let (value, least) = self.summed(x, g, &cells);
+            Ok(if least > 0.0 { value } else { f64::INFINITY })
+        };
+        // Large meshes get fewer.
+        let share = (MANY_CELLS / self.hexes.len() as f64).clamp(0.3, 1.0);
+        let stop = Stop { iterations: (share * ITERATIONS) as usize, decrease: SETTLED };
+        minimise(points, &self.scale, stop, value)?;
+        Ok(())
+    }
+}
