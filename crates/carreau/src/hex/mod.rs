@@ -63,7 +63,7 @@ use crate::geometry::hexes::{scaled_jacobian, uncertified};
 use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
 use cubic::Cube;
 use glam::DVec3;
-use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, polish};
+use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
 use refine::{CORE, TubeMesh};
 use resample::Step;
 use rustc_hash::FxHashSet;
@@ -342,7 +342,7 @@ fn refined(net: &CurveNet, base: &BaseMesh, held: &Held, options: &HexOptions, c
     let _stage = context.stage("poor cells");
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
     hold(&mut optimiser, &tube, held);
-    polish(&mut tube.points, &tube.hexes, &optimiser, context)?;
+    relieve(&mut tube.points, &tube.hexes, &optimiser, context)?;
     Ok(tube)
 }
 

@@ -52,6 +52,11 @@ impl Skin {
         Skin { quads, parts }
     }
 
+    /// How many vertices are on the boundary.
+    pub fn len(&self) -> usize {
+        self.parts.iter().filter(|&&part| part != Part::Inner).count()
+    }
+
     /// Whether a vertex is on the boundary.
     pub fn has(&self, v: usize) -> bool {
         self.parts[v] != Part::Inner

@@ -21,6 +21,8 @@ use std::cell::OnceCell;
 const STEP: f64 = 1.2;
 const ACROSS: u32 = 2;
 const ALONG: u32 = 1;
+/// There is less halving where it would make more hexes than these.
+const MOST_UNASKED: f64 = 300_000.0;
 /// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
 const LONGEST: f64 = 1.6;
 /// Segments longer than this, in radii, are halved, at most so many times.
@@ -39,6 +41,9 @@ const POOR: f64 = 0.4;
 const FOLDED: f64 = 100.0;
 const OFF: f64 = 0.5;
 const MANY_OFF: f64 = 0.01;
+/// Where a larger share of the boundary vertices could not be put onto the surface they are not looked after with the cells
+/// around them.
+const FEW_STUCK: f64 = 0.05;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
 /// have no room for cells; but those of a tree do.
@@ -83,7 +88,7 @@ pub fn from_surface(
     let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
     let target = Target::new(&closed);
     let mut tried: Vec<Coarse> = Vec::new();
-    let mut known: Vec<CurveNet> = Vec::new();
+    let (mut known, mut made): (Vec<CurveNet>, usize) = (Vec::new(), 0);
     for (merge, narrow) in MERGES.into_iter().flat_map(|merge| NARROW.map(|narrow| (merge, narrow))) {
         let ready = Ready::new(&net, [merge, narrow], &target, options, context)?;
         if known.contains(&ready.net) {
@@ -101,8 +106,9 @@ pub fn from_surface(
             "coarse cells"
         );
         let fits = cells.left == 0 && cells.off < WELL * closed.mesh.diagonal();
+        made += cells.tube.hexes.len();
         tried.push(cells);
-        if fits || options.stage == Stage::Base {
+        if fits || options.stage == Stage::Base || made > MANY_TRIED {
             break;
         }
     }
@@ -114,6 +120,9 @@ pub fn from_surface(
     warnings.extend(coarse.ready.warnings.into_iter().chain(coarse.warnings));
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
+    }
+    if coarse.is_hopeless {
+        warnings.push("the surface is not that of tubes about its skeleton".into());
     }
     tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
     let mut result = deliver(tube, net, warnings, &options, context)?;
@@ -147,7 +156,7 @@ fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &C
     let mut best = Fitted::new(first, target, context)?;
     let mut cells = best.cells.tube.hexes.len();
     for other in Other::ALL {
-        if best.lacks() == 0.0 || cells > MANY_TRIED {
+        if best.lacks() == 0.0 || best.cells.is_hopeless || cells > MANY_TRIED {
             break;
         }
         let (next, target) = match other {
@@ -168,7 +177,7 @@ fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &C
             (best, coarsely_left) = (fitted, left);
         }
     }
-    Ok(best.improved(context)?.cells)
+    Ok(if best.cells.is_hopeless { best.cells } else { best.improved(context)?.cells })
 }
 
 /// What is tried where the first cells are not good.
@@ -278,6 +287,8 @@ struct Coarse {
     warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
     left: usize,
+    /// These are so many that the shape is not made of tubes: nothing else is tried.
+    is_hopeless: bool,
     /// The largest distance of the boundary from the surface: what spans the room between two branches shows here. Infinite
     /// where a cell is folded.
     off: f64,
@@ -321,7 +332,7 @@ impl Coarse {
         let found = compare(&skin, target.surface(), &COARSELY, context)?;
         let off = if is_valid { found.a_to_b.distance.max } else { f64::INFINITY };
         let mean = if is_valid { found.a_to_b.distance.mean + found.b_to_a.distance.mean } else { f64::INFINITY };
-        Ok(Coarse { ready, tube, lengths, warnings, left, off, mean, is_even, free: Vec::new() })
+        Ok(Coarse { ready, tube, lengths, warnings, left, is_hopeless: false, off, mean, is_even, free: Vec::new() })
     }
 
     /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it.
@@ -329,7 +340,7 @@ impl Coarse {
         let stage = context.stage("fit");
         let Coarse { tube, lengths, ready: Ready { options, lid_of, freely, .. }, .. } = self;
         let levels = options.refine_across().max(options.refine_along);
-        let mut left = 0;
+        let (mut left, mut is_hopeless) = (0, false);
         for level in 0..=levels {
             stage.step(level as usize, levels as usize + 1)?;
             if level > 0 {
@@ -366,11 +377,12 @@ impl Coarse {
                     }
                     free = fit::snap(&optimiser, points, &skin, target, kept);
                     left = stuck(&free, &skin);
-                    if left > 0 {
+                    is_hopeless = left as f64 > FEW_STUCK * skin.len() as f64;
+                    if left > 0 && !is_hopeless {
                         fit::seat(points, hexes, &skin, target, &mut free, Seat::Own, context)?;
                         left = stuck(&free, &skin);
                     }
-                    if left == 0 {
+                    if left == 0 || is_hopeless {
                         break;
                     }
                 }
@@ -380,7 +392,7 @@ impl Coarse {
                 self.free = free;
             }
         }
-        self.left = left;
+        (self.left, self.is_hopeless) = (left, is_hopeless);
         Ok(())
     }
 
@@ -474,11 +486,18 @@ fn prepare(
 /// The net resampled to the size asked for, and the levels of halving that go with it.
 fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
     if options.hexes.is_none() && options.edge_length.is_none() {
+        let sized = resample::resample(net, Step::Eased(STEP, mean_radius(net)));
         if options.refine_across.is_none() && options.refine_along == 0 {
-            options.refine_along = ALONG;
+            let (segments, ends) = (sized.edges.len(), sized.incidence().tips().count());
+            for [across, along] in [[ACROSS, ALONG], [ACROSS, 0], [1, 0], [0, 0]] {
+                (options.refine_across, options.refine_along) = (Some(across), along);
+                if options.hexes_of(segments, ends) <= MOST_UNASKED {
+                    break;
+                }
+            }
         }
         options.refine_across.get_or_insert(ACROSS);
-        return resample::resample(net, Step::Eased(STEP, mean_radius(net)));
+        return sized;
     }
     if let Some(length) = options.edge_length {
         let radius = mean_radius(net);

@@ -50,7 +50,7 @@ impl Optimiser<'_> {
             Ok(if least > 0.0 { value } else { f64::INFINITY })
         };
         // Large meshes get fewer.
-        let share = (MANY_CELLS / self.hexes.len() as f64).clamp(0.3, 1.0);
+        let share = (MANY_CELLS / self.hexes.len() as f64).min(1.0);
         let stop = Stop { iterations: (share * ITERATIONS) as usize, decrease: SETTLED };
         minimise(points, &self.scale, stop, value)?;
         Ok(())

@@ -20,7 +20,7 @@ mod patches;
 #[cfg(test)]
 mod slopes;
 
-pub use patches::{Ties, polish, seat};
+pub use patches::{Ties, polish, relieve, seat};
 
 use crate::context::Context;
 use crate::error::Result;
