@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Every part and what it may know, besides itself and the ground floor (`error`, `context`, `length`).
 const MAY_KNOW: &[(&str, &[&str])] = &[
+    ("context", &[]),
     ("mesh", &[]),
     ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
