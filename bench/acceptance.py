@@ -232,7 +232,7 @@ def table(rows, files):
 def report(rows, files, options):
     """The whole generated text."""
     tried = len({(r["job"], r["file"]) for r in rows})
-    sampling = "every file" if tried == sum(files.values()) else "as many files as the table says, evenly spread"
+    sampling = "every file" if tried == sum(files.values()) else "as many files as the table says"
     builds = {}
     for r in rows:
         builds[r.get("commit", "?")] = builds.get(r.get("commit", "?"), 0) + 1
