@@ -283,8 +283,8 @@ def main():
     lines = [r for r in lines if (r["job"], r["file"]) not in again]
     done = {(r["job"], r["file"]) for r in lines}
     # What other calls have done counts, too, whatever they left out.
-    wanted = list(jobs(run, options))
-    rows = [r for r in lines if (r["job"], r["file"]) in set(wanted)]
+    wanted = set(jobs(run, options))
+    rows = [r for r in lines if (r["job"], r["file"]) in wanted]
     open_jobs = [j for j in jobs(run, options, options.offset, options.sample) if j not in done]
     with ThreadPoolExecutor(options.jobs) as pool, open(kept, "a") as file:
         for job, found in zip(open_jobs, pool.map(run.one, open_jobs)):
