@@ -11,12 +11,11 @@
 
 use super::corners::corner_energy;
 use super::energy::CellEnergy;
-use super::{MANY_CELLS, MIN_CELLS, Optimiser, SETTLED};
+use super::{MANY_CELLS, Optimiser, SETTLED};
 use crate::context::Context;
 use crate::error::Result;
-use crate::numeric::lbfgs::{Stop, minimise};
+use crate::numeric::lbfgs::Stop;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// How nearly the soft maximum is the largest.
 const SOFT: f64 = 20.0;
@@ -30,29 +29,19 @@ const ITERATIONS: f64 = 300.0;
 impl Optimiser<'_> {
     /// Raises the mean scaled Jacobian within the valid set, where none is below `least`.
     pub(super) fn straighten(&self, points: &mut Vec<DVec3>, least: f64, context: &Context) -> Result<()> {
-        let mut cells = Vec::new();
-        let value = |x: &[DVec3], g: &mut [DVec3]| {
-            context.check()?;
-            self.cell_energies(x, &mut cells, 0.0, 1);
-            cells.par_iter_mut().with_min_len(MIN_CELLS).enumerate().for_each(|(h, cell)| {
-                let p = self.cell(x, h);
-                let (sum, by_sum) = corner_energy(&p, SOFT, 1.0);
-                let (near, by_near) = corner_energy(&p, NARROW, least);
-                *cell = CellEnergy {
-                    value: sum.ln() / SOFT + near * GUARD + BARRIER * cell.value,
-                    gradient: std::array::from_fn(|c| {
-                        by_sum[c] / (SOFT * sum) + by_near[c] * GUARD + cell.gradient[c] * BARRIER
-                    }),
-                    least: cell.least,
-                };
-            });
-            let (value, least) = self.summed(x, g, &cells);
-            Ok(if least > 0.0 { value } else { f64::INFINITY })
-        };
         // Large meshes get fewer.
         let share = (MANY_CELLS / self.hexes.len() as f64).min(1.0);
         let stop = Stop { iterations: (share * ITERATIONS) as usize, decrease: SETTLED };
-        minimise(points, &self.scale, stop, value)?;
-        Ok(())
+        self.minimise_cells(points, stop, context, |p, energy| {
+            let (sum, by_sum) = corner_energy(p, SOFT, 1.0);
+            let (near, by_near) = corner_energy(p, NARROW, least);
+            CellEnergy {
+                value: sum.ln() / SOFT + near * GUARD + BARRIER * energy.value,
+                gradient: std::array::from_fn(|c| {
+                    by_sum[c] / (SOFT * sum) + by_near[c] * GUARD + energy.gradient[c] * BARRIER
+                }),
+                least: energy.least,
+            }
+        })
     }
 }

@@ -302,17 +302,30 @@ impl<'a> Optimiser<'a> {
         context: &Context,
     ) -> Result<()> {
         let stop = Stop { iterations, decrease: PASSED };
+        self.minimise_cells(points, stop, context, |p, energy| {
+            let (value, gradient) = corner_energy(p, beta, usual);
+            CellEnergy {
+                value: value + BARRIER * energy.value,
+                gradient: std::array::from_fn(|c| gradient[c] + BARRIER * energy.gradient[c]),
+                least: energy.least,
+            }
+        })
+    }
+
+    /// Minimises what `of` makes of the cells and their energies, within the valid set.
+    fn minimise_cells(
+        &self,
+        points: &mut Vec<DVec3>,
+        stop: Stop,
+        context: &Context,
+        of: impl Fn(&Corners, &CellEnergy) -> CellEnergy + Sync,
+    ) -> Result<()> {
         let mut cells = Vec::new();
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
             self.cell_energies(x, &mut cells, 0.0, 1);
-            cells.par_iter_mut().with_min_len(MIN_CELLS).enumerate().for_each(|(h, cell)| {
-                let (value, gradient) = corner_energy(&self.cell(x, h), beta, usual);
-                cell.value = value + BARRIER * cell.value;
-                for c in 0..8 {
-                    cell.gradient[c] = gradient[c] + BARRIER * cell.gradient[c];
-                }
-            });
+            let cells_at_work = cells.par_iter_mut().with_min_len(MIN_CELLS).enumerate();
+            cells_at_work.for_each(|(h, cell)| *cell = of(&self.cell(x, h), cell));
             let (value, least) = self.summed(x, g, &cells);
             Ok(if least > 0.0 { value } else { f64::INFINITY })
         };

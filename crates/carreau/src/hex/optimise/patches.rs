@@ -316,13 +316,14 @@ pub fn polish(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, contex
 
 /// Raises the mean quality of all cells where it is low, if that costs none of the least. Cells whose quality is below `held` stay.
 fn straighten(points: &mut [DVec3], hexes: &[[u32; 8]], ties: &impl Ties, held: f64, context: &Context) -> Result<()> {
-    let mesh = Mesh::new(points.len(), hexes);
-    let all: Vec<u32> = (0..hexes.len() as u32).collect();
-    let mut patch = Patch::new(&mesh, points, &all, ties);
-    let before = patch.mean(&patch.places);
+    let quality = |h: &[u32; 8]| scaled_jacobian(&h.map(|v| points[v as usize]));
+    let before = hexes.iter().map(quality).sum::<f64>() / hexes.len() as f64;
     if before >= DULL {
         return Ok(());
     }
+    let mesh = Mesh::new(points.len(), hexes);
+    let all: Vec<u32> = (0..hexes.len() as u32).collect();
+    let mut patch = Patch::new(&mesh, points, &all, ties);
     let poor: Vec<usize> = (0..hexes.len()).filter(|&h| patch.quality(&patch.places, h) < held).collect();
     poor.iter().flat_map(|&h| patch.hexes[h]).for_each(|v| patch.fixed[v as usize] = true);
     let Some(places) = settled(&patch, &patch.places, ties, &Descent::Mean, context)? else { return Ok(()) };
