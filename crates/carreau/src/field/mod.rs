@@ -227,6 +227,7 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
         Pin::None => 0,
         _ => matching::operate(&dual, &mut topology.p, &mut topology.quads),
     };
+    topology.alpha = relax::evened(&dual, topology.alpha, &topology.p, context)?;
     let (relaxed, energy) = relaxed(&dual, &topology, options, context)?;
     let frames = Frames::new(&dual, &topology, &relaxed);
     drop(dual);

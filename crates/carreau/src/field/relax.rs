@@ -10,7 +10,7 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::sparse::{LeastSquares, Plan};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// ε of the term that favours orthogonality.
 const EPSILON: f64 = 1e-2;
@@ -18,6 +18,10 @@ const MOST_ROUNDS: usize = 12;
 /// From this round on, fewer new ones than one in so many triangles are clipped as in the paper, if that is cheaper.
 const PATIENCE: usize = 2;
 const FEW: usize = 500;
+/// A turn from here on is made to share with others: beyond half a turn, p does not tell which way it goes.
+const MOST_TURN: f64 = 0.95 * PI;
+/// What its edge weighs more in the next solve.
+const HEAVIER: f64 = 8.0;
 /// Weight that holds a ρ at the limit. So the matrix has its entries in the same places in every round.
 const HOLD: f64 = 1e6;
 
@@ -30,12 +34,41 @@ pub struct Relaxed {
 /// Σ w (r⁰² + r¹²).
 pub fn energy(dual: &Dual<'_>, alpha: &[f64], rho: &[f64], p: &[i32]) -> f64 {
     let of = |e: u32| {
-        let [i, j] = dual.ends(e as usize).map(|t| rho[t as usize]);
-        let r = rotation(dual, alpha, p, e);
-        let (r0, r1) = if p[e as usize] % 2 == 0 { (r, r - i + j) } else { (r + j, r - i) };
+        let [r0, r1] = turns(dual, alpha, rho, p, e);
         dual.weight[e as usize] * (r0 * r0 + r1 * r1)
     };
     (0..dual.edges.len() as u32).map(of).sum()
+}
+
+/// r⁰ and r¹ of an edge, equation 4.
+fn turns(dual: &Dual<'_>, alpha: &[f64], rho: &[f64], p: &[i32], e: u32) -> [f64; 2] {
+    let [i, j] = dual.ends(e as usize).map(|t| rho[t as usize]);
+    let r = rotation(dual, alpha, p, e);
+    if p[e as usize] % 2 == 0 { [r, r - i + j] } else { [r + j, r - i] }
+}
+
+/// Makes the edges heavier across which a branch turns by half a turn or nearly; returns whether there are any.
+fn weigh_steep(dual: &Dual<'_>, of: &Relaxed, p: &[i32], weight: &mut [f64]) -> bool {
+    let is_steep = |&e: &u32| turns(dual, &of.alpha, &of.rho, p, e).iter().any(|r| r.abs() > MOST_TURN);
+    let steep = (0..dual.edges.len() as u32).filter(is_steep).map(|e| weight[e as usize] *= HEAVIER).count();
+    steep > 0
+}
+
+/// The orthogonal field itself; where it turns by half a turn or nearly across an edge, the smoothest one with these matchings
+/// that does not, if there is one.
+pub fn evened(dual: &Dual<'_>, alpha: Vec<f64>, p: &[i32], context: &Context) -> Result<Vec<f64>> {
+    let n = dual.triangles.len();
+    let mut weight = dual.weight.clone();
+    let mut found = Relaxed { alpha, rho: vec![0.0; n] };
+    let (held, mut plan) = (vec![Some(0.0); n], None);
+    for _ in 0..MOST_ROUNDS {
+        if !weigh_steep(dual, &found, p, &mut weight) {
+            break;
+        }
+        context.check()?;
+        found.alpha = solve(dual, &found.alpha, p, &weight, &held, &mut plan)?.alpha;
+    }
+    Ok(found.alpha)
 }
 
 /// The relaxed field, |ρ| ≤ `most` (radians).
@@ -44,10 +77,11 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
     let orthogonal = Relaxed { alpha: alpha.to_vec(), rho: vec![0.0; n] };
     let before = energy(dual, alpha, &orthogonal.rho, p);
     let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut weight = dual.weight.clone();
     let mut plan = None;
     for round in 1..=MOST_ROUNDS {
         context.check()?;
-        let mut found = solve(dual, alpha, p, &held, &mut plan)?;
+        let mut found = solve(dual, alpha, p, &weight, &held, &mut plan)?;
         let mut beyond = 0;
         for (held, rho) in held.iter_mut().zip(&mut found.rho) {
             if held.is_none() && rho.abs() > most {
@@ -56,19 +90,27 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
             }
             *rho = rho.clamp(-most, most);
         }
-        let is_settled = beyond == 0 || (round >= PATIENCE && beyond * FEW <= n);
+        let is_steep = weigh_steep(dual, &found, p, &mut weight);
+        let is_settled = !is_steep && (beyond == 0 || (round >= PATIENCE && beyond * FEW <= n));
         if is_settled && energy(dual, &found.alpha, &found.rho, p) <= before {
             return Ok(found);
         }
-        if beyond == 0 {
+        if beyond == 0 && !is_steep {
             break;
         }
     }
     Ok(orthogonal)
 }
 
-/// The best field with some ρ held.
-fn solve(dual: &Dual<'_>, alpha: &[f64], p: &[i32], held: &[Option<f64>], plan: &mut Option<Plan>) -> Result<Relaxed> {
+/// The best field with some ρ held, for these weights of the edges.
+fn solve(
+    dual: &Dual<'_>,
+    alpha: &[f64],
+    p: &[i32],
+    weight: &[f64],
+    held: &[Option<f64>],
+    plan: &mut Option<Plan>,
+) -> Result<Relaxed> {
     let n = dual.triangles.len();
     let mut alpha_of = vec![NONE; n];
     let anchored = dual.constrained.contains(&true);
@@ -97,7 +139,7 @@ fn solve(dual: &Dual<'_>, alpha: &[f64], p: &[i32], held: &[Option<f64>], plan: 
         // Equation 4: the branch that leans in j is the second of i, or, after an odd number of quarter turns, the first.
         let mut add = |more: &[(u32, f64)]| {
             terms[len..len + more.len()].copy_from_slice(more);
-            system.add(dual.weight[e], &terms[..len + more.len()], constant);
+            system.add(weight[e], &terms[..len + more.len()], constant);
         };
         if p[e] % 2 == 0 {
             add(&[]);

@@ -47,13 +47,13 @@ fn check(field: &Field) {
     assert!(
         dual.edges.iter().all(|&c| !(on_feature[t.vertex(c) as usize] && on_feature[t.vertex(t.next(c)) as usize]))
     );
-    // Quads as the matchings and the frames say.
+    // Quads as the matchings and the frames say; a turn is known up to whole ones only, so none may reach half a one.
     let p: Vec<i32> = field.matchings.iter().map(|m| m.p).collect();
     let alpha: Vec<f64> = (0..t.len()).map(|i| field.u[i].dot(dual.y[i]).atan2(field.u[i].dot(dual.x[i]))).collect();
     for (fan, corner) in dual.fans.iter().zip(&field.corners) {
-        let k = matching::exact_quads(&dual, &alpha, &p, fan);
-        // α is known up to whole turns, which are four quarter turns each.
-        assert!((k - k.round()).abs() < 1e-9 && (k.round() as i32 - corner.quads).rem_euclid(4) == 0, "{k} {corner:?}");
+        let turn = |e| (matching::rotation(&dual, &alpha, &p, e) + PI).rem_euclid(2.0 * PI) - PI;
+        let k = (fan.angle - dual.around(fan, turn)) / FRAC_PI_2;
+        assert!((k - f64::from(corner.quads)).abs() < 1e-9, "{k} {corner:?}");
     }
     // Four times the index of every fan, summed over the regions that features divide.
     let mut region: Vec<u32> = (0..t.len() as u32).collect();
@@ -107,6 +107,29 @@ fn corners(angles: &[f64], n: u32, skew: f64) -> SurfaceMesh {
         }
     }
     triangles(&points, &faces)
+}
+
+#[test]
+fn turns_by_more_than_half_a_turn_are_shared_with_other_edges() {
+    let context = Context::new();
+    let mesh = corners(&[60.0], 8, 0.0);
+    let FeaturedSurface { mesh, features, .. } =
+        FeaturedSurface::new(&mesh, &FeatureOptions::default(), &context).unwrap();
+    let conditioned = condition::condition(&mesh, &features).unwrap();
+    let dual = Dual::new(&conditioned).unwrap();
+    let Topology { alpha, mut p, .. } = topology(&dual, &FieldOptions::default(), &context).unwrap();
+    let far = |e: &usize| dual.ends(*e).iter().all(|&i| !dual.constrained[i as usize]);
+    let e = (0..dual.edges.len()).filter(far).nth(20).unwrap();
+    p[e] += 3;
+    let turn =
+        |alpha: &[f64]| (0..p.len() as u32).map(|e| matching::rotation(&dual, alpha, &p, e).abs()).fold(0.0, f64::max);
+    assert!(turn(&alpha) > PI);
+    let quads = matching::quads(&dual, &alpha, &p);
+    let evened = relax::evened(&dual, alpha, &p, &context).unwrap();
+    assert!(turn(&evened) < PI);
+    assert_eq!(matching::quads(&dual, &evened, &p), quads);
+    let relaxed = relax::relax(&dual, &evened, &p, 1.0, &context).unwrap();
+    assert!(turn(&relaxed.alpha) < PI);
 }
 
 #[test]

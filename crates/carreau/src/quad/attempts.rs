@@ -110,7 +110,7 @@ impl<'a> Attempts<'a> {
         whole.cost.useless |= tried.best.is_some() && quality::least_jacobian(&third) <= USEFUL;
         tried.offer(whole);
         // Borders that lie on each other have other curves there.
-        if self.source.is_shared.contains(&true) || tried.budget.is_spent() || tried.will_do() {
+        if self.source.is_shared.contains(&true) || tried.is_over() {
             return Ok(());
         }
         let donor = Donor::new(&third, self.source);
@@ -122,7 +122,7 @@ impl<'a> Attempts<'a> {
             let ways: Vec<Way> = of_field.map(|t| Way { deals: t.deals, graft: Some((&donor, &t.regions)) }).collect();
             self.with_field(fields[k][0].finer, &ways, known, context)
         };
-        self.each(fields.len(), field, |tried| !tried.budget.is_spent() && !tried.will_do(), tried)
+        self.each(fields.len(), field, |tried| !tried.is_over(), tried)
     }
 
     /// Attempts that know of what was tried before, but not of each other, so that they can be made at the same time. They count
@@ -161,7 +161,7 @@ impl<'a> Attempts<'a> {
             if !regions.is_empty() && regions.len() < self.source.regions {
                 tried.trouble.push(Trouble { finer, deals: way.deals, regions });
             }
-            if tried.budget.is_spent() || tried.will_do() {
+            if tried.is_over() {
                 break;
             }
         }

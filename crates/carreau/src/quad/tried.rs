@@ -85,6 +85,11 @@ impl Tried {
         self.is_useful() && self.best.as_ref().is_some_and(|b| b.cost.grades == 0)
     }
 
+    /// Nothing more is to be tried: one will do, or the budget is spent.
+    pub fn is_over(&self) -> bool {
+        self.budget.is_spent() || self.will_do()
+    }
+
     pub fn is_good(&self) -> bool {
         self.best.as_ref().is_some_and(|b| b.is_good)
     }
