@@ -186,6 +186,7 @@ impl<'a> Attempts<'a> {
             let found = match one(self.source, drawn, &wish, &mut tried.budget, context)? {
                 Ok(found) => found,
                 Err(refusal) => {
+                    tracing::debug!(target: "carreau::quad", why = %refusal.why, regions = ?refusal.regions, "came to nothing");
                     tried.refused = refusal.why;
                     tried.fruitless += u32::from(before.is_some());
                     return Ok(if before.is_none() { refusal.regions } else { Vec::new() });

@@ -16,7 +16,7 @@ use super::sheet::Sheet;
 use super::smooth::Smoothing;
 use super::source::Source;
 use super::ticks::find_bends;
-use super::validate::{NEAR, faults, lost_features};
+use super::validate::{NEAR, faults, lost_features, told};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -291,9 +291,9 @@ impl<'a> Rounds<'a> {
         smoothing.run(&mut work, source, self.context)?;
         self.budget.quads(work.faces.len());
         let mut bad = Vec::new();
-        for (q, what) in faults(&work, source) {
-            self.refusal.why = format!("quad {q} {what}");
-            bad.push(patch[q] as usize);
+        for fault in faults(&work, source) {
+            self.refusal.why = told(&work, fault);
+            bad.push(patch[fault.0] as usize);
         }
         let lost = lost_features(&work, source, near);
         let is_lost = !lost.is_empty();

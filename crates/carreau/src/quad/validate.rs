@@ -29,8 +29,8 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     if let Some(why) = topology_refusal(mesh, source) {
         return Ok(Some(why.into()));
     }
-    if let Some((q, what)) = faults(work, source).next() {
-        return Ok(Some(format!("quad {q} {what}")));
+    if let Some(fault) = faults(work, source).next() {
+        return Ok(Some(told(work, fault)));
     }
     if let Some(why) = border_refusal(work, source) {
         return Ok(Some(why.into()));
@@ -67,6 +67,12 @@ pub fn faults<'a>(work: &'a Work, source: &'a Source) -> impl Iterator<Item = (u
             && !source.has_alike(work.region[q], centre, centre.distance(below) + AROUND * longest, normal);
         is_turned.then_some((q, "looks the wrong way"))
     })
+}
+
+/// What is wrong with a quad, and where it is.
+pub fn told(work: &Work, (q, what): (usize, &str)) -> String {
+    let p = work.faces.face(q).iter().map(|&v| work.points[v as usize]).sum::<DVec3>() / 4.0;
+    format!("the quad near {:.4} {:.4} {:.4} {what}", p.x, p.y, p.z)
 }
 
 /// Borders stay on features; where two lie on each other, as in a surface that was cut, their vertices do, too.
