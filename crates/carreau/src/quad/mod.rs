@@ -23,7 +23,7 @@
 //! | shared | file |
 //! |---|---|
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
-//! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth` |
+//! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth`, `straighten` |
 //! | borders that lie on each other are sewn while quads are made | `sew` |
 //! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nudge` |
 //! | how good quads are, and can be between features | `around`, `ceiling` |
@@ -58,6 +58,7 @@ mod sew;
 mod sheet;
 mod smooth;
 mod source;
+mod straighten;
 #[cfg(test)]
 mod tests;
 mod third;

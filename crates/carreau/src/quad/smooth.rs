@@ -5,6 +5,7 @@ use super::around::{Around, BAD, Moves, Ring, beside};
 use super::bends;
 use super::fit::fit;
 use super::source::Source;
+use super::straighten::straighten;
 use super::tips;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
@@ -85,6 +86,7 @@ impl Smoothing {
         if turned(work).len() as f64 > HOPELESS * work.faces.len() as f64 {
             return Ok(Settled::Hopeless);
         }
+        straighten(work, around, source, context)?;
         for _ in 0..SWEEPS {
             let mut moved = 0usize;
             for v in 0..work.points.len() as u32 {
@@ -146,13 +148,14 @@ fn look_after(work: &mut Work, around: &Around, source: &Source, context: &Conte
     Ok(())
 }
 
-fn jacobian(work: &Work, q: u32) -> f64 {
+/// The scaled Jacobian of a quad.
+pub fn jacobian(work: &Work, q: u32) -> f64 {
     let face = work.faces.face(q as usize);
     scaled_jacobian([0, 1, 2, 3].map(|k| work.points[face[k] as usize]))
 }
 
 /// Quads that are turned over, or all but.
-fn turned(work: &Work) -> Vec<u32> {
+pub fn turned(work: &Work) -> Vec<u32> {
     (0..work.faces.len() as u32).filter(|&q| jacobian(work, q) <= BAD).collect()
 }
 
