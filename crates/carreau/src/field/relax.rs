@@ -50,8 +50,9 @@ fn turns(dual: &Dual<'_>, alpha: &[f64], rho: &[f64], p: &[i32], e: u32) -> [f64
 /// Makes the edges heavier across which a branch turns by half a turn or nearly; returns whether there are any.
 fn weigh_steep(dual: &Dual<'_>, of: &Relaxed, p: &[i32], weight: &mut [f64]) -> bool {
     let is_steep = |&e: &u32| turns(dual, &of.alpha, &of.rho, p, e).iter().any(|r| r.abs() > MOST_TURN);
-    let steep = (0..dual.edges.len() as u32).filter(is_steep).map(|e| weight[e as usize] *= HEAVIER).count();
-    steep > 0
+    let steep: Vec<u32> = (0..dual.edges.len() as u32).filter(is_steep).collect();
+    steep.iter().for_each(|&e| weight[e as usize] *= HEAVIER);
+    !steep.is_empty()
 }
 
 /// The orthogonal field itself; where it turns by half a turn or nearly across an edge, the smoothest one with these matchings
