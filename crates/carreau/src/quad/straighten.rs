@@ -13,8 +13,8 @@
 //!
 //! over the rows across and the edges along features is least.
 
-use super::around::Around;
-use super::smooth::{jacobian, turned};
+use super::around::{Around, BAD};
+use super::smooth::jacobian;
 use super::source::Source;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
@@ -37,29 +37,32 @@ const HOLD: f64 = 1e-6;
 /// Straightens the strips, if there are some that lean.
 pub fn straighten(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
     let rows = rows(work, around);
+    let mut known = None;
     for _ in 0..STEPS {
         context.check()?;
-        let (before, was) = (work.points.clone(), Skew::of(work));
         let tangents = tangents(work, around);
-        let lean = |row: &Vec<u32>| Lean::of(work, &tangents, row).is_some_and(|lean| lean.sine.abs() > LEAN);
-        if !rows.iter().any(lean) {
+        let leans: Vec<Lean> = rows.iter().filter_map(|row| Lean::of(work, &tangents, row)).collect();
+        if !leans.iter().any(|lean| lean.sine.abs() > LEAN) {
             break;
         }
         // Where lengths differ beyond what doubles hold it is not to be solved: the vertices stay.
-        let Some(u) = slides(work, &tangents, &rows) else { break };
-        move_rows(work, source, &tangents, &rows, &u);
+        let Some(u) = slides(work, &tangents, &leans) else { break };
+        let was = known.take().unwrap_or_else(|| Skew::of(work));
+        let before = move_rows(work, source, &tangents, &rows, &u);
         let is = Skew::of(work);
         if is.turned > was.turned || is.squares >= was.squares {
             work.points = before;
             break;
         }
+        known = Some(is);
     }
     Ok(())
 }
 
 /// How far quads are from right angles.
+#[derive(Default)]
 struct Skew {
-    /// Quads that are turned over.
+    /// Quads that are turned over, or all but.
     turned: usize,
     /// Sum of squares of what scaled Jacobians lack of one.
     squares: f64,
@@ -67,8 +70,12 @@ struct Skew {
 
 impl Skew {
     fn of(work: &Work) -> Self {
-        let lacks = (0..work.faces.len() as u32).map(|q| 1.0 - jacobian(work, q));
-        Skew { turned: turned(work).len(), squares: lacks.map(|lack| lack * lack).sum() }
+        let mut skew = Skew::default();
+        for jacobian in (0..work.faces.len() as u32).map(|q| jacobian(work, q)) {
+            skew.turned += usize::from(jacobian <= BAD);
+            skew.squares += (1.0 - jacobian).powi(2);
+        }
+        skew
     }
 }
 
@@ -135,6 +142,7 @@ fn tangents(work: &Work, around: &Around) -> Vec<DVec3> {
 
 /// How far a row leans, and what its ends do to that.
 struct Lean {
+    ends: [u32; 2],
     /// Of its angle away from upright.
     sine: f64,
     /// By how much that changes as an end slides.
@@ -144,7 +152,8 @@ struct Lean {
 
 impl Lean {
     fn of(work: &Work, tangents: &[DVec3], row: &[u32]) -> Option<Self> {
-        let [first, last] = [row[0], row[row.len() - 1]].map(|v| v as usize);
+        let ends = [row[0], row[row.len() - 1]];
+        let [first, last] = ends.map(|v| v as usize);
         let (t, s) = (tangents[first], tangents[last]);
         if t.dot(s).abs() < ALIKE {
             return None;
@@ -153,6 +162,7 @@ impl Lean {
         let across = work.points[last] - work.points[first];
         let length = across.length();
         (length > 0.0).then(|| Lean {
+            ends,
             sine: across.dot(along) / length,
             by_first: -t.dot(along) / length,
             by_last: s.dot(along) / length,
@@ -161,7 +171,7 @@ impl Lean {
 }
 
 /// How far every vertex slides along its tangent.
-fn slides(work: &Work, tangents: &[DVec3], rows: &[Vec<u32>]) -> Option<Vec<f64>> {
+fn slides(work: &Work, tangents: &[DVec3], leans: &[Lean]) -> Option<Vec<f64>> {
     let mut unknown = vec![NONE; work.points.len()];
     let mut count = 0;
     for (v, unknown) in unknown.iter_mut().enumerate() {
@@ -178,10 +188,9 @@ fn slides(work: &Work, tangents: &[DVec3], rows: &[Vec<u32>]) -> Option<Vec<f64>
             system.add(weight, &terms, constant);
         }
     };
-    for row in rows {
-        if let Some(lean) = Lean::of(work, tangents, row) {
-            add(1.0, &[(row[0], lean.by_first), (row[row.len() - 1], lean.by_last)], lean.sine);
-        }
+    for lean in leans {
+        let [first, last] = lean.ends;
+        add(1.0, &[(first, lean.by_first), (last, lean.by_last)], lean.sine);
     }
     for ([a, b], _) in &work.features {
         let edge = work.points[*b as usize] - work.points[*a as usize];
@@ -196,8 +205,8 @@ fn slides(work: &Work, tangents: &[DVec3], rows: &[Vec<u32>]) -> Option<Vec<f64>
     Some(unknown.iter().map(|&k| if k == NONE { 0.0 } else { found[k as usize] }).collect())
 }
 
-/// Slides vertices on features, all by the same share of `u`; what is in between goes along.
-fn move_rows(work: &mut Work, source: &Source, tangents: &[DVec3], rows: &[Vec<u32>], u: &[f64]) {
+/// Slides vertices on features, all by the same share of `u`; what is in between goes along. Returns where they were.
+fn move_rows(work: &mut Work, source: &Source, tangents: &[DVec3], rows: &[Vec<u32>], u: &[f64]) -> Vec<DVec3> {
     let share = largest_share(work, u);
     let before = work.points.clone();
     for v in (0..before.len()).filter(|&v| u[v] != 0.0) {
@@ -211,6 +220,7 @@ fn move_rows(work: &mut Work, source: &Source, tangents: &[DVec3], rows: &[Vec<u
             work.points[v as usize] = work.put_back(source, v, before[v as usize] + moved);
         }
     }
+    before
 }
 
 /// The share of `u` by which no vertex goes too far for one step.
@@ -241,6 +251,7 @@ fn take_back(work: &mut Work, source: &Source, before: &[DVec3]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::smooth::turned;
     use super::*;
     use crate::geometry::features::FeatureOptions;
     use crate::mesh::{Polygons, SurfaceMesh};
