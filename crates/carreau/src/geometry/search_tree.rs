@@ -298,6 +298,11 @@ impl TriangleTree {
         firsts.map(|(slice, corners)| (slice.id, *corners))
     }
 
+    /// Ids of all triangles in the order of the leaves: every k-th of them are spread as all are.
+    pub fn ids(&self) -> impl Iterator<Item = u32> {
+        self.in_order().map(|(id, _)| id)
+    }
+
     /// Visits the triangles, by position, of all leaves that are entered.
     fn descend(&self, enter: impl Fn(&Box3) -> bool, mut visit: impl FnMut(usize)) {
         let mut stack = Stack::new();

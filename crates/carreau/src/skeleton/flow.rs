@@ -7,6 +7,9 @@
 //! split at the foot of an altitude, and vertices whose short edges cannot be collapsed without a change of topology are
 //! frozen: the surface is a line there already.
 //!
+//! The Laplacian of a vertex shrinks with its triangles, the pull of its pole does not: the finer a surface is, the less it is
+//! smoothed. Where there are very many vertices, edges that are short beside the ball that touches there are collapsed first.
+//!
 //! ```text
 //!       c                c
 //!      ╱ ╲              ╱│╲         both angles, at c and at d, above 110°
@@ -15,7 +18,7 @@
 //!       d                d
 //! ```
 
-use super::SkeletonOptions;
+use super::{MANY, SkeletonOptions};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{EditMesh, Keep, next, previous};
@@ -32,6 +35,10 @@ const PATIENCE: usize = 3;
 const OBTUSE: f64 = 110.0;
 /// A vertex is frozen when two edges shorter than this share of the shortest length cannot be collapsed.
 const STUCK: f64 = 0.1;
+/// Before the flow, edges shorter than this share of the radius of the inner ball may be collapsed, and up to a length that
+/// grows by this factor.
+const SHORT: f64 = 0.25;
+const GROWTH: f64 = 1.3;
 /// Largest cotangent.
 const STEEPEST: f64 = 100.0;
 /// Weight that holds a frozen vertex.
@@ -76,6 +83,7 @@ pub fn contract(surface: &SurfaceMesh, poles: &[DVec3], options: &SkeletonOption
         options,
     };
     let original = flow.area();
+    flow.thin_out(surface.diagonal());
     let mut area = original;
     let (mut steps, mut still) = (0, 0);
     while steps < STEPS {
@@ -169,17 +177,32 @@ impl Flow<'_> {
     }
 
     fn collapse_short_edges(&mut self) {
-        loop {
-            let before = self.mesh.vertex_count();
-            for h in 0..self.mesh.half_edge_slots() {
-                if self.mesh.is_edge(h) && self.length(h) < self.shortest && self.mesh.check_collapse(h).is_ok() {
-                    self.collapse(h);
-                }
-            }
-            if self.mesh.vertex_count() == before {
-                return;
+        let shortest = self.shortest;
+        while self.collapse_edges(|flow, h| flow.length(h) < shortest) {}
+    }
+
+    /// Leaves about [`MANY`] vertices, more of them where the inner balls are small.
+    fn thin_out(&mut self, longest: f64) {
+        let radius = |flow: &Self, v: u32| flow.mesh.points[v as usize].distance(flow.pole[v as usize]);
+        let mut limit = self.shortest;
+        while self.mesh.vertex_count() as usize > MANY && limit < longest {
+            self.collapse_edges(|flow, h| {
+                let [a, b] = [flow.mesh.vertex(h), flow.mesh.head(h)];
+                flow.length(h) < limit.min(SHORT * radius(flow, a).min(radius(flow, b)))
+            });
+            limit *= GROWTH;
+        }
+    }
+
+    /// Collapses edges that are short, each once; whether there was one.
+    fn collapse_edges(&mut self, is_short: impl Fn(&Self, u32) -> bool) -> bool {
+        let before = self.mesh.vertex_count();
+        for h in 0..self.mesh.half_edge_slots() {
+            if self.mesh.is_edge(h) && is_short(self, h) && self.mesh.check_collapse(h).is_ok() {
+                self.collapse(h);
             }
         }
+        self.mesh.vertex_count() != before
     }
 
     /// The head stays, in the middle, with the nearer of the two poles.

@@ -118,6 +118,9 @@ pub fn prepared(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, Vec<St
     prepare(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
 }
 
+/// What takes longer than in proportion is done with about so many of the vertices of a surface that has more.
+const MANY: usize = 100_000;
+
 /// Shares of the detail tried in turn, until the cycles are as many as the handles.
 const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 

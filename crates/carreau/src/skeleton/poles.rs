@@ -13,8 +13,10 @@
 //! A ball that is stopped by a vertex next door is stopped by noise: when p and q are seen from the new centre under a
 //! small angle, the ball of before is kept. A ball is small enough when no vertex is much nearer to its centre than p: in a
 //! tube whole rings of vertices are about as near, and which of them is the nearest takes the longer to tell the more there
-//! are.
+//! are. So the balls of a surface of very many vertices are stopped by some of them only, spread as all are: what lies
+//! between is nearer to a ball by no more than the sagitta of an edge between two of these.
 
+use super::MANY;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{face_normals, vertex_normals};
@@ -33,12 +35,24 @@ const SLACK: f64 = 1e-4;
 pub fn poles(mesh: &SurfaceMesh, context: &Context) -> Result<Vec<DVec3>> {
     let points = mesh.points();
     let normals = vertex_normals(mesh, &face_normals(mesh));
-    // Points are triangles of three equal corners.
-    let vertices: Vec<[u32; 3]> = (0..points.len() as u32).map(|v| [v; 3]).collect();
-    let tree = TriangleTree::new(points, &vertices).with_slabs(&normals);
+    let tree = stops(points, &normals);
     let start = 0.5 * mesh.diagonal();
     context.check()?;
     Ok(points.par_iter().zip(&normals).map(|(&p, &n)| shrink(p, n, start, &tree)).collect())
+}
+
+/// The vertices that stop balls.
+fn stops(points: &[DVec3], normals: &[DVec3]) -> TriangleTree {
+    // Points are triangles of three equal corners.
+    let vertices: Vec<[u32; 3]> = (0..points.len() as u32).map(|v| [v; 3]).collect();
+    let tree = TriangleTree::new(points, &vertices);
+    if points.len() <= MANY {
+        return tree.with_slabs(normals);
+    }
+    let some: Vec<u32> = tree.ids().step_by(points.len().div_ceil(MANY)).collect();
+    let normals: Vec<DVec3> = some.iter().map(|&v| normals[v as usize]).collect();
+    let vertices: Vec<[u32; 3]> = some.iter().map(|&v| [v; 3]).collect();
+    TriangleTree::new(points, &vertices).with_slabs(&normals)
 }
 
 fn shrink(p: DVec3, n: DVec3, start: f64, tree: &TriangleTree) -> DVec3 {

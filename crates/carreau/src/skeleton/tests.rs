@@ -26,8 +26,19 @@ fn tube(rounds: u32, around: u32, length: f64) -> SurfaceMesh {
 /// One cycle for the one handle, on the circle in the middle, at the distance of the tube's radius.
 #[test]
 fn a_torus_becomes_its_circle() {
-    let mesh = torus(60, 24);
-    let s = skeleton(&mesh);
+    around_in_the_middle(&torus(60, 24));
+}
+
+/// A surface with more vertices than are used throughout.
+#[test]
+fn a_very_fine_torus_becomes_its_circle() {
+    let mesh = torus(500, 220);
+    assert!(mesh.vertex_count() > MANY);
+    around_in_the_middle(&mesh);
+}
+
+fn around_in_the_middle(mesh: &SurfaceMesh) {
+    let s = skeleton(mesh);
     assert_eq!((s.figures.cycles, s.figures.extremities, s.figures.branchings), (1, 0, 0));
     assert_eq!(s.net.cycles(), [1]);
     for (p, r) in s.net.points.iter().zip(&s.net.radii) {
