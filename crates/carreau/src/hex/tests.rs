@@ -37,9 +37,13 @@ fn tree() -> CurveNet {
     CurveNet::new(points, vec![0.8, 0.7, 0.5, 0.6, 0.4, 0.4, 0.3], vec![[0, 1], [1, 2], [1, 3], [2, 4], [2, 5], [3, 6]])
 }
 
-/// Every face has one or two cells that see it from opposite sides; the boundary is a closed manifold whose genus is the
-/// number of cycles.
 pub(super) fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) {
+    assert_eq!(flaw(hexes, points, cycles), None);
+}
+
+/// Where a mesh is not one in which every face has one or two cells that see it from opposite sides, and the boundary is a
+/// closed manifold whose genus is the number of cycles.
+pub(super) fn flaw(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[usize]) -> Option<String> {
     let mut faces: BTreeMap<[u32; 4], Vec<[u32; 4]>> = BTreeMap::new();
     for h in hexes {
         for f in crate::mesh::HEX_FACES {
@@ -48,17 +52,19 @@ pub(super) fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[
             let turned: [u32; 4] = std::array::from_fn(|k| face[(start + k) % 4]);
             let mut key = face;
             key.sort_unstable();
-            assert!(key.windows(2).all(|w| w[0] != w[1]), "a face with equal corners");
+            if key.windows(2).any(|w| w[0] == w[1]) {
+                return Some(format!("a face with equal corners {face:?}"));
+            }
             faces.entry(key).or_default().push(turned);
         }
     }
-    for sides in faces.values() {
-        let fits = match sides[..] {
-            [_] => true,
-            [[a, b, c, d], other] => other == [a, d, c, b],
-            _ => false,
-        };
-        assert!(fits, "{sides:?}");
+    let fits = |sides: &Vec<[u32; 4]>| match sides[..] {
+        [_] => true,
+        [[a, b, c, d], other] => other == [a, d, c, b],
+        _ => false,
+    };
+    if let Some(sides) = faces.values().find(|sides| !fits(sides)) {
+        return Some(format!("cells do not share a face {sides:?}"));
     }
     let raw = RawMesh {
         points: points.to_vec(),
@@ -66,9 +72,9 @@ pub(super) fn assert_conforming(hexes: &[[u32; 8]], points: &[DVec3], cycles: &[
         ..RawMesh::default()
     };
     let topology = Topology::of(&raw.boundary().unwrap().into_surface().unwrap());
-    assert!(topology.closed && topology.manifold && topology.consistently_oriented);
-    assert_eq!(topology.components, cycles.len());
-    assert_eq!(topology.genus, Some(cycles.iter().sum()));
+    let is_sound = topology.closed && topology.manifold && topology.consistently_oriented;
+    let is_same = topology.components == cycles.len() && topology.genus == Some(cycles.iter().sum());
+    (!is_sound || !is_same).then(|| format!("its boundary {topology:?}"))
 }
 
 /// Hexes, boundary quads and vertices of the base mesh and the paddings, in closed form.

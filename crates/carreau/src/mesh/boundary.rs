@@ -83,8 +83,15 @@ impl RawMesh {
     /// The faces of one cell; turned round when the cell is inside out.
     fn push_faces(&self, cell: &[u32], table: &[&[usize]], out: &mut Vec<CellFace>) {
         let p = |k: usize| self.points[cell[k] as usize] - self.points[cell[0] as usize];
-        let fan = |f: &&[usize]| (2..f.len()).map(|k| p(f[0]).dot(p(f[k - 1]).cross(p(f[k])))).sum::<f64>();
-        let inverted = table.iter().map(fan).sum::<f64>() < 0.0;
+        let triple = |f: [usize; 3]| p(f[0]).dot(p(f[1]).cross(p(f[2])));
+        // The volume beneath a bilinear face is the mean of those beneath its two pairs of triangles. One pair alone may
+        // give a cell that is twisted, but sound, a negative volume.
+        let beneath = |f: &&[usize]| match **f {
+            [a, b, c, d] => 0.5 * [[a, b, c], [a, c, d], [b, c, d], [b, d, a]].map(triple).iter().sum::<f64>(),
+            [a, b, c] => triple([a, b, c]),
+            _ => 0.0,
+        };
+        let inverted = table.iter().map(beneath).sum::<f64>() < 0.0;
         for side in table {
             let mut corners = [NONE; 4];
             side.iter().zip(&mut corners).for_each(|(&k, corner)| *corner = cell[k]);
@@ -125,6 +132,27 @@ mod tests {
     fn volume(mesh: &SurfaceMesh) -> f64 {
         let p = |v: u32| mesh.points()[v as usize];
         mesh.faces().fan().0.iter().map(|t| p(t[0]).dot(p(t[1]).cross(p(t[2]))) / 6.0).sum()
+    }
+
+    /// A cell of positive Jacobian everywhere whose volume is negative where all faces are cut along their first diagonals.
+    #[test]
+    fn a_twisted_cell_is_not_inside_out() {
+        let points = [
+            [0.0505, 0.0709, 0.0470],
+            [0.0486, 0.0886, 0.0631],
+            [0.0157, 0.1101, -0.0499],
+            [0.0250, 0.0904, -0.0493],
+            [-0.3380, -0.3002, -0.2484],
+            [-0.3571, -0.2905, -0.2585],
+            [-0.2894, -0.3214, -0.2964],
+            [-0.2779, -0.3254, -0.2841],
+        ]
+        .map(DVec3::from);
+        let faces = |points: &[DVec3]| {
+            let cells = Cells { hexes: vec![[0, 1, 2, 3, 4, 5, 6, 7]], ..Cells::default() };
+            RawMesh { points: points.to_vec(), cells, ..RawMesh::default() }.boundary().unwrap().faces
+        };
+        assert_eq!(faces(&points), faces(&cube()));
     }
 
     /// The boundary must be closed, outward, and hold the whole volume.
