@@ -26,11 +26,8 @@ pub fn aspect_ratio(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 /// product of the diagonals). 1 rectangle, 0 a straight corner, negative where it is concave or folded.
 pub fn scaled_jacobian(quad: [DVec3; 4]) -> f64 {
     let normal = unit(area_vector(&quad, &[0, 1, 2, 3]));
-    let corner = |k: usize| {
-        let along = unit(quad[(k + 1) % 4] - quad[k]);
-        let back = unit(quad[(k + 3) % 4] - quad[k]);
-        along.cross(back).dot(normal)
-    };
+    let sides = [0, 1, 2, 3].map(|k| unit(quad[(k + 1) % 4] - quad[k]));
+    let corner = |k: usize| sides[(k + 3) % 4].cross(sides[k]).dot(normal);
     (0..4).map(corner).fold(f64::INFINITY, f64::min)
 }
 

@@ -1,6 +1,6 @@
 //! What is around every vertex, and how good it is.
 
-use super::ceiling::{ceilings, shape};
+use super::ceiling::{ceilings, jacobians, over, shape};
 use super::work::{Place, Work};
 use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::HalfEdges;
@@ -91,6 +91,8 @@ pub struct Ring<'a> {
     around: &'a Around,
     vertex: u32,
     quads: Vec<Before>,
+    /// The worst of the shapes where the vertex is.
+    pub now: f64,
 }
 
 /// A quad before its vertex moves.
@@ -104,14 +106,21 @@ struct Before {
 impl<'a> Ring<'a> {
     pub fn new(work: &'a Work, around: &'a Around, vertex: u32) -> Self {
         let at = work.points[vertex as usize];
+        let mut now = f64::INFINITY;
         let before = |&quad: &u32| {
-            let own = corners(work, quad, vertex, at);
-            let is_good = scaled_jacobian(own) > BAD;
-            let up = if is_good { normal(own) } else { up_beside(work, around, quad).normalize_or(normal(own)) };
+            let (own, ceilings) = (corners(work, quad, vertex, at), &around.ceilings[quad as usize]);
+            let mut up = normal(own);
+            let mut found = jacobians(own, up);
+            let is_good = found.into_iter().all(|j| j > BAD);
+            if !is_good {
+                up = up_beside(work, around, quad).normalize_or(up);
+                found = jacobians(own, up);
+            }
+            now = over(found, ceilings).into_iter().fold(now, f64::min);
             Before { quad, up, is_good }
         };
         let quads = around.quads[vertex as usize].iter().map(before).collect();
-        Ring { work, around, vertex, quads }
+        Ring { work, around, vertex, quads, now }
     }
 
     /// The shapes where the vertex would be elsewhere: the scaled Jacobian at every corner over what it can be there; −1
@@ -133,6 +142,11 @@ impl<'a> Ring<'a> {
         self.shapes(at).flatten().fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether none of the shapes is worse than that.
+    pub fn holds(&self, at: DVec3, least: f64) -> bool {
+        self.shapes(at).flatten().all(|shape| shape >= least)
+    }
+
     /// A sum that the worst of the shapes make most of: what cannot become better does not hide what can.
     pub fn distress(&self, at: DVec3) -> f64 {
         self.shapes(at).flatten().map(|shape| (-STEEP * shape).exp()).sum()
@@ -141,7 +155,7 @@ impl<'a> Ring<'a> {
 
 /// The worst shape around a vertex where it is.
 pub fn worst(work: &Work, around: &Around, vertex: u32) -> f64 {
-    Ring::new(work, around, vertex).worst(work.points[vertex as usize])
+    Ring::new(work, around, vertex).now
 }
 
 /// The normals of the quads beside one, those that have one.

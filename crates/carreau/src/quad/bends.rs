@@ -73,8 +73,7 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
     let mut held = Vec::new();
     for Moved { vertex, from, place, worst: before } in moved {
         let ring = Ring::new(work, around, vertex);
-        let now = ring.worst(work.points[vertex as usize]);
-        if now < before.min(FAIR) && ring.worst(from) > now {
+        if ring.now < before.min(FAIR) && ring.worst(from) > ring.now {
             work.points[vertex as usize] = from;
             work.place[vertex as usize] = place;
         } else {

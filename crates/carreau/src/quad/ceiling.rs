@@ -73,10 +73,20 @@ fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64, at_tip: impl Fn(f6
     (0..work.faces.len()).map(|q| [0, 1, 2, 3].map(|k| of(4 * q + k))).collect()
 }
 
-/// The scaled Jacobian at the corners of a quad, looked at from a direction, over what it can be there.
+/// The scaled Jacobian at the corners of a quad, looked at from a direction.
+pub fn jacobians(p: [DVec3; 4], up: DVec3) -> [f64; 4] {
+    let sides = [0, 1, 2, 3].map(|k| (p[(k + 1) % 4] - p[k]).normalize_or_zero());
+    [0, 1, 2, 3].map(|k| sides[(k + 3) % 4].cross(sides[k]).dot(up))
+}
+
+/// The same over what it can be there.
 pub fn shape(p: [DVec3; 4], up: DVec3, ceilings: &[f64; 4]) -> [f64; 4] {
-    let side = |k: usize, j: usize| (p[j % 4] - p[k]).normalize_or_zero();
-    [0, 1, 2, 3].map(|k| side(k, k + 1).cross(side(k, k + 3)).dot(up) / ceilings[k])
+    over(jacobians(p, up), ceilings)
+}
+
+/// Scaled Jacobians over what they can be.
+pub fn over(jacobians: [f64; 4], ceilings: &[f64; 4]) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k| jacobians[k] / ceilings[k])
 }
 
 /// The worst shape of every quad, over what the best numbers of quads between features allow.

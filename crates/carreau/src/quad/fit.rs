@@ -69,11 +69,11 @@ fn settled(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -
     let step = beneath(work, around, source, v, region).optimum(mean, STEADY).clamp_length_max(REACH * shortest(from));
     let is_far = step.dot(around.up(work, v)).abs() > FAR * source.diagonal;
     let ring = Ring::new(work, around, v);
-    let before = ring.worst(from).min(if is_far { FAIR } else { GOOD });
+    let before = ring.now.min(if is_far { FAIR } else { GOOD });
     SHARES
         .into_iter()
         .map(|share| work.put_back(source, v, from + share * step))
-        .find(|&to| shortest(to) >= shortest(from).min(LEFT * length) && ring.worst(to) >= before)
+        .find(|&to| shortest(to) >= shortest(from).min(LEFT * length) && ring.holds(to, before))
 }
 
 /// The planes beneath the quarters of the quads at a vertex, from where it is.

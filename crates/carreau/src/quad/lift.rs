@@ -50,10 +50,10 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
             {
                 let from = work.points[v];
                 let ring = Ring::new(work, around, v as u32);
-                let least = ring.worst(from).min(GOOD);
+                let least = ring.now.min(GOOD);
                 let may_be = |&to: &DVec3| {
                     source.on_region(region, to).is_some_and(|found| found.0.distance(to) <= far)
-                        && ring.worst(to) >= least
+                        && ring.holds(to, least)
                 };
                 if let Some(to) = SHARES.map(|share| from + share * step).into_iter().find(may_be) {
                     work.points[v] = to;

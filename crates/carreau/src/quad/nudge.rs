@@ -85,7 +85,7 @@ impl Nudge<'_> {
         let from = work.points[self.v as usize];
         let before = self.gap(from);
         let ring = Ring::new(work, self.around, self.v);
-        let least = ring.worst(from).min(FAIR);
+        let least = ring.now.min(FAIR);
         let (mut at, mut gap, mut scale) = (from, before, 1.0);
         let ways = self.ways();
         let smallest = 0.5f64.powi(HALVED as i32);
@@ -95,7 +95,7 @@ impl Nudge<'_> {
             }
             let places = ways.iter().flat_map(|&way| [at + scale * way, at - scale * way]).map(|to| self.kept(to));
             let may_be = |&to: &DVec3| {
-                ring.worst(to) >= least && keeps_feature_at(work, self.around, self.gaps.source, self.v, to, SURE)
+                ring.holds(to, least) && keeps_feature_at(work, self.around, self.gaps.source, self.v, to, SURE)
             };
             let measured = places.filter(may_be).map(|to| (self.gap(to), to));
             match measured.min_by(|a, b| a.0.total_cmp(&b.0)) {

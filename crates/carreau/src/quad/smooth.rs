@@ -199,9 +199,9 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let from = work.points[v as usize];
     let mean = neighbours.iter().map(|&w| work.points[w as usize]).sum::<DVec3>() / neighbours.len() as f64;
     let ring = Ring::new(work, around, v);
-    let least = ring.worst(from).min(GOOD);
+    let least = ring.now.min(GOOD);
     let mut places = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share));
-    let Some(to) = places.find(|&to| ring.worst(to) >= least) else { return false };
+    let Some(to) = places.find(|&to| ring.holds(to, least)) else { return false };
     work.points[v as usize] = to;
     to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize])
 }
@@ -217,7 +217,7 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
 fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let from = work.points[v as usize];
     let ring = Ring::new(work, around, v);
-    let before = ring.worst(from);
+    let before = ring.now;
     if before >= GOOD {
         return false;
     }
@@ -231,7 +231,7 @@ fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let (mean, length) = (sum / count, around.mean_edge(work, v));
     let least = around.shortest_edge(work, v, from).min(APART * length);
     let to = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share)).find(|&to| {
-        ring.worst(to) >= before
+        ring.holds(to, before)
             && around.shortest_edge(work, v, to) >= least
             && keeps_feature_at(work, around, source, v, to, SURE)
     });
@@ -247,7 +247,7 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     }
     let from = work.points[v as usize];
     let ring = Ring::new(work, around, v);
-    if ring.worst(from) >= POOR {
+    if ring.now >= POOR {
         return;
     }
     let mut best = (ring.distress(from), from);
