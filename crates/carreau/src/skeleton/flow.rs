@@ -185,7 +185,7 @@ impl Flow<'_> {
     fn thin_out(&mut self, longest: f64) {
         let radius = |flow: &Self, v: u32| flow.mesh.points[v as usize].distance(flow.pole[v as usize]);
         let mut limit = self.shortest;
-        while self.mesh.vertex_count() as usize > MANY && limit < longest {
+        while self.mesh.vertex_count() > MANY && limit < longest {
             self.collapse_edges(|flow, h| {
                 let [a, b] = [flow.mesh.vertex(h), flow.mesh.head(h)];
                 flow.length(h) < limit.min(SHORT * radius(flow, a).min(radius(flow, b)))

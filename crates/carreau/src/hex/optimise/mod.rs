@@ -1,7 +1,7 @@
 //! Geometry: untangling and smoothing (spec 1.6).
 //!
 //! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs); first for
-//!    the folded cells of a large mesh and their surroundings alone (patches.rs), then for all, or the other way round.
+//!    the folded cells of a large mesh and their surroundings alone (unfold.rs), then for all, or the other way round.
 //! 2. Then ε = 0: the energy is infinite outside the valid set, which no step leaves. The power p rises, so that the
 //!    worst cells count more and more; target lengths follow the cells, so that only angles are asked for.
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
@@ -17,10 +17,15 @@ mod energy;
 mod lanes;
 mod mean;
 mod patches;
+mod relieve;
+mod seat;
 #[cfg(test)]
 mod slopes;
+mod unfold;
 
-pub use patches::{Ties, polish, relieve, seat};
+pub use patches::Ties;
+pub use relieve::{polish, relieve};
+pub use seat::seat;
 
 use crate::context::Context;
 use crate::error::Result;
@@ -425,11 +430,11 @@ impl<'a> Optimiser<'a> {
         let mut valid = self.is_valid(points);
         // All cells together find better places, which costs little where they are few.
         if !valid && self.hexes.len() > FEW_CELLS {
-            valid = patches::unfold(self, points, effort, context)?;
+            valid = unfold::unfold(self, points, effort, context)?;
         }
         if !valid {
             valid = self.untangle(points, effort, context)?;
-            valid = valid || patches::unfold(self, points, effort, context)?;
+            valid = valid || unfold::unfold(self, points, effort, context)?;
             self.retarget(points);
         }
         if valid {
