@@ -14,9 +14,12 @@ use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 /// Strength of the springs to the surface along its normal, and across, while poor cells are improved.
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
+/// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before.
+const SEATED: f64 = 0.1;
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
 /// Passes over the vertices that were taken back, in which each is tried alone.
@@ -80,7 +83,7 @@ fn springs_to(
 }
 
 /// The boundary slides along the surface.
-struct Sliding<'a> {
+pub struct Sliding<'a> {
     skin: &'a Skin,
     target: &'a Target<'a>,
     shape: Shape,
@@ -90,6 +93,8 @@ struct Sliding<'a> {
     under: Vec<Option<DVec3>>,
     /// Vertices that belong where the surface is closest.
     at_closest: Vec<bool>,
+    /// Vertices that belong to one place, and the normal there.
+    pinned: FxHashMap<u32, (DVec3, DVec3)>,
 }
 
 impl<'a> Sliding<'a> {
@@ -99,7 +104,28 @@ impl<'a> Sliding<'a> {
         stuck.iter().for_each(|&v| is_on[v as usize] = false);
         let normal = |(p, is_on): (&DVec3, &bool)| is_on.then(|| target.closest_wall(*p).map(|c| c.1)).flatten();
         let under = points.par_iter().zip(&is_on).map(normal).collect();
-        Sliding { skin, target, shape: skin.shape(points), placed, under, at_closest: vec![false; points.len()] }
+        Sliding {
+            skin,
+            target,
+            shape: skin.shape(points),
+            placed,
+            under,
+            at_closest: vec![false; points.len()],
+            pinned: FxHashMap::default(),
+        }
+    }
+
+    /// Vertices that are not `free` are on the surface, and some belong to one place, which has a normal.
+    pub fn pinning(
+        points: &[DVec3],
+        skin: &'a Skin,
+        target: &'a Target<'a>,
+        free: &[bool],
+        pinned: FxHashMap<u32, (DVec3, DVec3)>,
+    ) -> Self {
+        let placed = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
+        let moved: Vec<u32> = pinned.keys().copied().collect();
+        Sliding { pinned, ..Sliding::new(points, skin, target, placed, &moved) }
     }
 
     fn place(&self, v: usize, at: DVec3) -> (DVec3, DVec3) {
@@ -120,6 +146,9 @@ impl Ties for Sliding<'_> {
         if !self.placed[v] {
             return Vec::new();
         }
+        if let Some(&(to, normal)) = self.pinned.get(&vertex) {
+            return vec![Spring { vertex, to, normal, along: SLIDING[0], across: SLIDING[0] }];
+        }
         let (to, normal) = self.place(v, at);
         springs_to(self.target, self.skin.parts[v], vertex, to, normal, SLIDING[0], SLIDING[1]).collect()
     }
@@ -131,6 +160,9 @@ impl Ties for Sliding<'_> {
 
     fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
         let v = vertex as usize;
+        if let Some((to, _)) = self.pinned.get(&vertex) {
+            return Some(*to);
+        }
         self.placed[v].then(|| {
             let to = self.place(v, at).0;
             if self.skin.parts[v] == Part::Wall { self.target.closest_wall(to).map_or(to, |c| c.0) } else { to }
@@ -147,8 +179,7 @@ pub fn slide(
     free: &[bool],
     context: &Context,
 ) -> Result<()> {
-    let placed: Vec<bool> = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-    let sliding = Sliding::new(points, skin, target, placed, &[]);
+    let sliding = Sliding::pinning(points, skin, target, free, FxHashMap::default());
     polish(points, hexes, &sliding, context)
 }
 
@@ -184,7 +215,7 @@ pub fn seat(
     }
     for group in stuck.chunks(if singly { 1 } else { stuck.len().max(1) }) {
         group.iter().for_each(|&v| sliding.placed[v as usize] = true);
-        let seated = optimise::seat(points, hexes, &sliding, group, context)?;
+        let seated = optimise::seat(points, hexes, &sliding, group, SEATED, context)?;
         for v in vertices.clone().filter(|&v| skin.has(v) && seated.contains(&(v as u32))) {
             free[v] = false;
         }

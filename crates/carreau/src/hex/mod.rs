@@ -19,6 +19,7 @@
 //! | padding, halving across and along | `refine` |
 //! | segments halved where a surface is far | `adapt` |
 //! | the surface, the boundary of the mesh, and how the one comes to the other | `target`, `skin`, `fit` |
+//! | vertices that go to where the surface is far | `reach` |
 //! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
 //! | figures of the result | `figures` |
@@ -38,6 +39,7 @@ mod insert;
 mod limit;
 mod meet;
 mod optimise;
+mod reach;
 mod refine;
 mod resample;
 mod sew;

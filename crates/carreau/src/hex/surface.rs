@@ -3,6 +3,7 @@
 use super::adapt::Lengths;
 use super::fit::{self, Rise, Seat};
 use super::optimise::{Optimiser, PASSING};
+use super::reach::reach;
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
 use super::skin::Skin;
@@ -37,6 +38,8 @@ const MANY_TRIED: usize = 150_000;
 /// shares of the diagonal, no vertex is off the surface, and no scaled Jacobian is smaller than this.
 const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
 const POOR: f64 = 0.4;
+/// Where the surface is farther than wanted the boundary reaches what is farther than this.
+const REACHED: f64 = 0.01;
 /// What a fold lacks, vertices off the surface, and so large a share of them more.
 const FOLDED: f64 = 100.0;
 const OFF: f64 = 0.5;
@@ -177,7 +180,7 @@ fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &C
             (best, coarsely_left) = (fitted, left);
         }
     }
-    Ok(if best.cells.is_hopeless { best.cells } else { best.improved(context)?.cells })
+    Ok(if best.cells.is_hopeless { best.cells } else { best.improved(context)?.reaching(context)?.cells })
 }
 
 /// What is tried where the first cells are not good.
@@ -238,6 +241,22 @@ impl<'a> Fitted<'a> {
         }
         self.cells.slide(self.target, context)?;
         Ok(Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? })
+    }
+
+    /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
+    fn reaching(mut self, context: &Context) -> Result<Self> {
+        // Of a size asked for cells are as coarse as that.
+        if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
+            return Ok(self);
+        }
+        let (before, points) = (self.lacks(), self.cells.tube.points.clone());
+        let (far, least) = (self.far, self.least);
+        self.cells.reach(self.target, context)?;
+        let mut reached = Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? };
+        if reached.lacks() >= before {
+            (reached.far, reached.least, reached.cells.tube.points) = (far, least, points);
+        }
+        Ok(reached)
     }
 
     /// By how much the cells miss what is wanted, zero for not at all: each want counts by the share that is lacking.
@@ -408,6 +427,15 @@ impl Coarse {
             self.left = stuck(&self.free, &skin);
         }
         fit::slide(points, hexes, &skin, target, &self.free, context)
+    }
+
+    /// Boundary vertices go to where the surface is far.
+    fn reach(&mut self, target: &Target, context: &Context) -> Result<()> {
+        let _stage = context.stage("fit");
+        let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
+        let skin = Skin::new(hexes, caps, &self.ready.lid_of);
+        let limit = REACHED * target.surface().diagonal();
+        reach(points, hexes, &skin, target, &self.free, limit, context)
     }
 }
 

@@ -10,18 +10,18 @@ use rustc_hash::FxHashSet;
 /// Patches in all.
 const SEATINGS: usize = 1500;
 /// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
-/// comes first. A cell may be as poor as this then, or as poor as before.
+/// comes first.
 const SEATING: [usize; 3] = [2, 3, 5];
 const SEATS: [(i32, usize); 3] = [(1, 60), (2, 60), (4, 60)];
-const SEATED: f64 = 0.1;
 
 /// Puts vertices onto what they are tied to, each with its surroundings alone, wider and wider ones; returns those that are
-/// there now, with others that have come with them.
+/// there now, with others that have come with them. No cell becomes poorer than `least`, or than the poorest around.
 pub fn seat(
     points: &mut [DVec3],
     hexes: &[[u32; 8]],
     ties: &impl Ties,
     stuck: &[u32],
+    least: f64,
     context: &Context,
 ) -> Result<FxHashSet<u32>> {
     let mesh = Mesh::new(points.len(), hexes);
@@ -39,7 +39,7 @@ pub fn seat(
             let here = &*points;
             let one = |cells: &Vec<u32>| {
                 let patch = Patch::new(&mesh, here, cells, ties);
-                let least = SEATED.min(patch.worst(&patch.places));
+                let least = least.min(patch.worst(&patch.places));
                 let places = settled(&patch, &patch.places, ties, &Descent::Energy(&SEATS), context)?
                     .filter(|p| patch.worst(p) >= least);
                 Ok(places.map(|p| (patch, p)))
@@ -103,7 +103,7 @@ mod tests {
         let vertex = (SIDE as usize * n + 6) * n + 6;
         let mut points = straight.clone();
         points[vertex] += DVec3::new(0.1, 0.05, -0.4);
-        let seated = seat(&mut points, &hexes, &top, &[vertex as u32], &Context::new()).unwrap();
+        let seated = seat(&mut points, &hexes, &top, &[vertex as u32], 0.1, &Context::new()).unwrap();
         assert!(seated.contains(&(vertex as u32)) && points[vertex].z == f64::from(SIDE));
         assert!(uncertified(&points, &hexes).is_empty());
         let far = |v: &usize| straight[*v].distance(straight[vertex]) > 7.0;

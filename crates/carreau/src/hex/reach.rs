@@ -1,0 +1,164 @@
+//! Where the surface is far from the boundary, though all vertices of the boundary are on it, vertices go there: down into a
+//! groove that faces span, or out to the tip of what has no branch. The cells around follow, the boundary slides along the
+//! surface.
+//!
+//! ```text
+//!    v─────────────·            ·           ·
+//!   ╱│╲           ╱│╲          ╱│╲         ╱│╲
+//!      ╲  groove ╱        →      ╲ ╲     ╱╱
+//!       ╲       ╱                 ╲ ╲   ╱╱
+//!        ╰──p──╯                   ╰──v──╯
+//! ```
+
+use super::fit::Sliding;
+use super::optimise::{self, relieve};
+use super::skin::Skin;
+use super::target::{Part, Target};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::search_tree::TriangleTree;
+use crate::mesh::split_quad;
+use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Rounds at most, and vertices that are moved in each.
+const ROUNDS: usize = 40;
+const AT_ONCE: usize = 64;
+/// Cells may become as poor as this.
+const LEAST: f64 = 0.2;
+/// Places in a round are this many times as far from each other as the farther one from the boundary.
+const APART: f64 = 1.5;
+/// A vertex goes all of the way, or this share of it along the surface.
+const SHARES: [f64; 2] = [1.0, 0.5];
+
+/// Moves vertices to where the surface is farther from the boundary than a limit. `free` are those that are inside or could not be
+/// put onto the surface.
+pub fn reach(
+    points: &mut [DVec3],
+    hexes: &[[u32; 8]],
+    skin: &Skin,
+    target: &Target,
+    free: &[bool],
+    limit: f64,
+    context: &Context,
+) -> Result<()> {
+    let mut pinned: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
+    let mut in_vain: FxHashSet<u32> = FxHashSet::default();
+    for round in 0..ROUNDS {
+        context.check()?;
+        let is_free = |v: u32| {
+            let k = v as usize;
+            skin.parts[k] == Part::Wall && !free[k] && !pinned.contains_key(&v) && !in_vain.contains(&v)
+        };
+        let mut open = far_places(points, skin, target, limit, is_free);
+        let Some(farthest) = open.first() else { break };
+        tracing::debug!(round, places = open.len(), pinned = pinned.len(), far = farthest.far, "far places");
+        let count = open.len();
+        for share in SHARES {
+            let to = |place: &Far| match share < 1.0 {
+                true => target.closest_wall(points[place.vertex as usize].lerp(place.to, share)),
+                false => Some((place.to, place.normal)),
+            };
+            let mut pins = pinned.clone();
+            pins.extend(open.iter().filter_map(|place| Some((place.vertex, to(place)?))));
+            let sliding = Sliding::pinning(points, skin, target, free, pins);
+            let vertices: Vec<u32> = open.iter().map(|place| place.vertex).collect();
+            let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST, context)?;
+            let (there, left): (Vec<Far>, Vec<Far>) =
+                open.into_iter().partition(|place| seated.contains(&place.vertex));
+            // What went all of the way stays there; what went half of it may go on.
+            if share == 1.0 {
+                pinned.extend(there.iter().map(|place| (place.vertex, (place.to, place.normal))));
+            }
+            open = left;
+        }
+        // What has gone makes room for others.
+        if open.len() < count {
+            in_vain.clear();
+        }
+        in_vain.extend(open.iter().map(|place| place.vertex));
+    }
+    let sliding = Sliding::pinning(points, skin, target, free, pinned);
+    relieve(points, hexes, &sliding, context)
+}
+
+/// A place of the surface that is far from the boundary, and the vertex of the boundary that is to go there.
+struct Far {
+    vertex: u32,
+    to: DVec3,
+    normal: DVec3,
+    far: f64,
+}
+
+/// The farthest places, not near each other.
+fn far_places(
+    points: &[DVec3],
+    skin: &Skin,
+    target: &Target,
+    limit: f64,
+    is_free: impl Fn(u32) -> bool + Sync,
+) -> Vec<Far> {
+    let triangles: Vec<[u32; 3]> = skin.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
+    let tree = TriangleTree::new(points, &triangles);
+    let far = |t: usize| {
+        let corners = target.corners(t as u32);
+        let found = tree.closest((corners[0] + corners[1] + corners[2]) / 3.0)?;
+        if found.distance() <= limit {
+            return None;
+        }
+        let to = corners.into_iter().sum::<DVec3>() / 3.0;
+        let quad = skin.quads[found.triangle as usize / 2];
+        let near = |a: &u32, b: &u32| {
+            points[*a as usize].distance_squared(to).total_cmp(&points[*b as usize].distance_squared(to)).then(a.cmp(b))
+        };
+        let vertex = quad.into_iter().filter(|&v| is_free(v)).min_by(near)?;
+        Some(Far { vertex, to, normal: target.normal(t as u32), far: found.distance() })
+    };
+    let mut all: Vec<Far> = target.wall().into_par_iter().filter_map(far).collect();
+    all.sort_by(|a, b| b.far.total_cmp(&a.far));
+    let mut kept: Vec<Far> = Vec::new();
+    for place in all {
+        let is_near = |k: &Far| k.vertex == place.vertex || k.to.distance(place.to) < APART * k.far;
+        if kept.len() < AT_ONCE && !kept.iter().any(is_near) {
+            kept.push(place);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::hexes::uncertified;
+    use crate::mesh::SurfaceMesh;
+    use crate::mesh::test_models::{bricks, sphere};
+    use crate::skeleton;
+
+    /// A ball with a thorn where no vertex of its cells is: one goes out to it, on the surface still, and no cell folds.
+    #[test]
+    fn a_vertex_goes_to_the_tip_that_is_far() {
+        let ball = sphere(4);
+        let tip = DVec3::new(0.3, 0.2, 1.0).normalize();
+        let out = |p: &DVec3| p * (1.0 + 0.5 * (1.0 - p.distance(tip) / 0.3).max(0.0));
+        let triangles = ball.faces().fan().0;
+        let thorny = SurfaceMesh::from_triangles(ball.points().iter().map(out).collect(), &triangles).unwrap();
+        let (closed, _) = skeleton::prepared(&thorny, &Context::new()).unwrap();
+        let target = Target::new(&closed);
+        let (mut points, hexes) = bricks([4; 3]);
+        for p in &mut points {
+            let q = 0.5 * *p - DVec3::ONE;
+            let on_ball = q.abs().max_element() * q.normalize_or_zero();
+            *p = if q.abs().max_element() < 1.0 { on_ball } else { target.closest_wall(on_ball).unwrap().0 };
+        }
+        let skin = Skin::new(&hexes, &vec![0; points.len()], &[]);
+        let free: Vec<bool> = (0..points.len()).map(|v| !skin.has(v)).collect();
+        let farthest = |points: &[DVec3]| far_places(points, &skin, &target, 0.0, |_| true)[0].far;
+        let before = farthest(&points);
+        assert!(before > 0.15, "{before}");
+        reach(&mut points, &hexes, &skin, &target, &free, 0.1, &Context::new()).unwrap();
+        assert!(farthest(&points) < 0.6 * before, "{before} {}", farthest(&points));
+        assert!(uncertified(&points, &hexes).is_empty());
+        assert!((0..points.len()).filter(|&v| skin.has(v)).all(|v| target.distance(points[v]) < 1e-9));
+    }
+}
