@@ -9,9 +9,7 @@
 
 use super::refine::TubeMesh;
 use super::target::Target;
-use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::{CurveNet, NONE, boundary_faces, split_quad};
-use rayon::prelude::*;
+use crate::mesh::{CurveNet, NONE, boundary_faces};
 
 /// The surface is far from the boundary at this share of its diagonal; it is looked at in so many places, about.
 const FAR: f64 = 0.004;
@@ -54,22 +52,12 @@ impl Lengths {
 
 /// The segments at whose boundary the surface is far.
 fn far_segments(tube: &TubeMesh, target: &Target) -> Vec<u32> {
-    let mut triangles = Vec::new();
-    let mut owner = Vec::new();
-    for (q, hex) in boundary_faces(&tube.hexes) {
-        triangles.extend(split_quad(&tube.points, q));
-        owner.extend([tube.segments[hex as usize]; 2]);
-    }
-    let tree = TriangleTree::new(&tube.points, &triangles);
+    let (quads, hexes): (Vec<[u32; 4]>, Vec<u32>) = boundary_faces(&tube.hexes).into_iter().unzip();
     let limit = FAR * target.surface().diagonal();
-    let step = target.wall().len().div_ceil(SAMPLES).max(1);
-    let far = |t: usize| {
-        let [a, b, c] = target.corners(t as u32);
-        let found = tree.closest((a + b + c) / 3.0)?;
-        let segment = owner[found.triangle as usize];
-        (found.distance() > limit && segment != NONE).then_some(segment)
-    };
-    target.wall().into_par_iter().step_by(step).filter_map(far).collect()
+    target.looking_at(&tube.points, &quads, SAMPLES, |seen| {
+        let segment = tube.segments[hexes[seen.quad] as usize];
+        (seen.distance > limit && segment != NONE).then_some(segment)
+    })
 }
 
 #[cfg(test)]

@@ -13,13 +13,10 @@
 use super::fit::Sliding;
 use super::optimise::{self, relieve};
 use super::skin::Skin;
-use super::target::{Part, Target};
+use super::target::{Part, Seen, Target};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::split_quad;
 use glam::DVec3;
-use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Rounds at most, and vertices that are moved in each.
@@ -99,23 +96,16 @@ fn far_places(
     limit: f64,
     is_free: impl Fn(u32) -> bool + Sync,
 ) -> Vec<Far> {
-    let triangles: Vec<[u32; 3]> = skin.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
-    let tree = TriangleTree::new(points, &triangles);
-    let far = |t: usize| {
-        let corners = target.corners(t as u32);
-        let found = tree.closest((corners[0] + corners[1] + corners[2]) / 3.0)?;
-        if found.distance() <= limit {
+    let far = |seen: Seen| {
+        if seen.distance <= limit {
             return None;
         }
-        let to = corners.into_iter().sum::<DVec3>() / 3.0;
-        let quad = skin.quads[found.triangle as usize / 2];
-        let near = |a: &u32, b: &u32| {
-            points[*a as usize].distance_squared(to).total_cmp(&points[*b as usize].distance_squared(to)).then(a.cmp(b))
-        };
-        let vertex = quad.into_iter().filter(|&v| is_free(v)).min_by(near)?;
-        Some(Far { vertex, to, normal: target.normal(t as u32), far: found.distance() })
+        let distance = |v: u32| points[v as usize].distance_squared(seen.place);
+        let near = |a: &u32, b: &u32| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b));
+        let vertex = skin.quads[seen.quad].into_iter().filter(|&v| is_free(v)).min_by(near)?;
+        Some(Far { vertex, to: seen.place, normal: seen.normal, far: seen.distance })
     };
-    let mut all: Vec<Far> = target.wall().into_par_iter().filter_map(far).collect();
+    let mut all = target.looking_at(points, &skin.quads, usize::MAX, far);
     all.sort_by(|a, b| b.far.total_cmp(&a.far));
     let mut kept: Vec<Far> = Vec::new();
     for place in all {

@@ -1,8 +1,7 @@
 //! The boundary of a mesh: what its vertices belong to, and where they all go at once.
 
-use super::target::{AGREES, Part, Target};
-use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::{boundary_faces, split_quad};
+use super::target::{AGREES, Part, Seen, Target};
+use crate::mesh::boundary_faces;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -127,25 +126,16 @@ impl Skin {
     ///   ──v──v──v──     ──v╯   ╰v──
     /// ```
     pub fn reach_out(&self, points: &[DVec3], shape: &Shape, target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
-        let triangles: Vec<[u32; 3]> = self.quads.iter().flat_map(|&q| split_quad(points, q)).collect();
         let far = FAR * target.surface().diagonal();
-        let tree = TriangleTree::new(points, &triangles);
-        let bulge = |t: u32| {
-            let n = target.normal(t);
-            let [a, b, c] = target.corners(t);
-            let sample = (a + b + c) / 3.0;
-            let found = tree.closest(sample)?;
-            let near = |v: &u32| points[*v as usize].distance_squared(sample);
-            let walls =
-                triangles[found.triangle as usize].into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
+        let bulge = |seen: Seen| {
+            let near = |v: &u32| points[*v as usize].distance_squared(seen.place);
+            let walls = seen.half.into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
             let v = walls.min_by(|a, b| near(a).total_cmp(&near(b)))?;
             let k = v as usize;
-            let bulges = found.distance() > far.min(BULGE * shape.sizes[k]) && shape.normals[k].dot(n) > AGREES;
-            bulges.then_some((v, found.distance(), sample, n))
+            let bulges = seen.distance > far.min(BULGE * shape.sizes[k]) && shape.normals[k].dot(seen.normal) > AGREES;
+            bulges.then_some((v, seen.distance, seen.place, seen.normal))
         };
-        let wall = target.wall().len();
-        let samples = (0..wall as u32).into_par_iter().step_by(wall.div_ceil(SAMPLES).max(1));
-        let bulges: Vec<_> = samples.filter_map(bulge).collect();
+        let bulges = target.looking_at(points, &self.quads, SAMPLES, bulge);
         let mut farthest = vec![0f64; places.len()];
         for (v, distance, to, normal) in bulges {
             if let Ok(k) = places.binary_search_by_key(&v, |p| p.0)

@@ -4,9 +4,10 @@
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::{Closest, TriangleTree};
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, SurfaceMesh};
+use crate::mesh::{CurveNet, SurfaceMesh, split_quad};
 use crate::skeleton::{self, Closed, Lid};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// A hit counts when its normal is at most about 75° off.
 pub const AGREES: f64 = 0.25;
@@ -22,6 +23,18 @@ pub struct Target<'a> {
     /// Borders of the lids, as triangles without width.
     rims: Vec<TriangleTree>,
     by_facing: bool,
+}
+
+/// A place of the surface, and what of a boundary is nearest to it.
+pub struct Seen {
+    /// The place, in the middle of a triangle of the wall, and the normal there.
+    pub place: DVec3,
+    pub normal: DVec3,
+    /// How far the boundary is.
+    pub distance: f64,
+    /// Its face, and the half of it.
+    pub quad: usize,
+    pub half: [u32; 3],
 }
 
 /// What a boundary vertex belongs to.
@@ -93,6 +106,28 @@ impl<'a> Target<'a> {
     /// Its unit normal.
     pub fn normal(&self, triangle: u32) -> DVec3 {
         self.normals[triangle as usize]
+    }
+
+    /// What is found for places of the wall, about so many at most, that look at a boundary.
+    pub fn looking_at<T: Send>(
+        &self,
+        points: &[DVec3],
+        quads: &[[u32; 4]],
+        samples: usize,
+        find: impl Fn(Seen) -> Option<T> + Sync,
+    ) -> Vec<T> {
+        let halves: Vec<[u32; 3]> = quads.iter().flat_map(|&q| split_quad(points, q)).collect();
+        let tree = TriangleTree::new(points, &halves);
+        let look = |t: usize| {
+            let [a, b, c] = self.corners(t as u32);
+            let place = (a + b + c) / 3.0;
+            let found = tree.closest(place)?;
+            let half = found.triangle as usize;
+            let (distance, normal) = (found.distance(), self.normal(t as u32));
+            find(Seen { place, normal, distance, quad: half / 2, half: halves[half] })
+        };
+        let step = self.wall().len().div_ceil(samples).max(1);
+        self.wall().into_par_iter().step_by(step).filter_map(look).collect()
     }
 
     /// Distance to the closed surface.
