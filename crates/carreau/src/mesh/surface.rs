@@ -265,9 +265,12 @@ impl SurfaceMesh {
         self.divided(fans)
     }
 
-    /// As [`Self::fanned`], but where a fan has a flat triangle or doubles an edge the polygon is cut as by
-    /// [`Self::triangulated`].
-    pub fn nearly_fanned(self) -> Result<Self> {
+    /// As [`Self::fanned`], but where a fan has a flat triangle the polygon is cut as by [`Self::triangulated`], and diagonals
+    /// that are edges already are divided in their middle, by vertices that come last. Attributes are left behind.
+    pub fn nearly_fanned(mut self) -> Result<Self> {
+        if !self.is_triangular() {
+            self.attributes = Attributes::default();
+        }
         self.divided(nearly_fans)
     }
 
@@ -275,8 +278,11 @@ impl SurfaceMesh {
         if self.is_triangular() {
             return Ok(self);
         }
-        let Cut { triangles, corners, parent } = cut(&self.points, &self.faces);
-        let mut out = Self::from_triangles(self.points, &triangles)?;
+        let Cut { triangles, corners, parent, middles } = cut(&self.points, &self.faces);
+        let mut points = self.points;
+        points
+            .extend(middles.iter().map(|m| 0.5 * (points[m[0] as usize] + points[m[1] as usize])).collect::<Vec<_>>());
+        let mut out = Self::from_triangles(points, &triangles)?;
         out.attributes = Attributes {
             vertex: self.attributes.vertex,
             face: gather_columns(&self.attributes.face, &parent),

@@ -1,7 +1,7 @@
 //! Polygons cut into triangles: a fan from the first corner, so that everybody numbers the triangles alike. Where a triangle
-//! of the fan would be flat, or turned but for [`nearly_fans`], or a diagonal an edge already, ears are taken instead, the best shaped first (Meisters,
+//! of the fan would be flat or turned, or a diagonal an edge already, ears are taken instead, the best shaped first (Meisters,
 //! "Polygons have ears", 1975). A polygon that is folded however it is cut is a fan where that has a clearly smaller area: the
-//! rest lies on itself.
+//! rest lies on itself. [`nearly_fans`] are fans though triangles be turned or diagonals be edges already.
 //!
 //! ```text
 //! 3───2        3───2
@@ -29,6 +29,8 @@ const INSIDE_PENALTY: f64 = 2.0;
 /// An ear must be better by more than this to be preferred to an earlier one: rounding shall not choose.
 const MARGIN: f64 = 1e-9;
 
+/// Cosine of the angle to a polygon that is nearly plane which its ears have at most: they are no other surface than a fan then.
+const PLANE: f64 = 0.9;
 /// Fans of folded polygons are smaller than this share of the ears that they are preferred to.
 const SMALLER: f64 = 0.8;
 
@@ -37,23 +39,45 @@ pub struct Cut {
     pub triangles: Vec<[u32; 3]>,
     pub corners: Vec<u32>,
     pub parent: Vec<u32>,
+    /// Vertices after those there were, each in the middle of two; they count as the polygon's first corner.
+    pub middles: Vec<[u32; 2]>,
+}
+
+/// Which fans will do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Fans {
+    /// Those without a turned triangle, and without a diagonal that is an edge already.
+    Sound,
+    /// Those without a flat triangle. Where a diagonal is an edge already it is divided in its middle, if ears of the polygon
+    /// would be another surface.
+    Folded,
 }
 
 /// Cuts all polygons, in their order.
 pub fn triangulate(points: &[DVec3], faces: &Polygons) -> Cut {
-    cut(points, faces, |shape| shape > 0.0)
+    cut(points, faces, Fans::Sound)
 }
 
-/// Cuts all polygons, with fans where these have no flat triangle and no edge twice, though one be turned.
+/// Cuts all polygons, with fans where these have no flat triangle, though one be turned. Two polygons that fold onto each other
+/// may have the same diagonal, which would be an edge of four triangles. Where one of them is not plane it is cut as its fan is,
+/// and its diagonal in the middle: the surface is the same, but there are two edges.
+///
+/// ```text
+/// d───────c        d───────c
+/// │     ╱ │        │ ╲   ╱ │
+/// │   ╱   │   →    │   m   │     m: the middle of the diagonal a c
+/// │ ╱     │        │ ╱   ╲ │
+/// a───────b        a───────b
+/// ```
 pub fn nearly_fans(points: &[DVec3], faces: &Polygons) -> Cut {
-    cut(points, faces, |shape| shape.abs() > MARGIN)
+    cut(points, faces, Fans::Folded)
 }
 
-/// Cuts polygons into fans whose triangles will do, all of them, and the others into ears.
-fn cut(points: &[DVec3], faces: &Polygons, will_do: impl Fn(f64) -> bool) -> Cut {
+/// Cuts polygons into fans where these will do, and the others into ears.
+fn cut(points: &[DVec3], faces: &Polygons, fans: Fans) -> Cut {
     let mut cutter = Cutter::new(points, faces);
     for (f, face) in faces.iter().enumerate() {
-        cutter.add(f as u32, face, faces.offsets()[f], &will_do);
+        cutter.add(f as u32, face, faces.offsets()[f], fans);
     }
     cutter.cut
 }
@@ -90,26 +114,34 @@ impl<'a> Cutter<'a> {
             points,
             edges: HalfEdges::new(faces, points.len()),
             diagonals: HashSet::new(),
-            cut: Cut { triangles: Vec::new(), corners: Vec::new(), parent: Vec::new() },
+            cut: Cut { triangles: Vec::new(), corners: Vec::new(), parent: Vec::new(), middles: Vec::new() },
             rest: Vec::new(),
             scores: Vec::new(),
         }
     }
 
-    fn add(&mut self, parent: u32, face: &[u32], first: u32, will_do: impl Fn(f64) -> bool) {
+    fn add(&mut self, parent: u32, face: &[u32], first: u32, fans: Fans) {
         let fan = fan(face);
         if face.len() > MOST_CORNERS {
             self.push(parent, face, first, fan);
             return;
         }
         let normal = area_vector(self.points, face);
-        let is_fine = |triangle: [u32; 3]| will_do(self.shape(face, normal, triangle));
+        let is_fine = |triangle: [u32; 3]| match (fans, self.shape(face, normal, triangle)) {
+            (Fans::Sound, shape) => shape > 0.0,
+            (Fans::Folded, shape) => shape.abs() > MARGIN,
+        };
         let fan_is_new = fan.clone().skip(1).all(|[_, k, _]| self.is_new(face[0], face[k as usize]));
-        if fan_is_new && fan.clone().all(is_fine) {
+        let fan_is_fine = fan.clone().all(is_fine);
+        if fan_is_fine && fan_is_new {
             self.push(parent, face, first, fan);
             return;
         }
         let ears = self.ears(face, normal);
+        if fan_is_fine && fans == Fans::Folded && !ears.iter().all(|&ear| self.is_along(face, normal, ear)) {
+            self.push_divided(parent, face, first);
+            return;
+        }
         let is_turned = |triangle: &[u32; 3]| self.shape(face, normal, *triangle) < -MARGIN;
         let area = |t: [u32; 3]| {
             let [a, b, c] = t.map(|k| self.points[face[k as usize] as usize]);
@@ -133,10 +165,44 @@ impl<'a> Cutter<'a> {
                     self.diagonals.insert(sorted(face[a as usize], face[b as usize]));
                 }
             }
-            self.cut.triangles.push(triangle.map(|k| face[k as usize]));
-            self.cut.corners.extend(triangle.map(|k| first + k));
-            self.cut.parent.push(parent);
+            self.push_triangle(parent, triangle.map(|k| (face[k as usize], first + k)));
         }
+    }
+
+    /// Adds a fan whose diagonals are divided in their middles where they are edges already.
+    fn push_divided(&mut self, parent: u32, face: &[u32], first: u32) {
+        let at = |k: u32| (face[k as usize], first + k);
+        let mut before = None;
+        for [apex, left, right] in fan(face) {
+            let is_diagonal = right + 1 < face.len() as u32;
+            let after = is_diagonal.then(|| self.middle(face[0], face[right as usize])).flatten().map(|m| (m, first));
+            let near = [before.unwrap_or(at(left)), after.unwrap_or(at(right))];
+            self.push_triangle(parent, [at(apex), near[0], near[1]]);
+            if let Some(before) = before {
+                self.push_triangle(parent, [before, at(left), at(right)]);
+            }
+            if let Some(after) = after {
+                self.push_triangle(parent, [near[0], at(right), after]);
+            }
+            before = after;
+        }
+    }
+
+    /// A new vertex in the middle of a diagonal, if that is an edge already.
+    fn middle(&mut self, a: u32, b: u32) -> Option<u32> {
+        if self.is_new(a, b) {
+            self.diagonals.insert(sorted(a, b));
+            return None;
+        }
+        self.cut.middles.push([a, b]);
+        Some((self.points.len() + self.cut.middles.len() - 1) as u32)
+    }
+
+    /// Adds a triangle of vertices and the corners that they are.
+    fn push_triangle(&mut self, parent: u32, corners: [(u32, u32); 3]) {
+        self.cut.triangles.push(corners.map(|c| c.0));
+        self.cut.corners.extend(corners.map(|c| c.1));
+        self.cut.parent.push(parent);
     }
 
     /// A polygon cut ear by ear.
@@ -203,6 +269,13 @@ impl<'a> Cutter<'a> {
         if turned { -mean_ratio(a, b, c) } else { mean_ratio(a, b, c) }
     }
 
+    /// Whether a triangle of the polygon is about parallel to it.
+    fn is_along(&self, face: &[u32], normal: DVec3, triangle: [u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|k| self.points[face[k as usize] as usize]);
+        let area = triangle_area_vector(a, b, c);
+        area.dot(normal) >= PLANE * area.length() * normal.length()
+    }
+
     /// Whether a corner lies within an ear or on its rim, seen along the normal.
     fn is_inside(&self, face: &[u32], normal: DVec3, ear: [u32; 3], other: u32) -> bool {
         let vertex = face[other as usize];
@@ -258,21 +331,47 @@ mod tests {
             let face: Vec<u32> = (0..4).map(|k| (k + turn) % 4).collect();
             let found = cut(&dart, &[&face]);
             assert!(found.triangles.iter().all(|t| t.contains(&0) && t.contains(&2)));
-            let Cut { triangles, corners, parent } = fans(&dart, &[face.as_slice()].into_iter().collect());
+            let Cut { triangles, corners, parent, .. } = fans(&dart, &[face.as_slice()].into_iter().collect());
             assert_eq!(triangles, [[face[0], face[1], face[2]], [face[0], face[2], face[3]]]);
             assert_eq!((corners, parent), (vec![0, 1, 2, 0, 2, 3], vec![0, 0]));
         }
     }
 
     #[test]
-    fn nearly_fans_are_fans_but_for_flat_and_double_triangles() {
+    fn nearly_fans_are_fans_but_for_flat_triangles() {
         let points = flat(&[(0.0, 0.0), (2.0, -1.0), (0.5, 0.0), (2.0, 1.0), (3.0, 0.0)]);
         let found = |face: &[u32]| nearly_fans(&points, &[face].into_iter().collect()).triangles;
         assert_eq!(found(&[1, 2, 3, 0]), [[1, 2, 3], [1, 3, 0]], "turned, but a fan");
         assert!(found(&[0, 2, 4, 3]).iter().all(|t| t.contains(&3)), "its first triangle is flat");
-        let twice: Polygons = [&[0, 1, 2, 3][..], &[0, 2, 1]].into_iter().collect();
-        let first = &nearly_fans(&points, &twice).triangles[..2];
-        assert!(first.iter().all(|t| t.contains(&1) && t.contains(&3)), "its diagonal is an edge");
+    }
+
+    /// The diagonals of a pentagon are edges already, one, the other or both.
+    #[test]
+    fn diagonals_of_nearly_fans_that_are_edges_already_are_divided() {
+        let points: Vec<DVec3> = (0..6)
+            .map(|k| DVec3::new((TAU * f64::from(k) / 5.0).cos(), (TAU * f64::from(k) / 5.0).sin(), 0.0))
+            .collect();
+        for others in [&[&[0, 5, 2][..]][..], &[&[0, 5, 3]], &[&[0, 5, 2], &[3, 5, 0]]] {
+            let faces: Polygons = others.iter().copied().chain([&[0, 1, 2, 3, 4][..]]).collect();
+            assert!(nearly_fans(&points, &faces).middles.is_empty(), "it is plane");
+            let mut points = points.clone();
+            points[1].z = 1.5;
+            let found = nearly_fans(&points, &faces);
+            assert_eq!(found.middles.len(), others.len());
+            let middles: Vec<DVec3> =
+                found.middles.iter().map(|m| 0.5 * (points[m[0] as usize] + points[m[1] as usize])).collect();
+            points.extend(middles);
+            let edges = HalfEdges::new(&Polygons::from_triangles(&found.triangles), points.len());
+            assert!(edges.groups().all(|e| e.len() <= 2), "{:?}", found.triangles);
+            let of_pentagon = found.triangles.iter().zip(&found.parent).filter(|t| *t.1 == others.len() as u32);
+            let areas: Vec<f64> = of_pentagon
+                .map(|(t, _)| {
+                    triangle_area_vector(points[t[0] as usize], points[t[1] as usize], points[t[2] as usize]).z
+                })
+                .collect();
+            assert!(areas.len() == 3 + 2 * others.len() && areas.iter().all(|a| *a > 0.0), "{areas:?}");
+            assert!((areas.iter().sum::<f64>() - 2.5 * (TAU / 5.0).sin()).abs() < 1e-12);
+        }
     }
 
     /// Two quads that share three vertices: the middle one has no other face, and both shorter diagonals are the same.

@@ -119,6 +119,19 @@ mod tests {
         assert_eq!((out.face_count(), out.vertex_count(), said), (4, 5, 0));
     }
 
+    /// Two quads that fold about the same diagonal, one up and one down: fans have it twice.
+    #[test]
+    fn fans_of_folded_quads_get_an_edge_each() {
+        let p = [DVec3::ZERO, DVec3::X, DVec3::new(1., 1., 0.), DVec3::new(0., 1., 1.), DVec3::new(0., 1., -1.)];
+        let mut faces = Polygons::new();
+        faces.push(&[0, 1, 2, 3]);
+        faces.push(&[2, 1, 0, 4]);
+        let mesh = SurfaceMesh::new(p.to_vec(), faces).unwrap();
+        let (out, said) = sentences(&mesh);
+        assert_eq!((out.face_count(), out.vertex_count(), said), (6, 6, 0));
+        assert_eq!(out.points()[5], DVec3::new(0.5, 0.5, 0.0));
+    }
+
     /// An arrowhead: its second triangle is turned over, as in everybody's reading.
     #[test]
     fn polygons_are_fans_where_these_are_sound() {
