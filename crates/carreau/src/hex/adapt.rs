@@ -12,7 +12,7 @@ use super::target::Target;
 use crate::mesh::{CurveNet, NONE, boundary_faces};
 
 /// The surface is far from the boundary at this share of its diagonal; it is looked at in so many places, about.
-const FAR: f64 = 0.004;
+const FAR: f64 = 0.0025;
 const SAMPLES: usize = 20_000;
 /// Segments are not made shorter than this, in radii.
 const SHORT: f64 = 0.6;

@@ -12,6 +12,8 @@ use super::skin::{SWELL, Shape, Skin};
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::hexes::volume;
+use crate::mesh::Topology;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -20,6 +22,11 @@ use rustc_hash::FxHashMap;
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
 /// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before.
 const SEATED: f64 = 0.1;
+/// Cells with a lower scaled Jacobian do not become poorer when the boundary swells.
+const POOR: f64 = 0.5;
+/// The boundary swells until the mesh has this share of the surface's volume, in so many steps.
+const FULL: f64 = 0.99;
+const SWELLINGS: usize = 4;
 /// Rounds of taking back vertices whose cells do not.
 const ROUNDS: usize = 1000;
 /// Passes over the vertices that were taken back, in which each is tried alone.
@@ -236,18 +243,8 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
             p.1 = to;
         }
     });
-    skin.swell(points, target, &mut places);
-    let mut goes = vec![true; points.len()];
-    for _ in 0..ROUNDS {
-        for &(v, to, _) in &places {
-            points[v as usize] = if goes[v as usize] { to } else { start[v as usize] };
-        }
-        let weak = optimiser.weak(points, &floors);
-        if weak.is_empty() {
-            break;
-        }
-        weak.iter().flat_map(|&h| optimiser.corners_of(h)).for_each(|&v| goes[v as usize] = false);
-    }
+    skin.swell(points, target, 0.0, &mut places);
+    let mut goes = put_together(optimiser, points, &start, &places, &floors);
     let middles = Middles::new(skin, target);
     put_singly(optimiser, points, &places, &floors, &mut goes, |v, points| middles.place(v, points));
     // Where it is near enough a vertex may stay.
@@ -262,6 +259,53 @@ pub fn snap(optimiser: &Optimiser, points: &mut [DVec3], skin: &Skin, target: &T
     let mut free = vec![true; points.len()];
     places.iter().zip(there).for_each(|(p, there)| free[p.0 as usize] = !there);
     free
+}
+
+/// Puts all vertices in their places at once, and takes back, round by round, those of weak cells; says which went.
+fn put_together(
+    optimiser: &Optimiser,
+    points: &mut [DVec3],
+    start: &[DVec3],
+    places: &[(u32, DVec3, DVec3)],
+    floors: &[f64],
+) -> Vec<bool> {
+    let mut goes = vec![true; points.len()];
+    for _ in 0..ROUNDS {
+        for &(v, to, _) in places {
+            points[v as usize] = if goes[v as usize] { to } else { start[v as usize] };
+        }
+        let weak = optimiser.weak(points, floors);
+        if weak.is_empty() {
+            break;
+        }
+        weak.iter().flat_map(|&h| optimiser.corners_of(h)).for_each(|&v| goes[v as usize] = false);
+    }
+    goes
+}
+
+/// What slid along the surface has lost its distance from that: wall vertices that are not `free` get it again
+/// ([`Skin::swell`]), and more where the volume is still small, as far as no poor cell becomes poorer, and no other one poor.
+pub fn swell(points: &mut [DVec3], hexes: &[[u32; 8]], skin: &Skin, target: &Target, free: &[bool]) {
+    let optimiser = Optimiser::new(points, hexes);
+    let start = points.to_vec();
+    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| q.min(POOR)).collect();
+    let on_wall = |v: &usize| skin.parts[*v] == Part::Wall && !free[*v];
+    let place = |v: usize| target.closest_wall(start[v]).map(|(to, normal)| (v as u32, to, normal));
+    let on_surface: Vec<_> = (0..points.len()).into_par_iter().filter(on_wall).filter_map(place).collect();
+    let wanted = FULL * Topology::of(target.surface()).volume.unwrap_or(0.0);
+    let area = skin.area(points);
+    let mut outward = 0.0;
+    for _ in 0..SWELLINGS {
+        let mut places = on_surface.clone();
+        skin.swell(&start, target, outward, &mut places);
+        places.iter().for_each(|&(v, to, _)| points[v as usize] = to);
+        let lacking = wanted - hexes.iter().map(|h| volume(&h.map(|v| points[v as usize]))).sum::<f64>();
+        put_together(&optimiser, points, &start, &places, &floors);
+        if !(lacking > 0.0 && area > 0.0) {
+            break;
+        }
+        outward += lacking / area;
+    }
 }
 
 /// Where boundary vertices belong by their neighbours: places that are found one by one may be in each other's way.
@@ -376,6 +420,32 @@ mod tests {
         });
         assert!(goes[top as usize]);
         assert_eq!(moved[top as usize], DVec3::new(0.0, 0.0, 0.5));
+    }
+
+    /// A block in a ball, all of its boundary on that: its volume grows, by as much as vertices may leave the surface; what is
+    /// free stays.
+    #[test]
+    fn a_boundary_on_a_ball_takes_its_volume() {
+        let (mut points, hexes) = bricks([8; 3]);
+        for p in &mut points {
+            let q = 0.25 * *p - DVec3::ONE;
+            *p = q.abs().max_element() * q.normalize_or_zero();
+        }
+        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
+        let (skin, target) = (Skin::new(&hexes, &vec![0; points.len()], &[]), Target::new(&closed));
+        let on_wall: Vec<usize> = (0..points.len()).filter(|&v| skin.has(v)).collect();
+        on_wall.iter().for_each(|&v| points[v] = target.closest_wall(points[v]).unwrap().0);
+        let free: Vec<bool> = (0..points.len()).map(|v| !skin.has(v)).collect();
+        let start = points.clone();
+        swell(&mut points, &hexes, &skin, &target, &free);
+        let outward = |v: &usize| points[*v].length() - start[*v].length();
+        let reach = SWELL * target.surface().diagonal();
+        assert!(on_wall.iter().all(|v| (0.0..=1.01 * reach).contains(&outward(v))));
+        assert!(on_wall.iter().filter(|v| outward(v) > 0.9 * reach).count() > on_wall.len() / 2);
+        assert!((0..points.len()).filter(|&v| free[v]).all(|v| points[v] == start[v]));
+        let mut stays = start.clone();
+        swell(&mut stays, &hexes, &skin, &target, &vec![true; free.len()]);
+        assert_eq!(stays, start);
     }
 
     /// Ahead of a vertex in a ball the surface is nearer than where it is closest; but where a vertex cannot go there it goes to

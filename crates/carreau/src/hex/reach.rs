@@ -26,8 +26,8 @@ const AT_ONCE: usize = 64;
 const LEAST: f64 = 0.2;
 /// Places in a round are this many times as far from each other as the farther one from the boundary.
 const APART: f64 = 1.5;
-/// A vertex goes all of the way, or this share of it along the surface.
-const SHARES: [f64; 2] = [1.0, 0.5];
+/// A vertex goes all of the way, or these shares of it along the surface.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Moves vertices to where the surface is farther from the boundary than a limit. `free` are those that are inside or could not be
 /// put onto the surface.
@@ -41,7 +41,7 @@ pub fn reach(
     context: &Context,
 ) -> Result<()> {
     let mut pinned: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
-    let mut in_vain: FxHashSet<u32> = FxHashSet::default();
+    let (mut part_of_the_way, mut in_vain): (FxHashSet<u32>, FxHashSet<u32>) = Default::default();
     for round in 0..ROUNDS {
         context.check()?;
         let is_free = |v: u32| {
@@ -64,9 +64,11 @@ pub fn reach(
             let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST, context)?;
             let (there, left): (Vec<Far>, Vec<Far>) =
                 open.into_iter().partition(|place| seated.contains(&place.vertex));
-            // What went all of the way stays there; what went half of it may go on.
+            // What went all of the way stays there; the others may go on.
             if share == 1.0 {
                 pinned.extend(there.iter().map(|place| (place.vertex, (place.to, place.normal))));
+            } else {
+                part_of_the_way.extend(there.iter().map(|place| place.vertex));
             }
             open = left;
         }
@@ -75,6 +77,11 @@ pub fn reach(
             in_vain.clear();
         }
         in_vain.extend(open.iter().map(|place| place.vertex));
+    }
+    // What makes poor cells better would draw them back.
+    for v in part_of_the_way {
+        let there = target.closest_wall(points[v as usize]).map(|(_, normal)| (points[v as usize], normal));
+        pinned.extend(there.filter(|_| !pinned.contains_key(&v)).map(|there| (v, there)));
     }
     let sliding = Sliding::pinning(points, skin, target, free, pinned);
     relieve(points, hexes, &sliding, context)

@@ -11,7 +11,10 @@ const BULGE: f64 = 0.3;
 const FAR: f64 = 0.01;
 const SAMPLES: usize = 20_000;
 /// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
-pub const SWELL: f64 = 8e-5;
+pub const SWELL: f64 = 9e-5;
+/// By this share of the sag of the faces around: where these are the sides of a regular polygon of many, it has the area of the
+/// circle then.
+const SAG: f64 = 2.0 / 3.0;
 
 /// The boundary of a mesh, and what its vertices belong to.
 pub struct Skin {
@@ -90,9 +93,10 @@ impl Skin {
             .collect()
     }
 
-    /// Moves the places of wall vertices off the surface by half of the sag of the faces around them, within a limit: faces
-    /// with all corners on a round wall lie inside of it, and the volume would be too small.
-    pub fn swell(&self, points: &[DVec3], target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
+    /// Moves the places of wall vertices off the surface by a share of the sag of the faces around them, within a limit: faces
+    /// with all corners on a round wall lie inside of it, and the volume would be too small. And all of them by the same distance
+    /// `outward`, within the same limit.
+    pub fn swell(&self, points: &[DVec3], target: &Target, outward: f64, places: &mut [(u32, DVec3, DVec3)]) {
         let mut placed = points.to_vec();
         places.iter().for_each(|p| placed[p.0 as usize] = p.1);
         let sag = |q: &[u32; 4]| {
@@ -113,7 +117,7 @@ impl Skin {
         let most = SWELL * target.surface().diagonal();
         for (v, to, _) in places.iter_mut().filter(|p| self.parts[p.0 as usize] == Part::Wall) {
             let (sum, count) = sums[*v as usize];
-            *to += normals[*v as usize] * (0.5 * sum / f64::max(count, 1.0)).clamp(-most, most);
+            *to += normals[*v as usize] * (SAG * sum / f64::max(count, 1.0) + outward).clamp(-most, most);
         }
     }
 
@@ -145,6 +149,15 @@ impl Skin {
                 places[k] = (v, to, normal);
             }
         }
+    }
+
+    /// Of all faces.
+    pub fn area(&self, points: &[DVec3]) -> f64 {
+        let area = |q: &[u32; 4]| {
+            let p = q.map(|v| points[v as usize]);
+            0.5 * (p[2] - p[0]).cross(p[3] - p[1]).length()
+        };
+        self.quads.iter().map(area).sum()
     }
 
     /// The longest side of the boundary faces at each vertex.

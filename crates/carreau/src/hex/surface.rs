@@ -6,6 +6,7 @@ use super::optimise::{Optimiser, PASSING};
 use super::reach::reach;
 use super::refine::TubeMesh;
 use super::resample::{self, Step};
+use super::sew::BaseMesh;
 use super::skin::Skin;
 use super::target::Target;
 use super::{HexOptions, HexResult, Stage, deliver, limit, meet, padded, tips, zip};
@@ -31,7 +32,7 @@ const UNEVEN: f64 = 3.0;
 const EVENINGS: usize = 3;
 /// Segments are halved where the surface is far, when cells have been halved so often, and at most so many times.
 const FOLLOWED: u32 = 1;
-const FOLLOWINGS: usize = 2;
+const FOLLOWINGS: usize = 3;
 /// No other cells are tried when so many have been made.
 const MANY_TRIED: usize = 150_000;
 /// Results are good where the surface is this near to the boundary, at most and on average, and the boundary to the surface, as
@@ -98,7 +99,9 @@ pub fn from_surface(
             continue;
         }
         known.push(ready.net.clone());
-        let cells = Coarse::new(ready, &target, context)?;
+        let Some(cells) = Coarse::found(ready, &target, tried.iter().any(Coarse::is_valid), context)? else {
+            continue;
+        };
         tracing::debug!(
             merge,
             narrow,
@@ -180,7 +183,12 @@ fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &C
             (best, coarsely_left) = (fitted, left);
         }
     }
-    Ok(if best.cells.is_hopeless { best.cells } else { best.improved(context)?.reaching(context)?.cells })
+    if best.cells.is_hopeless {
+        return Ok(best.cells);
+    }
+    let mut best = best.improved(context)?.reaching(context)?;
+    best.cells.swell(best.target);
+    Ok(best.cells)
 }
 
 /// What is tried where the first cells are not good.
@@ -325,13 +333,31 @@ impl Coarse {
         if self.left > 0 { STUCK * self.mean } else { self.mean }
     }
 
+    /// Whether no cell is folded.
+    fn is_valid(&self) -> bool {
+        self.off.is_finite()
+    }
+
     fn new(ready: Ready, target: &Target, context: &Context) -> Result<Self> {
+        let base = super::valid_base(&ready.net, false, &[], context)?;
+        Coarse::about(ready, &base, target, context)
+    }
+
+    /// Where there are `others` without a folded cell nothing comes of a base mesh that has one: its layer would be folded, too.
+    fn found(ready: Ready, target: &Target, others: bool, context: &Context) -> Result<Option<Self>> {
+        let base = super::valid_base(&ready.net, false, &[], context)?;
+        if others && !Optimiser::new(&base.points, &base.hexes).is_valid(&base.points) {
+            return Ok(None);
+        }
+        Coarse::about(ready, &base, target, context).map(Some)
+    }
+
+    fn about(ready: Ready, base: &BaseMesh, target: &Target, context: &Context) -> Result<Self> {
         let Ready { net, options, lid_of, evenly, .. } = &ready;
         let mut warnings = Vec::new();
-        let base = super::valid_base(net, false, &[], context)?;
-        super::warn_of_poor(&base, &mut warnings);
+        super::warn_of_poor(base, &mut warnings);
         let flat: Vec<bool> = lid_of.iter().map(|&lid| lid > 0).collect();
-        let mut tube = padded(net, &base, options, &flat, &PASSING, &[], context)?;
+        let mut tube = padded(net, base, options, &flat, &PASSING, &[], context)?;
         // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
         // the cleft between the tubes.
         let mut lengths = Lengths::new(net, INSIDE);
@@ -427,6 +453,13 @@ impl Coarse {
             self.left = stuck(&self.free, &skin);
         }
         fit::slide(points, hexes, &skin, target, &self.free, context)
+    }
+
+    /// The boundary takes the volume of the surface, as far as its vertices may leave that.
+    fn swell(&mut self, target: &Target) {
+        let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
+        let skin = Skin::new(hexes, caps, &self.ready.lid_of);
+        fit::swell(points, hexes, &skin, target, &self.free);
     }
 
     /// Boundary vertices go to where the surface is far.
