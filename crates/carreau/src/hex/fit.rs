@@ -22,8 +22,9 @@ use rustc_hash::FxHashMap;
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
 /// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before.
 const SEATED: f64 = 0.1;
-/// Cells with a lower scaled Jacobian do not become poorer when the boundary swells.
+/// Cells with a lower scaled Jacobian than the first keep the second share of it when the boundary swells.
 const POOR: f64 = 0.5;
+const KEPT: f64 = 0.98;
 /// The boundary swells until the mesh has this share of the surface's volume, in so many steps.
 const FULL: f64 = 0.99;
 const SWELLINGS: usize = 4;
@@ -288,7 +289,7 @@ fn put_together(
 pub fn swell(points: &mut [DVec3], hexes: &[[u32; 8]], skin: &Skin, target: &Target, free: &[bool]) {
     let optimiser = Optimiser::new(points, hexes);
     let start = points.to_vec();
-    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| q.min(POOR)).collect();
+    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| KEPT * q.min(POOR)).collect();
     let on_wall = |v: &usize| skin.parts[*v] == Part::Wall && !free[*v];
     let place = |v: usize| target.closest_wall(start[v]).map(|(to, normal)| (v as u32, to, normal));
     let on_surface: Vec<_> = (0..points.len()).into_par_iter().filter(on_wall).filter_map(place).collect();

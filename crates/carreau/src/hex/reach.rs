@@ -41,7 +41,8 @@ pub fn reach(
     context: &Context,
 ) -> Result<()> {
     let mut pinned: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
-    let (mut part_of_the_way, mut in_vain): (FxHashSet<u32>, FxHashSet<u32>) = Default::default();
+    let mut part_of_the_way: Vec<u32> = Vec::new();
+    let mut in_vain: FxHashSet<u32> = FxHashSet::default();
     for round in 0..ROUNDS {
         context.check()?;
         let is_free = |v: u32| {
@@ -80,8 +81,10 @@ pub fn reach(
     }
     // What makes poor cells better would draw them back.
     for v in part_of_the_way {
-        let there = target.closest_wall(points[v as usize]).map(|(_, normal)| (points[v as usize], normal));
-        pinned.extend(there.filter(|_| !pinned.contains_key(&v)).map(|there| (v, there)));
+        let there = points[v as usize];
+        if let Some((_, normal)) = target.closest_wall(there) {
+            pinned.entry(v).or_insert((there, normal));
+        }
     }
     let sliding = Sliding::pinning(points, skin, target, free, pinned);
     relieve(points, hexes, &sliding, context)

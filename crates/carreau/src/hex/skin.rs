@@ -11,7 +11,7 @@ const BULGE: f64 = 0.3;
 const FAR: f64 = 0.01;
 const SAMPLES: usize = 20_000;
 /// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
-pub const SWELL: f64 = 9e-5;
+pub const SWELL: f64 = 9.5e-5;
 /// By this share of the sag of the faces around: where these are the sides of a regular polygon of many, it has the area of the
 /// circle then.
 const SAG: f64 = 2.0 / 3.0;
