@@ -107,7 +107,7 @@ impl Search<'_> {
             budget.quads(count);
             let Some(made) = self.judged(&coarse)? else {
                 // Rung 4 makes fewer, and is not refused.
-                if ratio > TOO_MANY && count > source.surface.mesh.faces().corners().len() {
+                if ratio > HOPELESS && count > source.surface.mesh.faces().corners().len() {
                     break;
                 }
                 length *= SHORTER;
