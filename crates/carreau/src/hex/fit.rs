@@ -285,7 +285,7 @@ fn put_together(
 }
 
 /// What slid along the surface has lost its distance from that: wall vertices that are not `free` get it again
-/// ([`Skin::swell`]), and more where the volume is still small, as far as no poor cell becomes poorer, and no other one poor.
+/// ([`Skin::swell`]), and more where the volume is still small, as far as no other cell becomes poor, and no poor one much poorer.
 pub fn swell(points: &mut [DVec3], hexes: &[[u32; 8]], skin: &Skin, target: &Target, free: &[bool]) {
     let optimiser = Optimiser::new(points, hexes);
     let start = points.to_vec();
@@ -295,18 +295,18 @@ pub fn swell(points: &mut [DVec3], hexes: &[[u32; 8]], skin: &Skin, target: &Tar
     let on_surface: Vec<_> = (0..points.len()).into_par_iter().filter(on_wall).filter_map(place).collect();
     let wanted = FULL * Topology::of(target.surface()).volume.unwrap_or(0.0);
     let area = skin.area(points);
-    let mut outward = 0.0;
+    let (mut places, mut outward) = (Vec::new(), 0.0);
     for _ in 0..SWELLINGS {
-        let mut places = on_surface.clone();
+        places.clone_from(&on_surface);
         skin.swell(&start, target, outward, &mut places);
         places.iter().for_each(|&(v, to, _)| points[v as usize] = to);
         let lacking = wanted - hexes.iter().map(|h| volume(&h.map(|v| points[v as usize]))).sum::<f64>();
-        put_together(&optimiser, points, &start, &places, &floors);
         if !(lacking > 0.0 && area > 0.0) {
             break;
         }
         outward += lacking / area;
     }
+    put_together(&optimiser, points, &start, &places, &floors);
 }
 
 /// Where boundary vertices belong by their neighbours: places that are found one by one may be in each other's way.

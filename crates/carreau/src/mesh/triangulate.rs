@@ -343,6 +343,8 @@ mod tests {
         let found = |face: &[u32]| nearly_fans(&points, &[face].into_iter().collect()).triangles;
         assert_eq!(found(&[1, 2, 3, 0]), [[1, 2, 3], [1, 3, 0]], "turned, but a fan");
         assert!(found(&[0, 2, 4, 3]).iter().all(|t| t.contains(&3)), "its first triangle is flat");
+        let twice: Polygons = [&[0, 1, 2, 3][..], &[0, 2, 1]].into_iter().collect();
+        assert_eq!(nearly_fans(&points, &twice).middles, [[0, 2]], "its diagonal is an edge, its ears are turned");
     }
 
     /// The diagonals of a pentagon are edges already, one, the other or both.
