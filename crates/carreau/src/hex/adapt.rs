@@ -10,12 +10,11 @@
 use super::refine::TubeMesh;
 use super::target::Target;
 use crate::mesh::{CurveNet, NONE, boundary_faces};
+use glam::DVec3;
 
 /// The surface is far from the boundary at this share of its diagonal; it is looked at in so many places, about.
 const FAR: f64 = 0.0025;
 const SAMPLES: usize = 20_000;
-/// Segments are not made shorter than this, in radii.
-const SHORT: f64 = 0.6;
 
 /// The segments of a net, and what is left of their length in radii after the halvings.
 pub struct Lengths(Vec<f64>);
@@ -35,11 +34,12 @@ impl Lengths {
         self.halve(tube, |_, length| length > limit)
     }
 
-    /// Halves the segments at which the surface is far from the boundary; whether there are any.
-    pub fn follow(&mut self, tube: &mut TubeMesh, target: &Target) -> bool {
+    /// Halves the segments at which the surface is far from the boundary, and so many halvings across will not change that, but
+    /// makes none shorter than so many radii; whether there are any.
+    pub fn follow(&mut self, tube: &mut TubeMesh, target: &Target, across: u32, shortest: f64) -> bool {
         let mut is_far = vec![false; self.0.len()];
-        far_segments(tube, target).into_iter().for_each(|e| is_far[e as usize] = true);
-        self.halve(tube, |e, length| is_far[e] && length > 2.0 * SHORT)
+        far_segments(tube, target, across).into_iter().for_each(|e| is_far[e as usize] = true);
+        self.halve(tube, |e, length| is_far[e] && length > 2.0 * shortest)
     }
 
     fn halve(&mut self, tube: &mut TubeMesh, goes: impl Fn(usize, f64) -> bool) -> bool {
@@ -50,21 +50,32 @@ impl Lengths {
     }
 }
 
-/// The segments at whose boundary the surface is far.
-fn far_segments(tube: &TubeMesh, target: &Target) -> Vec<u32> {
+/// The segments at whose boundary the surface is far, and will be when cells have been halved across so often.
+fn far_segments(tube: &TubeMesh, target: &Target, across: u32) -> Vec<u32> {
     let (quads, hexes): (Vec<[u32; 4]>, Vec<u32>) = boundary_faces(&tube.hexes).into_iter().unzip();
     let limit = FAR * target.surface().diagonal();
+    // Half as long a side has a quarter of the sag.
+    let cured = 1.0 - 0.25f64.powi(across as i32);
     target.looking_at(&tube.points, &quads, SAMPLES, |seen| {
-        let segment = tube.segments[hexes[seen.quad] as usize];
-        (seen.distance > limit && segment != NONE).then_some(segment)
+        let hex = hexes[seen.quad] as usize;
+        let is_far =
+            seen.distance > limit && seen.distance - cured * sag_across(tube, hex, quads[seen.quad], target) > limit;
+        (is_far && tube.segments[hex] != NONE).then_some(tube.segments[hex])
     })
+}
+
+/// How far the middles of those two sides of a boundary face that run across are from the surface, on average.
+fn sag_across(tube: &TubeMesh, hex: usize, quad: [u32; 4], target: &Target) -> f64 {
+    let [low, high] = [&tube.hexes[hex][..4], &tube.hexes[hex][4..]];
+    let sides = (0..4).map(|k| [quad[k], quad[(k + 1) % 4]]);
+    let across = sides.filter(|s| [low, high].iter().any(|end| s.iter().all(|v| end.contains(v))));
+    across.map(|s| 0.5 * target.distance(s.map(|v| tube.points[v as usize]).iter().sum::<DVec3>() / 2.0)).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::hex::{Padding, refine, sew};
-    use glam::DVec3;
 
     /// Two segments in a ball: one that fills none of it, and one as small that is too short to be halved.
     #[test]
@@ -78,8 +89,9 @@ mod tests {
         let target = Target::new(&closed);
         let before = tube.hexes.len();
         assert!(!lengths.even_out(&mut tube, 4.0));
-        assert!(lengths.follow(&mut tube, &target));
+        assert!(lengths.follow(&mut tube, &target, 0, 0.3));
         assert_eq!(tube.hexes.len(), before + 12);
-        assert!(lengths.follow(&mut tube, &target) && !lengths.follow(&mut tube, &target));
+        assert!(!lengths.follow(&mut tube, &target, 0, 1.0));
+        assert_eq!((0..9).filter(|_| lengths.follow(&mut tube, &target, 0, 0.3)).count(), 2);
     }
 }

@@ -20,8 +20,10 @@ use rustc_hash::FxHashMap;
 
 /// Strength of the springs to the surface along its normal, and across, while poor cells are improved.
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
-/// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before.
+/// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before; and the
+/// last ones.
 const SEATED: f64 = 0.1;
+const BARELY_SEATED: f64 = 0.01;
 /// Cells with a lower scaled Jacobian than the first keep the second share of it when the boundary swells.
 const POOR: f64 = 0.5;
 const KEPT: f64 = 0.98;
@@ -200,6 +202,8 @@ pub enum Seat {
     Closest,
     /// The same, one by one.
     Singly,
+    /// The same, though cells become poor by that.
+    Poorly,
 }
 
 /// Puts boundary vertices onto the surface that are still `free`, with the cells around them, those beside each other together
@@ -213,7 +217,8 @@ pub fn seat(
     where_to: Seat,
     context: &Context,
 ) -> Result<()> {
-    let (at_closest, singly) = (where_to != Seat::Own, where_to == Seat::Singly);
+    let (at_closest, singly) = (where_to != Seat::Own, matches!(where_to, Seat::Singly | Seat::Poorly));
+    let least = if where_to == Seat::Poorly { BARELY_SEATED } else { SEATED };
     let vertices = 0..points.len();
     let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && skin.has(v as usize)).collect();
     let mut sliding = Sliding::new(points, skin, target, vertices.clone().map(|v| skin.has(v)).collect(), &stuck);
@@ -223,7 +228,7 @@ pub fn seat(
     }
     for group in stuck.chunks(if singly { 1 } else { stuck.len().max(1) }) {
         group.iter().for_each(|&v| sliding.placed[v as usize] = true);
-        let seated = optimise::seat(points, hexes, &sliding, group, SEATED, context)?;
+        let seated = optimise::seat(points, hexes, &sliding, group, least, context)?;
         for v in vertices.clone().filter(|&v| skin.has(v) && seated.contains(&(v as u32))) {
             free[v] = false;
         }

@@ -39,6 +39,7 @@ mod insert;
 mod limit;
 mod meet;
 mod optimise;
+mod oval;
 mod reach;
 mod refine;
 mod resample;
@@ -53,6 +54,7 @@ mod tests;
 mod tips;
 mod turns;
 mod validate;
+mod web;
 mod zip;
 
 pub use figures::{Figures, HexQuality};

@@ -116,7 +116,7 @@ pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
     }
     let mut pairs: FxHashSet<[u32; 2]> = FxHashSet::default();
     for branch in &all {
-        let mut curve = Curve::new(net, branch);
+        let mut curve = Curve::new(net, &branch.nodes);
         let (from, to) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
         // Two branches between the same nodes, and a branch back to its own, need nodes in between.
         let least = if branch.is_ring || from == to { 3 } else { 1 + usize::from(!pairs.insert(branch.ends())) };
@@ -165,7 +165,7 @@ fn first_ring(net: &CurveNet, around: &Incidence, node: u32, edge: u32, next: u3
 }
 
 /// A branch as a curve over its arc length.
-struct Curve {
+pub struct Curve {
     points: Vec<DVec3>,
     radii: Vec<f64>,
     /// Arc length at every node.
@@ -175,20 +175,20 @@ struct Curve {
 }
 
 impl Curve {
-    fn new(net: &CurveNet, branch: &Branch) -> Curve {
-        let points: Vec<DVec3> = branch.nodes.iter().map(|&v| net.points[v as usize]).collect();
-        let radii = branch.nodes.iter().map(|&v| net.radii[v as usize]).collect();
+    pub fn new(net: &CurveNet, nodes: &[u32]) -> Curve {
+        let points: Vec<DVec3> = nodes.iter().map(|&v| net.points[v as usize]).collect();
+        let radii = nodes.iter().map(|&v| net.radii[v as usize]).collect();
         let mut arc = vec![0.0];
         points.windows(2).for_each(|w| arc.push(arc[arc.len() - 1] + w[0].distance(w[1])));
         Curve { points, radii, arc, hint: 0 }
     }
 
-    fn length(&self) -> f64 {
+    pub fn length(&self) -> f64 {
         self.arc[self.arc.len() - 1]
     }
 
     /// Position and radius at an arc length.
-    fn at(&mut self, s: f64) -> (DVec3, f64) {
+    pub fn at(&mut self, s: f64) -> (DVec3, f64) {
         if s < self.arc[self.hint] {
             self.hint = 0;
         }

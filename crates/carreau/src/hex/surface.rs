@@ -1,5 +1,7 @@
 //! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
 
+mod fitted;
+
 use super::adapt::Lengths;
 use super::fit::{self, Rise, Seat};
 use super::optimise::{Optimiser, PASSING};
@@ -9,7 +11,7 @@ use super::resample::{self, Step};
 use super::sew::BaseMesh;
 use super::skin::Skin;
 use super::target::Target;
-use super::{HexOptions, HexResult, Stage, deliver, limit, meet, padded, tips, zip};
+use super::{HexOptions, HexResult, Stage, deliver, limit, meet, oval, padded, tips, web, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
@@ -17,7 +19,6 @@ use crate::mesh::{CurveNet, SurfaceMesh, Topology, UnitScale, boundary_faces, sp
 use crate::skeleton::{self, Closed, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
-use std::cell::OnceCell;
 
 /// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
 const STEP: f64 = 1.2;
@@ -33,18 +34,12 @@ const EVENINGS: usize = 3;
 /// Segments are halved where the surface is far, when cells have been halved so often, and at most so many times.
 const FOLLOWED: u32 = 1;
 const FOLLOWINGS: usize = 3;
+/// None becomes shorter than this, in radii.
+const SHORTEST: f64 = 0.3;
 /// No other cells are tried when so many have been made.
 const MANY_TRIED: usize = 150_000;
-/// Results are good where the surface is this near to the boundary, at most and on average, and the boundary to the surface, as
-/// shares of the diagonal, no vertex is off the surface, and no scaled Jacobian is smaller than this.
-const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
-const POOR: f64 = 0.4;
 /// Where the surface is farther than wanted the boundary reaches what is farther than this.
 const REACHED: f64 = 0.01;
-/// What a fold lacks, vertices off the surface, and so large a share of them more.
-const FOLDED: f64 = 100.0;
-const OFF: f64 = 0.5;
-const MANY_OFF: f64 = 0.01;
 /// Where a larger share of the boundary vertices could not be put onto the surface they are not looked after with the cells
 /// around them.
 const FEW_STUCK: f64 = 0.05;
@@ -57,8 +52,6 @@ const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
 const NARROW: [f64; 2] = [zip::CLOSE_DEGREES, zip::NARROW_DEGREES];
 /// Cells with vertices that cannot be put there are taken for so much farther from the surface.
 const STUCK: f64 = 1.5;
-/// Cells this much farther from the surface than the nearest ones are a second try.
-const SECOND: f64 = 1.25;
 /// A boundary this near to the surface, as a share of the diagonal, needs no second try.
 const WELL: f64 = 0.02;
 /// How the boundary of the coarsest cells is compared with the surface.
@@ -119,7 +112,7 @@ pub fn from_surface(
         }
     }
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let coarse = best_fitted(tried, &closed, &target, context)?;
+    let coarse = fitted::best(tried, &closed, &target, context)?;
     let left = coarse.left;
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
@@ -136,147 +129,6 @@ pub fn from_surface(
     Ok(result)
 }
 
-/// Fits the first cells, and where the result is not good others, too. The best result counts.
-fn best_fitted(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Context) -> Result<Coarse> {
-    let by_facing = OnceCell::new();
-    let mut tried = tried.into_iter();
-    let Some(mut first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
-    let (ready, score) = (first.ready.clone(), first.score());
-    let mut uneven = None;
-    if first.is_even {
-        let mut other = Coarse::new(Ready { evenly: false, ..ready.clone() }, target, context)?;
-        tracing::debug!(
-            left = first.left,
-            mean = first.mean,
-            uneven = other.left,
-            uneven_mean = other.mean,
-            "uneven cells"
-        );
-        // Halved segments have flat cells, which may be in each other's way.
-        if first.left > 0 && other.left <= first.left {
-            std::mem::swap(&mut first, &mut other);
-        }
-        uneven = Some(other);
-    }
-    let mut coarsely_left = first.left;
-    let mut best = Fitted::new(first, target, context)?;
-    let mut cells = best.cells.tube.hexes.len();
-    for other in Other::ALL {
-        if best.lacks() == 0.0 || best.cells.is_hopeless || cells > MANY_TRIED {
-            break;
-        }
-        let (next, target) = match other {
-            Other::Facing => {
-                let by_facing = by_facing.get_or_init(|| Target::new(closed).by_facing());
-                (Some(Coarse::new(ready.clone(), by_facing, context)?), by_facing)
-            }
-            Other::Uneven => (uneven.take(), target),
-            Other::Skeleton if best.cells.left > 0 => (tried.next().filter(|c| c.score() < SECOND * score), target),
-            Other::Skeleton => (None, target),
-        };
-        // Where coarse cells cannot be put onto the surface, fine ones hardly can.
-        let Some(next) = next.filter(|c| best.cells.left > 0 || c.left <= coarsely_left) else { continue };
-        let left = next.left;
-        let fitted = Fitted::new(next, target, context)?;
-        cells += fitted.cells.tube.hexes.len();
-        if fitted.lacks() < best.lacks() {
-            (best, coarsely_left) = (fitted, left);
-        }
-    }
-    if best.cells.is_hopeless {
-        return Ok(best.cells);
-    }
-    let mut best = best.improved(context)?.reaching(context)?;
-    best.cells.swell(best.target);
-    Ok(best.cells)
-}
-
-/// What is tried where the first cells are not good.
-#[derive(Clone, Copy)]
-enum Other {
-    /// Segments are not halved for their length, or they are: the ones that were not taken first.
-    Uneven,
-    /// The skeleton that came second, where vertices are off the surface.
-    Skeleton,
-    /// The surface is looked for by its facing.
-    Facing,
-}
-
-impl Other {
-    const ALL: [Other; 3] = [Other::Uneven, Other::Skeleton, Other::Facing];
-}
-
-/// Cells that follow the surface, and what they are worth.
-struct Fitted<'a> {
-    cells: Coarse,
-    /// What they are on.
-    target: &'a Target<'a>,
-    /// Whether poor cells have been improved.
-    is_improved: bool,
-    /// The largest distance of the surface from the boundary, the mean, and the largest of the boundary from the surface, as
-    /// shares of the diagonal.
-    far: [f64; 3],
-    /// The least scaled Jacobian.
-    least: f64,
-}
-
-impl<'a> Fitted<'a> {
-    /// Cells that all are on the surface are improved, too.
-    fn new(mut cells: Coarse, target: &'a Target<'a>, context: &Context) -> Result<Self> {
-        cells.fit(target, context)?;
-        let is_good = cells.left == 0;
-        let fitted = Fitted::measured(cells, target, context)?;
-        if is_good { fitted.improved(context) } else { Ok(fitted) }
-    }
-
-    fn measured(cells: Coarse, target: &'a Target<'a>, context: &Context) -> Result<Self> {
-        let _stage = context.stage("fit");
-        let TubeMesh { points, hexes, .. } = &cells.tube;
-        let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
-        let found = compare(target.surface(), &skin, &COARSELY, context)?;
-        let diagonal = target.surface().diagonal().max(f64::MIN_POSITIVE);
-        let far = [found.a_to_b.distance.max, found.a_to_b.distance.mean, found.b_to_a.distance.max];
-        let least = super::least_scaled_jacobian(points, hexes);
-        let fitted = Fitted { far: far.map(|d| d / diagonal), least, cells, target, is_improved: false };
-        tracing::debug!(left = fitted.cells.left, far = ?fitted.far, least, lacks = fitted.lacks(), "fitted cells");
-        Ok(fitted)
-    }
-
-    /// The same with its poor cells improved.
-    fn improved(mut self, context: &Context) -> Result<Self> {
-        if self.is_improved {
-            return Ok(self);
-        }
-        self.cells.slide(self.target, context)?;
-        Ok(Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? })
-    }
-
-    /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
-    fn reaching(mut self, context: &Context) -> Result<Self> {
-        // Of a size asked for cells are as coarse as that.
-        if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
-            return Ok(self);
-        }
-        let (before, points) = (self.lacks(), self.cells.tube.points.clone());
-        let (far, least) = (self.far, self.least);
-        self.cells.reach(self.target, context)?;
-        let mut reached = Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? };
-        if reached.lacks() >= before {
-            (reached.far, reached.least, reached.cells.tube.points) = (far, least, points);
-        }
-        Ok(reached)
-    }
-
-    /// By how much the cells miss what is wanted, zero for not at all: each want counts by the share that is lacking.
-    fn lacks(&self) -> f64 {
-        let off = self.cells.left as f64 / self.cells.tube.points.len() as f64;
-        let far = self.far.iter().zip(WANTED).map(|(d, wanted)| (d / wanted - 1.0).max(0.0)).sum::<f64>();
-        let poor = (1.0 - self.least / POOR).max(0.0);
-        let folded = if self.least > 0.0 { 0.0 } else { FOLDED };
-        far + poor + folded + if self.cells.left > 0 { OFF + off / MANY_OFF } else { 0.0 }
-    }
-}
-
 /// The skeleton made ready for cells.
 #[derive(Clone)]
 struct Ready {
@@ -289,6 +141,8 @@ struct Ready {
     freely: bool,
     /// Whether long segments are halved.
     evenly: bool,
+    /// Segments at which the surface is far do not become shorter than this, in radii.
+    shortest: f64,
     warnings: Vec<String>,
 }
 
@@ -300,7 +154,7 @@ impl Ready {
         let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
         super::check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
-        Ok(Ready { net, options, lid_of, freely, evenly: freely, warnings })
+        Ok(Ready { net, options, lid_of, freely, evenly: freely, shortest: SHORTEST, warnings })
     }
 }
 
@@ -358,6 +212,7 @@ impl Coarse {
         super::warn_of_poor(base, &mut warnings);
         let flat: Vec<bool> = lid_of.iter().map(|&lid| lid > 0).collect();
         let mut tube = padded(net, base, options, &flat, &PASSING, &[], context)?;
+        oval::stretch(&mut tube, net, target);
         // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
         // the cleft between the tubes.
         let mut lengths = Lengths::new(net, INSIDE);
@@ -383,7 +238,7 @@ impl Coarse {
     /// Cells that are on the surface, where iterations cost little, are halved, level by level, and follow it.
     fn fit(&mut self, target: &Target, context: &Context) -> Result<()> {
         let stage = context.stage("fit");
-        let Coarse { tube, lengths, ready: Ready { options, lid_of, freely, .. }, .. } = self;
+        let Coarse { tube, lengths, ready: Ready { options, lid_of, freely, shortest, .. }, .. } = self;
         let levels = options.refine_across().max(options.refine_along);
         let (mut left, mut is_hopeless) = (0, false);
         for level in 0..=levels {
@@ -402,7 +257,7 @@ impl Coarse {
             // Finer cells than the coarsest show where these are too long, and do not cost much yet.
             let followings = if level == FOLLOWED.min(levels) && *freely { FOLLOWINGS } else { 0 };
             for _ in 0..followings {
-                if !lengths.follow(tube, target) {
+                if !lengths.follow(tube, target, options.refine_across().saturating_sub(level), *shortest) {
                     break;
                 }
                 pull(tube, lid_of, target, &NEXT, context)?;
@@ -444,15 +299,29 @@ impl Coarse {
     /// What is not on the surface yet is put where that is closest; boundary vertices slide along it where cells are poor.
     fn slide(&mut self, target: &Target, context: &Context) -> Result<()> {
         let _stage = context.stage("fit");
+        self.put(&[Seat::Closest, Seat::Singly], target, context)?;
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
-        if self.left > 0 {
-            for seat in [Seat::Closest, Seat::Singly] {
-                fit::seat(points, hexes, &skin, target, &mut self.free, seat, context)?;
-            }
-            self.left = stuck(&self.free, &skin);
-        }
         fit::slide(points, hexes, &skin, target, &self.free, context)
+    }
+
+    /// Better poor cells than vertices that are not on the surface.
+    fn put_rest(&mut self, target: &Target, context: &Context) -> Result<()> {
+        let _stage = context.stage("fit");
+        self.put(&[Seat::Closest, Seat::Singly, Seat::Poorly], target, context)
+    }
+
+    /// Puts boundary vertices onto the surface that are not there yet.
+    fn put(&mut self, seats: &[Seat], target: &Target, context: &Context) -> Result<()> {
+        let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
+        let skin = Skin::new(hexes, caps, &self.ready.lid_of);
+        for &seat in seats {
+            if self.left > 0 {
+                fit::seat(points, hexes, &skin, target, &mut self.free, seat, context)?;
+                self.left = stuck(&self.free, &skin);
+            }
+        }
+        Ok(())
     }
 
     /// The boundary takes the volume of the surface, as far as its vertices may leave that.
@@ -517,6 +386,7 @@ fn prepare(
     if options.stage == Stage::Full {
         resample::prune(net, &FxHashSet::default());
         resample::merge_branchings(net, |[a, b]| merge * (a + b));
+        web::merge_webs(net, target);
     }
     let lids = tips::ready(net, target);
     let in_lids: Vec<(DVec3, u32)> = net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
