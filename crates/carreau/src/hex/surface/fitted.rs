@@ -20,7 +20,7 @@ const POOR: f64 = 0.4;
 const LONGER: f64 = 0.6;
 /// What a fold lacks, vertices off the surface, and so large a share of them more.
 const FOLDED: f64 = 100.0;
-const OFF: f64 = 0.5;
+const OFF: f64 = 2.0;
 const MANY_OFF: f64 = 0.01;
 /// Cells this much farther from the surface than the nearest ones are a second try.
 const SECOND: f64 = 1.25;
