@@ -45,9 +45,11 @@ fn shorter_of_web(net: &CurveNet, target: &Target) -> Option<Vec<u32>> {
         if around.valence(from) > 2 && around.valence(to) == 1 {
             let mut curve = Curve::new(net, &nodes);
             let length = curve.length();
-            let places = ALONG.map(|share| curve.at(share * length).0);
-            let stays = is_at_lid(net.points[to as usize], target);
-            leaves.push((if stays { f64::INFINITY } else { length }, Leaf { nodes, places }));
+            let places = ALONG.map(|share| curve.at(share * length));
+            // What grows thicker towards its end is a knob, no corner: room beside it is filled because it is round.
+            let is_knob = places[ALONG.len() - 1].1 > places[0].1;
+            let stays = is_knob || is_at_lid(net.points[to as usize], target);
+            leaves.push((if stays { f64::INFINITY } else { length }, Leaf { nodes, places: places.map(|p| p.0) }));
         }
     }
     // The shortest go first; of the same length, the one that comes later.
@@ -103,6 +105,10 @@ mod tests {
         let target = Target::new(&closed);
         let mut net = fork([[0.4, 0.4], [0.8, 0.0], [0.4, -0.5]]);
         let longest = net.points[3];
+        let mut knob = net.clone();
+        knob.radii[2] = 0.2;
+        assert_eq!(merge_webs(&mut knob, &target), 1);
+        assert!(knob.points.contains(&net.points[2]) && knob.points.contains(&longest));
         assert_eq!(merge_webs(&mut net, &target), 2);
         assert_eq!((net.points.len(), net.edges.len()), (3, 2));
         assert!(net.points.contains(&longest) && net.points.contains(&(-0.7 * DVec3::X)));
