@@ -47,8 +47,10 @@ fn shorter_of_web(net: &CurveNet, target: &Target) -> Option<Vec<u32>> {
             let length = curve.length();
             let places = ALONG.map(|share| curve.at(share * length));
             // What grows thicker towards its end is a knob, no corner: room beside it is filled because it is round.
-            let is_knob = places[ALONG.len() - 1].1 > places[0].1;
-            let stays = is_knob || is_at_lid(net.points[to as usize], target);
+            if places[ALONG.len() - 1].1 > places[0].1 {
+                continue;
+            }
+            let stays = is_at_lid(net.points[to as usize], target);
             leaves.push((if stays { f64::INFINITY } else { length }, Leaf { nodes, places: places.map(|p| p.0) }));
         }
     }
