@@ -308,7 +308,7 @@ impl Coarse {
     /// Better poor cells than vertices that are not on the surface.
     fn put_rest(&mut self, target: &Target, context: &Context) -> Result<()> {
         let _stage = context.stage("fit");
-        self.put(&[Seat::Closest, Seat::Singly, Seat::Poorly], target, context)
+        self.put(&[Seat::Poorly], target, context)
     }
 
     /// Puts boundary vertices onto the surface that are not there yet.

@@ -83,7 +83,6 @@ pub fn best(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Cont
         return Ok(best.cells);
     }
     let mut best = best_improved(best, others, context)?.reaching(context)?;
-    best.cells.put_rest(best.target, context)?;
     best.cells.swell(best.target);
     Ok(best.cells)
 }
@@ -145,7 +144,19 @@ impl<'a> Fitted<'a> {
             return Ok(self);
         }
         self.cells.slide(self.target, context)?;
-        Ok(Fitted { is_improved: true, ..Fitted::measured(self.cells, self.target, context)? })
+        let improved = Fitted::measured(self.cells, self.target, context)?.complete(context)?;
+        Ok(Fitted { is_improved: true, ..improved })
+    }
+
+    /// The same with the last vertices on the surface, too: better poor cells than that. They are improved once more.
+    fn complete(mut self, context: &Context) -> Result<Self> {
+        if self.cells.left == 0 {
+            return Ok(self);
+        }
+        let target = self.target;
+        self.cells.put_rest(target, context)?;
+        let put = Fitted::measured(self.cells, target, context)?;
+        put.changed(|cells| cells.slide(target, context), context)
     }
 
     fn measured(cells: Coarse, target: &'a Target<'a>, context: &Context) -> Result<Self> {
@@ -162,19 +173,26 @@ impl<'a> Fitted<'a> {
     }
 
     /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
-    fn reaching(mut self, context: &Context) -> Result<Self> {
+    fn reaching(self, context: &Context) -> Result<Self> {
         // Of a size asked for cells are as coarse as that.
         if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
             return Ok(self);
         }
-        let (before, points) = (self.lacks(), self.cells.tube.points.clone());
-        let (far, least) = (self.far, self.least);
-        self.cells.reach(self.target, context)?;
-        let mut reached = Fitted::measured(self.cells, self.target, context)?;
-        if reached.lacks() >= before {
-            (reached.far, reached.least, reached.cells.tube.points) = (far, least, points);
+        let target = self.target;
+        self.changed(|cells| cells.reach(target, context), context)
+    }
+
+    /// The same after a change, if that is better.
+    fn changed(mut self, change: impl FnOnce(&mut Coarse) -> Result<()>, context: &Context) -> Result<Self> {
+        let (before, far, least) = (self.lacks(), self.far, self.least);
+        let (points, free, left) = (self.cells.tube.points.clone(), self.cells.free.clone(), self.cells.left);
+        change(&mut self.cells)?;
+        let mut changed = Fitted::measured(self.cells, self.target, context)?;
+        if changed.lacks() >= before {
+            (changed.far, changed.least) = (far, least);
+            (changed.cells.tube.points, changed.cells.free, changed.cells.left) = (points, free, left);
         }
-        Ok(reached)
+        Ok(changed)
     }
 
     /// Whether cells have poor shapes, or would have them with all vertices on the surface; finer ones may be the reason.
