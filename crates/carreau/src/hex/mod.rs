@@ -11,12 +11,14 @@
 //! | stubs go, branches get nodes in proportion to the radius | `resample` |
 //! | radii that leave no room are reduced | `limit` |
 //! | whether the result stands for the skeleton that was given | `cover` |
+//! | of the branches in a web, as an ear is one, the longest stays | `web` |
 //! | where many branches of a surface meet | `meet` |
 //! | connection surfaces of the branchings | `connection` |
 //! | branchings at right angles | `cubic` |
 //! | frames along the branches | `frames` |
 //! | hexes and sewing | `sew` |
 //! | padding, halving across and along | `refine` |
+//! | cells as flat as the sections of a surface | `oval` |
 //! | segments halved where a surface is far | `adapt` |
 //! | the surface, the boundary of the mesh, and how the one comes to the other | `target`, `skin`, `fit` |
 //! | vertices that go to where the surface is far | `reach` |
