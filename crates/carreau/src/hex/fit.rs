@@ -217,8 +217,12 @@ pub fn seat(
     where_to: Seat,
     context: &Context,
 ) -> Result<()> {
-    let (at_closest, singly) = (where_to != Seat::Own, matches!(where_to, Seat::Singly | Seat::Poorly));
-    let least = if where_to == Seat::Poorly { BARELY_SEATED } else { SEATED };
+    let (at_closest, singly, least) = match where_to {
+        Seat::Own => (false, false, SEATED),
+        Seat::Closest => (true, false, SEATED),
+        Seat::Singly => (true, true, SEATED),
+        Seat::Poorly => (true, true, BARELY_SEATED),
+    };
     let vertices = 0..points.len();
     let stuck: Vec<u32> = (0..points.len() as u32).filter(|&v| free[v as usize] && skin.has(v as usize)).collect();
     let mut sliding = Sliding::new(points, skin, target, vertices.clone().map(|v| skin.has(v)).collect(), &stuck);

@@ -121,15 +121,12 @@ mod tests {
     use super::*;
     use crate::context::Context;
     use crate::hex::{Padding, refine, sew};
-    use crate::mesh::SurfaceMesh;
-    use crate::mesh::test_models::sphere;
+    use crate::mesh::test_models::{moved, sphere};
     use crate::skeleton::{self, Closed};
 
     /// A ball drawn out to the half axes 2, 1, and a thickness.
     fn ellipsoid(thickness: f64) -> Closed {
-        let ball = sphere(4);
-        let points = ball.points().iter().map(|p| DVec3::new(2.0 * p.x, p.y, thickness * p.z)).collect();
-        let mesh = SurfaceMesh::from_triangles(points, &ball.faces().fan().0).unwrap();
+        let mesh = moved(&sphere(4), |p| DVec3::new(2.0, 1.0, thickness) * p);
         skeleton::prepared(&mesh, &Context::new()).unwrap().0
     }
 

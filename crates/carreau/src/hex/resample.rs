@@ -55,18 +55,15 @@ pub fn prune(net: &mut CurveNet, stay: &FxHashSet<i64>) -> usize {
         if pruned == before {
             return pruned;
         }
-        net.edges.retain(|e| keep[e[0] as usize] && keep[e[1] as usize]);
         net.retain_nodes(&keep);
     }
 }
 
 /// Whether a branch from a branching to an extremity stays within the branching's ball.
 fn is_stub(net: &CurveNet, around: &Incidence, branch: &Branch) -> bool {
-    let (Some(&from), Some(&to)) = (branch.nodes.first(), branch.nodes.last()) else { return false };
-    let centre = net.points[from as usize];
-    around.valence(from) > 2
-        && around.valence(to) == 1
-        && branch.nodes.iter().all(|&v| net.points[v as usize].distance(centre) < net.radii[from as usize])
+    let from = branch.nodes[0] as usize;
+    let is_inside = |&v: &u32| net.points[v as usize].distance(net.points[from]) < net.radii[from];
+    branch.is_leaf(around) && branch.nodes.iter().all(is_inside)
 }
 
 /// Branchings joined by a branch that is shorter than what `near` says of their radii become one at the middle; returns how

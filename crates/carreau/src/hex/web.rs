@@ -12,7 +12,7 @@
 
 use super::resample::Curve;
 use super::target::Target;
-use crate::mesh::{Branch, CurveNet, branches};
+use crate::mesh::{CurveNet, branches};
 use glam::DVec3;
 
 /// Where on two branches, as shares of their lengths, and where between these places the room is looked at.
@@ -29,7 +29,6 @@ pub fn merge_webs(net: &mut CurveNet, target: &Target) -> usize {
     while let Some(branch) = shorter_of_web(net, target) {
         let mut keep = vec![true; net.points.len()];
         branch[1..].iter().for_each(|&v| keep[v as usize] = false);
-        net.edges.retain(|e| e.iter().all(|&v| keep[v as usize]));
         net.retain_nodes(&keep);
         merged += 1;
     }
@@ -40,18 +39,15 @@ pub fn merge_webs(net: &mut CurveNet, target: &Target) -> usize {
 fn shorter_of_web(net: &CurveNet, target: &Target) -> Option<Vec<u32>> {
     let around = net.incidence();
     let mut leaves: Vec<(f64, Leaf)> = Vec::new();
-    for Branch { nodes, .. } in branches(net, &around) {
-        let (from, to) = (nodes[0], nodes[nodes.len() - 1]);
-        if around.valence(from) > 2 && around.valence(to) == 1 {
-            let mut curve = Curve::new(net, &nodes);
-            let length = curve.length();
-            let places = ALONG.map(|share| curve.at(share * length));
-            // What grows thicker towards its end is a knob, no corner: room beside it is filled because it is round.
-            if places[ALONG.len() - 1].1 > places[0].1 {
-                continue;
-            }
-            let stays = is_at_lid(net.points[to as usize], target);
-            leaves.push((if stays { f64::INFINITY } else { length }, Leaf { nodes, places: places.map(|p| p.0) }));
+    for branch in branches(net, &around).into_iter().filter(|b| b.is_leaf(&around)) {
+        let mut curve = Curve::new(net, &branch.nodes);
+        let length = curve.length();
+        let places = ALONG.map(|share| curve.at(share * length));
+        let [start, end] = [places[0], places[ALONG.len() - 1]];
+        // What grows thicker towards its end is a knob, no corner: room beside it is filled because it is round.
+        if end.1 <= start.1 {
+            let worth = if is_at_lid(end.0, target) { f64::INFINITY } else { length };
+            leaves.push((worth, Leaf { nodes: branch.nodes, places: places.map(|p| p.0) }));
         }
     }
     // The shortest go first; of the same length, the one that comes later.
@@ -86,8 +82,7 @@ fn is_web(net: &CurveNet, [a, b]: [&Leaf; 2], target: &Target) -> bool {
 mod tests {
     use super::*;
     use crate::context::Context;
-    use crate::mesh::SurfaceMesh;
-    use crate::mesh::test_models::sphere;
+    use crate::mesh::test_models::{moved, sphere};
     use crate::skeleton;
 
     /// A stem and three prongs that end at these places.
@@ -100,9 +95,7 @@ mod tests {
     /// A disc is filled between the prongs; one that goes back along the stem is another side of it.
     #[test]
     fn of_the_prongs_in_a_disc_the_longest_stays() {
-        let ball = sphere(4);
-        let points = ball.points().iter().map(|p| DVec3::new(p.x, p.y, 0.1 * p.z)).collect();
-        let disc = SurfaceMesh::from_triangles(points, &ball.faces().fan().0).unwrap();
+        let disc = moved(&sphere(4), |p| DVec3::new(p.x, p.y, 0.1 * p.z));
         let (closed, _) = skeleton::prepared(&disc, &Context::new()).unwrap();
         let target = Target::new(&closed);
         let mut net = fork([[0.4, 0.4], [0.8, 0.0], [0.4, -0.5]]);

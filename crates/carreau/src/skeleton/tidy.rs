@@ -259,7 +259,6 @@ fn drop_branches(net: &mut CurveNet, preimage: &mut [u32], goes: impl Fn(&CurveN
             let kept = if keep[*node as usize] { *node } else { goes_into[*node as usize] };
             *node = number[kept as usize];
         }
-        net.edges.retain(|e| keep[e[0] as usize] && keep[e[1] as usize]);
         net.retain_nodes(&keep);
     }
 }

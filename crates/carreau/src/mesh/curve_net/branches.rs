@@ -21,6 +21,11 @@ impl Branch {
         let (from, to) = (self.nodes[0], self.nodes[self.nodes.len() - 1]);
         [from.min(to), from.max(to)]
     }
+
+    /// Whether it leads from a branching to an extremity.
+    pub fn is_leaf(&self, around: &Incidence) -> bool {
+        around.valence(self.nodes[0]) > 2 && around.valence(self.nodes[self.nodes.len() - 1]) == 1
+    }
 }
 
 /// All branches in flat arrays: from branchings first, then between extremities, then rings. Each segment is in one.
@@ -119,5 +124,6 @@ mod tests {
         assert_eq!(used, (0..8).collect::<Vec<u32>>());
         assert_eq!(all.iter().filter(|b| b.is_ring).count(), 1);
         assert!(all.iter().any(|b| b.nodes == [1, 2, 3, 1] && !b.is_ring));
+        assert_eq!(all.iter().filter(|b| b.is_leaf(&net.incidence())).count(), 2);
     }
 }

@@ -120,7 +120,7 @@ impl CurveNet {
         if self.points.is_empty() { 0.0 } else { low.distance(high) }
     }
 
-    /// The net without the nodes that are not kept; edges of nodes that go must have gone before.
+    /// The net without the nodes that are not kept, nor their segments.
     pub fn retain_nodes(&mut self, keep: &[bool]) {
         let mut new_id = vec![u32::MAX; keep.len()];
         let kept_nodes = keep.iter().enumerate().filter(|k| *k.1);
@@ -132,6 +132,7 @@ impl CurveNet {
         kept(&mut self.points, keep);
         kept(&mut self.radii, keep);
         kept(&mut self.ids, keep);
+        self.edges.retain(|e| e.iter().all(|&v| keep[v as usize]));
         self.edges.iter_mut().for_each(|e| *e = e.map(|v| new_id[v as usize]));
     }
 
@@ -169,6 +170,8 @@ mod tests {
         assert_eq!(n.drop_multiple_edges(), 1);
         n.retain_nodes(&[true, true, true, true, true, true, true, false]);
         assert_eq!((n.points.len(), n.cycles().len()), (7, 3));
+        n.retain_nodes(&[true, false, true, true, true, true, true]);
+        assert_eq!((n.points.len(), n.edges), (6, vec![[1, 0], [2, 3], [4, 5]]));
     }
 
     #[test]
