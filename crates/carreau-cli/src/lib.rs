@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `common` | options that every verb has |
 //! | `session` | one run: context, input, output, record |
+//! | `prepare` | how surfaces are prepared, and what is told about it |
 //! | `record` | the result record of the contract |
 //! | `replay` | options files |
 //! | `report` | the page of a run |
@@ -17,6 +18,7 @@
 mod choice;
 mod common;
 pub mod host;
+mod prepare;
 mod progress;
 mod record;
 mod replay;

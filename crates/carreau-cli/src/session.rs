@@ -7,7 +7,7 @@ use crate::record::Record;
 use crate::report::Report;
 use crate::timings::Timings;
 use crate::verb::read_edges;
-use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh, VertexId};
+use carreau::mesh::{CurveNet, RawMesh, VertexId};
 use carreau::report::figure;
 use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
@@ -247,16 +247,6 @@ impl Session {
         self.record.set("input", input);
         self.show(file, Role::Before, |name, _| Ok(Scene::of_net(name, &net)))?;
         Ok(net)
-    }
-
-    /// Reads a surface; its polygons are cut into triangles.
-    pub fn read_triangles(&mut self, file: &Path) -> Result<SurfaceMesh, Error> {
-        self.read(file)?.into_surface()?.triangulated()
-    }
-
-    /// Reads a surface; its polygons become fans from their first corners, so that everybody numbers the triangles alike.
-    pub fn read_fans(&mut self, file: &Path) -> Result<SurfaceMesh, Error> {
-        self.read(file)?.into_surface()?.fanned()
     }
 
     /// Writes a mesh file.

@@ -1,12 +1,13 @@
 //! `compare`: how far two surfaces are apart.
 
 use crate::common::{Common, CommonValues};
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session, named};
 use carreau::Error;
 use carreau::geometry::distance::{DistanceOptions, compare};
 use carreau::geometry::quality::SurfaceQuality;
-use carreau::mesh::SurfaceMesh;
+use carreau::mesh::{PrepareOptions, PrepareReport, SurfaceMesh, Takes};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -26,6 +27,8 @@ pub struct Compare {
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -35,6 +38,8 @@ struct Options {
     #[serde(flatten)]
     distance: DistanceOptions,
     #[serde(flatten)]
+    prepare: PrepareOptions,
+    #[serde(flatten)]
     common: CommonValues,
 }
 
@@ -43,12 +48,14 @@ impl Compare {
     pub fn run(&self) -> Result<(), Failure> {
         let mut options = options_from(self.common.options.as_deref(), "compare", Options::default())?;
         options.distance.samples = self.samples.unwrap_or(options.distance.samples);
+        options.prepare = self.prepare.over(options.prepare);
         options.common = self.common.over(options.common);
         Session::run("compare", &self.common, &options.common, Some(&self.a), |session| {
             session.record.set("options", &options);
             // The record's `input` is the first file: it is read last, so that its counts stay.
-            let b = read(session, &self.b)?;
-            let a = read(session, &self.a)?;
+            let (b, prepared_b) = read(session, &self.b, &options.prepare)?;
+            let (a, prepared_a) = read(session, &self.a, &options.prepare)?;
+            session.record.set("prepared", json!({ "a": prepared_a, "b": prepared_b }));
             session.show_equal(&[&self.a, &self.b]);
             let context = session.context.clone();
             let found = context.install(|| {
@@ -76,7 +83,9 @@ impl Compare {
     }
 }
 
-/// Reads a surface; what is wrong with it is told with its name.
-fn read(session: &mut Session, file: &Path) -> Result<SurfaceMesh, Error> {
-    session.read(file)?.into_surface().map_err(|error| named(file, error))
+/// Reads a surface and prepares it; what is wrong with it is told with its name.
+fn read(session: &mut Session, file: &Path, options: &PrepareOptions) -> Result<(SurfaceMesh, PrepareReport), Error> {
+    let mesh = session.read(file)?.into_surface().map_err(|error| named(file, error))?;
+    let prepared = session.prepare(mesh, options, Takes::Bodies)?;
+    Ok((prepared.mesh, prepared.report))
 }

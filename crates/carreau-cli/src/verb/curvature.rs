@@ -3,13 +3,14 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found as Handed;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
 use carreau::geometry::features::{FeatureOptions, feature_edges};
 use carreau::geometry::summary::Summary;
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, RawMesh, SurfaceMesh, Triangles};
+use carreau::mesh::{Column, PrepareOptions, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error, Length};
@@ -44,6 +45,8 @@ pub struct Curvature {
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -55,12 +58,14 @@ struct Options {
     radius: Option<Length>,
     feature_angle: f64,
     #[serde(flatten)]
+    prepare: PrepareOptions,
+    #[serde(flatten)]
     common: CommonValues,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { estimator: Estimator::default(), radius: None, feature_angle: 25.0, common: CommonValues::default() }
+        Options { estimator: Estimator::default(), radius: None, feature_angle: 25.0, common: CommonValues::default(), prepare: PrepareOptions::default() }
     }
 }
 
@@ -80,6 +85,7 @@ impl Curvature {
         all.estimator = self.estimator.unwrap_or(all.estimator);
         all.radius = self.radius.or(all.radius);
         all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         if all.radius.is_some() && all.estimator != Estimator::NormalCycleBall {
             return Err(Error::Options(
@@ -90,10 +96,19 @@ impl Curvature {
     }
 
     fn curvature(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_triangles(&self.input)?;
-        let found = compute(session, &mesh, options)?;
-        describe(session, &mesh, &found);
-        let mut out = RawMesh::from(mesh);
+        let prepared = session.read_surface(&self.input, &options.prepare)?.triangulated()?;
+        let found = compute(session, &prepared.mesh, options)?;
+        describe(session, &prepared.mesh, &found);
+        // Vertices that no face is left at have no curvature.
+        let found = Found {
+            kmin: prepared.values_of_vertices(found.kmin, 0.0),
+            kmax: prepared.values_of_vertices(found.kmax, 0.0),
+            dmin: prepared.values_of_vertices(found.dmin, DVec3::ZERO),
+            dmax: prepared.values_of_vertices(found.dmax, DVec3::ZERO),
+            border: prepared.values_of_vertices(found.border, false),
+            area: prepared.values_of_vertices(found.area, 0.0),
+        };
+        let mut out = RawMesh::from(prepared.into_input().triangulated()?);
         session.draw_as(|| curvature_figure(&out, &found.kmax))?;
         let vectors = |v: Vec<DVec3>| Column::Vector3(v.into_iter().map(|d| d.to_array()).collect());
         let columns = [

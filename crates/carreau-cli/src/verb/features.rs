@@ -1,8 +1,9 @@
 //! The flags that say which edges are features, shared by `field` and `quad`, and the files that list edges.
 
+use crate::prepare::edges_of_surface;
 use crate::session::Session;
 use carreau::geometry::features::FeatureOptions;
-use carreau::mesh::VertexId;
+use carreau::mesh::{Prepared, VertexId};
 use carreau::{Error, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -50,15 +51,16 @@ impl FeatureFlags {
 
 impl FeatureValues {
     /// Features by angle, borders, tags and the listed edges, which are read here.
-    pub fn load(&self, session: &Session) -> Result<FeatureOptions, Error> {
+    pub fn load(&self, session: &Session, prepared: &Prepared) -> Result<FeatureOptions, Error> {
         let edges = self.features.as_deref().map(|file| session.load_edges(file)).transpose()?.unwrap_or_default();
+        let edges = edges_of_surface(prepared, edges);
         Ok(FeatureOptions { angle_deg: Some(self.feature_angle), borders: true, tags: !self.ignore_tags, edges })
     }
 }
 
 /// Tells of features that were asked for and do not exist.
-pub fn warn_missing(missing: &[[VertexId; 2]], session: &mut Session) {
-    if let Some([a, b]) = missing.first() {
+pub fn warn_missing(missing: &[[VertexId; 2]], prepared: &Prepared, session: &mut Session) {
+    if let Some([a, b]) = missing.first().map(|ends| ends.map(|v| VertexId(prepared.vertex(v.0)))) {
         let count = missing.len();
         session.warn(format!("{count} tagged or listed edges are no edges of the mesh, the first is {} {}", a.0, b.0));
     }

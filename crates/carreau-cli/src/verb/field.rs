@@ -4,11 +4,12 @@ use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, RawMesh};
+use carreau::mesh::{Column, PrepareOptions, RawMesh};
 use carreau::report::field_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
@@ -53,6 +54,8 @@ pub struct Field {
     #[arg(long)]
     classic: bool,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -65,6 +68,8 @@ struct Options {
     #[serde(flatten)]
     features: FeatureValues,
     classic: bool,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -89,23 +94,26 @@ impl Field {
         o.lean_deg = self.lean.unwrap_or(o.lean_deg);
         all.features = self.features.over(all.features);
         all.classic |= self.classic;
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn field(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read(&self.input)?.into_surface()?;
+        let prepared = session.read_surface(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut wanted = options.field.clone();
-        wanted.features = options.features.load(session)?;
-        let found = context.install(|| field::field(&mesh, &wanted, &context))?;
+        wanted.features = options.features.load(session, &prepared)?;
+        let mut found = context.install(|| field::field(mesh, &wanted, &context))?;
+        found.source.iter_mut().for_each(|t| *t = prepared.face(*t));
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
-        warn_missing(&found.missing, session);
+        warn_missing(&found.missing, &prepared, session);
         describe(session, &found);
         if options.classic {
             let classic = context.install(|| {
                 let _stage = context.stage("classic field");
-                field::field(&mesh, &wanted.classic(), &context)
+                field::field(mesh, &wanted.classic(), &context)
             })?;
             let ([sectors, inner], singular) = (classic.poles(), classic.singularities());
             session.say(format!(

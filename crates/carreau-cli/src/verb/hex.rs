@@ -3,11 +3,12 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
 use carreau::io::WriteOptions;
-use carreau::mesh::{CurveNet, RawMesh, SurfaceMesh};
+use carreau::mesh::{CurveNet, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -66,6 +67,8 @@ pub struct Hex {
     #[arg(long)]
     allow_invalid: bool,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -84,6 +87,8 @@ struct Options {
     adapt_radius: bool,
     stage: Stage,
     allow_invalid: bool,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -111,6 +116,7 @@ impl Hex {
         all.adapt_radius |= self.adapt_radius;
         all.stage = self.stage.unwrap_or(all.stage);
         all.allow_invalid |= self.allow_invalid;
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
@@ -167,7 +173,7 @@ impl Hex {
             let raw = session.read(&self.input)?;
             if !(raw.faces.is_empty() && raw.cells.is_empty()) {
                 let net = options.skeleton.as_deref().map(|file| session.load_skeleton(file)).transpose()?;
-                return Ok(Shape::Surface(Box::new(raw.into_surface()?.triangulated()?), net));
+                return Ok(Shape::Surface(Box::new(session.read_body(raw, &options.prepare)?.mesh), net));
             }
         }
         if options.skeleton.is_some() {
@@ -176,8 +182,8 @@ impl Hex {
         let net = session.read_skeleton(&self.input)?;
         Ok(match &options.surface {
             Some(file) => {
-                let surface = session.load_mesh(file)?.into_surface()?.triangulated()?;
-                Shape::Surface(Box::new(surface), Some(net))
+                let raw = session.load_mesh(file)?;
+                Shape::Surface(Box::new(session.read_body(raw, &options.prepare)?.mesh), Some(net))
             }
             None => Shape::Graph(net),
         })

@@ -134,7 +134,7 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
     if let Some(volume) = t.volume {
         session.say(format!("volume {volume}"));
     }
-    describe_defects(session, t);
+    defect_lines(t, true).into_iter().for_each(|line| session.say(line));
     session.record.set("bounds", json!([low.to_array(), high.to_array()]));
     session.record.set("diagonal", mesh.diagonal());
     session.record.set("topology", topology);
@@ -142,24 +142,33 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
     Ok(())
 }
 
-/// One line per kind of defect that there is, with its first places.
-fn describe_defects(session: &mut Session, t: &Topology) {
+/// One line per kind of defect that there is, with its first places; what is open or unused is no defect to a method.
+pub fn defect_lines(t: &Topology, all: bool) -> Vec<String> {
     let places = serde_json::to_value(&t.places).unwrap_or_default();
-    let defects = [
-        ("boundary loops", t.boundary_loops, "boundary_loops"),
-        ("boundary edges", t.boundary_edges, "boundary_edges"),
-        ("non-manifold edges", t.nonmanifold_edges, "nonmanifold_edges"),
-        ("non-manifold vertices", t.nonmanifold_vertices, "nonmanifold_vertices"),
-        ("inconsistently oriented edges", t.inconsistent_edges, "inconsistent_edges"),
-        ("degenerate faces", t.degenerate_faces, "degenerate_faces"),
-        ("duplicate faces", t.duplicate_faces, "duplicate_faces"),
-        ("coincident vertices", t.coincident_vertices, "coincident_vertices"),
-        ("unreferenced vertices", t.unreferenced_vertices, "unreferenced_vertices"),
-        ("inverted components", t.inverted_components, "inverted_components"),
+    let unused = [
+        ("boundary loop", "boundary loops", t.boundary_loops, "boundary_loops"),
+        ("boundary edge", "boundary edges", t.boundary_edges, "boundary_edges"),
+        ("unreferenced vertex", "unreferenced vertices", t.unreferenced_vertices, "unreferenced_vertices"),
     ];
-    for (name, count, key) in defects.iter().filter(|(_, count, _)| *count > 0) {
-        let shown: Vec<String> = places[key].as_array().into_iter().flatten().take(3).map(Value::to_string).collect();
+    let defects = [
+        ("non-manifold edge", "non-manifold edges", t.nonmanifold_edges, "nonmanifold_edges"),
+        ("non-manifold vertex", "non-manifold vertices", t.nonmanifold_vertices, "nonmanifold_vertices"),
+        (
+            "inconsistently oriented edge",
+            "inconsistently oriented edges",
+            t.inconsistent_edges,
+            "inconsistent_edges",
+        ),
+        ("degenerate face", "degenerate faces", t.degenerate_faces, "degenerate_faces"),
+        ("duplicate face", "duplicate faces", t.duplicate_faces, "duplicate_faces"),
+        ("coincident vertex", "coincident vertices", t.coincident_vertices, "coincident_vertices"),
+        ("inverted component", "inverted components", t.inverted_components, "inverted_components"),
+    ];
+    let listed = unused.iter().filter(|_| all).chain(&defects).filter(|(_, _, count, _)| *count > 0);
+    let line = |(one, many, count, key): &(&str, &str, usize, &str)| {
+        let shown: Vec<String> = places[*key].as_array().into_iter().flatten().take(3).map(Value::to_string).collect();
         let dots = if *count > shown.len() { ", …" } else { "" };
-        session.say(format!("{count} {name}: {}{dots}", shown.join(", ")));
-    }
+        format!("{count} {}: {}{dots}", if *count == 1 { one } else { many }, shown.join(", "))
+    };
+    listed.map(line).collect()
 }

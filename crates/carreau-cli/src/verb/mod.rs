@@ -24,6 +24,7 @@ use crate::session::Failure;
 use clap::Subcommand;
 
 pub use features::read_edges;
+pub use info::defect_lines;
 
 /// What to do.
 #[derive(Subcommand)]

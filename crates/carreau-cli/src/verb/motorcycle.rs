@@ -3,10 +3,11 @@
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
-use carreau::mesh::RawMesh;
+use carreau::mesh::{PrepareOptions, RawMesh};
 use carreau::quad::graph::{Track, TrackKind};
 use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 use carreau::report::graph_figure;
@@ -47,6 +48,8 @@ pub struct Motorcycle {
     #[command(flatten)]
     features: FeatureFlags,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -59,6 +62,8 @@ struct Options {
     edge_length: Option<Length>,
     #[serde(flatten)]
     features: FeatureValues,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -79,19 +84,21 @@ impl Motorcycle {
         all.graph.quads = self.quads.unwrap_or(all.graph.quads);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.features = self.features.over(all.features);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn graph(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read(&self.input)?.into_surface()?;
+        let prepared = session.read_surface(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut wanted = options.graph.clone();
-        wanted.features = options.features.load(session)?;
+        wanted.features = options.features.load(session, &prepared)?;
         wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
-        let found = context.install(|| motorcycle_graph(&mesh, &wanted, &context))?;
+        let found = context.install(|| motorcycle_graph(mesh, &wanted, &context))?;
         found.warnings.iter().for_each(|what| session.warn(what.clone()));
-        warn_missing(&found.missing, session);
+        warn_missing(&found.missing, &prepared, session);
         describe(session, &found);
         self.write(session, found)
     }

@@ -3,11 +3,12 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::SurfaceMesh;
+use carreau::mesh::{FaceId, PrepareOptions, Prepared};
 use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
@@ -97,6 +98,8 @@ pub struct Patch {
     #[arg(long, value_name = "PROTOCOL", value_parser = choice::<StepSchema>(&["ap214", "ap242"]))]
     schema: Option<StepSchema>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -122,6 +125,8 @@ struct Options {
     brep: BrepOptions,
     trimmed: bool,
     schema: StepSchema,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -176,19 +181,21 @@ impl Patch {
         }
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_fans(&self.input)?;
+        let prepared = session.read_fans(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut limits = options.patch.clone();
         if let Some(file) = &options.features {
-            limits.feature_edges = session.load_edges(file)?;
+            limits.feature_edges = edges_of_surface(&prepared, session.load_edges(file)?);
         }
-        let result = context.install(|| patch::decompose(&mesh, &limits, &context))?;
-        self.write(session, &mesh, &result, options)?;
+        let result = context.install(|| patch::decompose(mesh, &limits, &context))?;
+        self.write(session, &prepared, &result, options)?;
         let f = &result.figures;
         session.say(format!(
             "{} patches hold {:.2} % of {} triangles ({} left over)",
@@ -204,26 +211,27 @@ impl Patch {
     fn write(
         &self,
         session: &mut Session,
-        mesh: &SurfaceMesh,
+        prepared: &Prepared,
         result: &PatchResult,
         options: &Options,
     ) -> Result<(), Error> {
-        let f = &result.figures;
+        let (f, mesh) = (&result.figures, &prepared.mesh);
         session.record.set("patches", f.patches);
         session.record.set("coverage", f.coverage);
         session.record.set("patches_for", &f.patches_for);
         session.record.set("quality", f);
         if let Some(file) = &self.layout {
-            let layout = json!({ "patches": result.patches, "leftover": result.leftover });
+            let told = layout_of_file(prepared, result);
+            let layout = json!({ "patches": told.patches, "leftover": told.leftover });
             session.write_bytes(file, layout.to_string().as_bytes())?;
         }
         let quads = quad_mesh(mesh, result);
         session.draw(&quads)?;
-        session.keep(|| Found::Patches(quads.clone(), result.clone()));
+        session.keep(|| Found::Patches(quads.clone(), layout_of_file(prepared, result)));
         session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &quads))?;
         match &self.output {
             Some(file) if CAD_EXTENSIONS.contains(&extension(file).as_str()) => {
-                self.write_cad(session, file, mesh, result, options)
+                self.write_cad(session, file, prepared, result, options)
             }
             Some(file) => {
                 session.record.set("faces", quads.faces.len());
@@ -237,10 +245,11 @@ impl Patch {
         &self,
         session: &mut Session,
         file: &Path,
-        mesh: &SurfaceMesh,
+        prepared: &Prepared,
         result: &PatchResult,
         options: &Options,
     ) -> Result<(), Error> {
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let model = context.install(|| match &result.polygons {
             Some(layout) if options.trimmed => cad::to_trimmed_brep(mesh, &layout.polygons, &layout.leftover, &context),
@@ -271,4 +280,24 @@ impl Patch {
         ));
         Ok(())
     }
+}
+
+/// The layout with the ids of the file. Patches whose triangles were turned are told in the sense of the file; triangles that were
+/// left out are left over.
+fn layout_of_file(prepared: &Prepared, result: &PatchResult) -> PatchResult {
+    let mut told = result.clone();
+    if !prepared.is_changed() {
+        return told;
+    }
+    for patch in &mut told.patches {
+        if patch.triangles.iter().all(|t| prepared.is_turned(t.0)) {
+            *patch = patch.transposed();
+        }
+        patch.vertices.iter_mut().for_each(|v| v.0 = prepared.vertex(v.0));
+        patch.triangles.iter_mut().for_each(|t| t.0 = prepared.face(t.0));
+    }
+    told.leftover.iter_mut().for_each(|t| t.0 = prepared.face(t.0));
+    told.leftover.extend(prepared.left_out().into_iter().map(FaceId));
+    told.leftover.sort_unstable();
+    told
 }

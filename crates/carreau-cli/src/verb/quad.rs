@@ -3,9 +3,10 @@
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::mesh::RawMesh;
+use carreau::mesh::{PrepareOptions, RawMesh};
 use carreau::quad::{self, QuadOptions, Quads};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -40,6 +41,8 @@ pub struct Quad {
     #[arg(long, value_name = "N")]
     rung: Option<u32>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -52,6 +55,8 @@ struct Options {
     edge_length: Option<Length>,
     #[serde(flatten)]
     features: FeatureValues,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -73,19 +78,21 @@ impl Quad {
         all.quad.rung = self.rung.unwrap_or(all.quad.rung);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.features = self.features.over(all.features);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn quad(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read(&self.input)?.into_surface()?;
+        let prepared = session.read_surface(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut wanted = options.quad.clone();
-        wanted.features = options.features.load(session)?;
+        wanted.features = options.features.load(session, &prepared)?;
         wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
-        let result = context.install(|| quad::quads(&mesh, &wanted, &context))?;
+        let result = context.install(|| quad::quads(mesh, &wanted, &context))?;
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
-        warn_missing(&result.missing, session);
+        warn_missing(&result.missing, &prepared, session);
         describe(session, &result);
         let (mesh, tracks) = (RawMesh::from(result.mesh), result.tracks);
         let scene = |name| Ok(Scene::of_mesh(name, &mesh)?.tracks(&tracks));

@@ -3,12 +3,13 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::{Column, RawMesh, SurfaceMesh};
+use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::page::Scene;
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
 use carreau::{Error, Length, Place};
@@ -77,6 +78,8 @@ pub struct Segment {
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -108,6 +111,8 @@ struct Options {
     labels: Option<String>,
     radius: Option<Length>,
     tolerance: Option<Length>,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -151,20 +156,22 @@ impl Segment {
         all.labels = self.labels.clone().or(all.labels);
         all.radius = self.radius.or(all.radius);
         all.tolerance = self.tolerance.or(all.tolerance);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn segment(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_fans(&self.input)?;
+        let prepared = session.read_fans(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut wanted = options.segment.clone();
         wanted.radius = options.radius.map(|r| r.resolve(mesh.diagonal()));
         wanted.tolerance = options.tolerance.map(|t| t.resolve(mesh.diagonal()));
-        wanted.labels = options.labels.as_deref().map(|labels| read_labels(&mesh, labels)).transpose()?;
-        let result = context.install(|| segment::segment(&mesh, &wanted, &context))?;
+        wanted.labels = options.labels.as_deref().map(|labels| read_labels(&prepared, labels)).transpose()?;
+        let result = of_file(&prepared, context.install(|| segment::segment(mesh, &wanted, &context))?);
         tell(session, &result);
-        let mut out = labelled(mesh, &result);
+        let mut out = labelled(prepared.into_input(), &result);
         session.draw(&out)?;
         session.keep(|| Found::Mesh(out.clone()));
         session.show_result(self.output.as_deref(), |name, context| {
@@ -184,7 +191,8 @@ impl Segment {
 }
 
 /// Labels from a face property of the mesh, or from a text file with one integer per triangle.
-fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
+fn read_labels(prepared: &Prepared, name: &str) -> Result<Vec<u32>, Error> {
+    let mesh = &prepared.mesh;
     // Any integers do: only whether two are equal matters, and their order.
     let shift = |l: i64| (l - i64::from(i32::MIN)) as u32;
     match mesh.attributes.face.get(name) {
@@ -210,11 +218,26 @@ fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
             labels.push(shift(i64::from(label)));
         }
     }
-    if labels.len() != mesh.face_count() {
-        let what = format!("{} labels for {} triangles", labels.len(), mesh.face_count());
+    let triangles = prepared.input().face_count();
+    if labels.len() != triangles {
+        let what = format!("{} labels for {triangles} triangles", labels.len());
         return Err(Error::read(file, Place::File, what));
     }
-    Ok(labels)
+    Ok(prepared.gather_faces(labels))
+}
+
+/// The regions with the ids of the file.
+fn of_file(prepared: &Prepared, mut found: Segmentation) -> Segmentation {
+    if !prepared.is_changed() {
+        return found;
+    }
+    found.labels = prepared.labels_of_faces(&found.labels);
+    found.regions.iter_mut().for_each(|region| region.triangles = 0);
+    found.labels.iter().for_each(|&l| found.regions[l as usize].triangles += 1);
+    let on_lines = found.boundaries.iter_mut().flat_map(|b| &mut b.vertices);
+    let vertices = on_lines.chain(found.junctions.iter_mut().map(|j| &mut j.vertex));
+    vertices.for_each(|v| *v = VertexId(prepared.vertex(v.0)));
+    found
 }
 
 /// The mesh with its regions.

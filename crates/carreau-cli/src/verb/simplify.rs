@@ -1,9 +1,10 @@
 //! `simplify` and `enrich`: a graded mesh within an angle of the surface.
 
 use crate::common::{Common, CommonValues};
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::mesh::{RawMesh, SurfaceMesh};
+use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::{Error, Length};
 use clap::Args;
@@ -84,6 +85,8 @@ pub(super) struct Remesh {
     #[arg(long, value_name = "LENGTH")]
     max_size: Option<Length>,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -108,6 +111,8 @@ struct Options {
     distance: Option<Length>,
     min_size: Option<Length>,
     max_size: Option<Length>,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -150,6 +155,7 @@ impl Remesh {
         o.tags &= !self.ignore_tags;
         all.min_size = self.min_size.or(all.min_size);
         all.max_size = self.max_size.or(all.max_size);
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
@@ -157,7 +163,7 @@ impl Remesh {
     fn run(&self, verb: &'static str, options: &Options, method: Method) -> Result<(), Failure> {
         Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
             session.record.set("options", options);
-            let source = session.read(&self.input)?.into_surface()?;
+            let source = session.read_surface(&self.input, &options.prepare)?.mesh;
             let context = session.context.clone();
             let diagonal = source.diagonal();
             let mut wanted = options.remesh.clone();

@@ -2,9 +2,11 @@
 
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
+use carreau::mesh::PrepareOptions;
 use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};
@@ -40,6 +42,8 @@ pub struct Skeleton {
     #[arg(long)]
     no_prune: bool,
     #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
     pub(super) common: Common,
 }
 
@@ -49,6 +53,8 @@ pub struct Skeleton {
 struct Options {
     #[serde(flatten)]
     skeleton: SkeletonOptions,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -69,13 +75,18 @@ impl Skeleton {
         all.skeleton.medial = self.medial.unwrap_or(all.skeleton.medial);
         all.skeleton.detail = self.detail.unwrap_or(all.skeleton.detail);
         all.skeleton.prune &= !self.no_prune;
+        all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
     }
 
     fn skeleton(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mesh = session.read_triangles(&self.input)?;
-        let found = extract(&mesh, &options.skeleton, &session.context.clone())?;
+        let raw = session.read(&self.input)?;
+        let prepared = session.read_body(raw, &options.prepare)?;
+        let mesh = &prepared.mesh;
+        let mut found = extract(mesh, &options.skeleton, &session.context.clone())?;
+        let of_lids = found.preimage.split_off(mesh.vertex_count().min(found.preimage.len()));
+        found.preimage = prepared.values_of_vertices(found.preimage, u32::MAX).into_iter().chain(of_lids).collect();
         found.warnings.iter().for_each(|w| session.warn(w));
         session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
         session.show_result(self.output.as_deref(), |name, _| {

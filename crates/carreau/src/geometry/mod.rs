@@ -15,6 +15,9 @@
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
 //! | `closest`, `ray` | the same for one triangle |
+//! | `intersections` | triangles of a surface that cut or touch each other, by exact predicates |
+//! | `holes` | holes filled by faces that follow the surroundings |
+//! | `thickness` | thin walls and narrow gaps |
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
@@ -25,6 +28,7 @@ pub mod curvature;
 pub mod distance;
 pub mod features;
 pub mod hexes;
+pub mod intersections;
 pub mod normals;
 pub(crate) mod planar;
 pub mod primitive;

@@ -29,6 +29,8 @@ use rayon::prelude::*;
 const LEAF: usize = 4;
 /// Subtrees with fewer triangles are built by one thread.
 const SERIAL: usize = 8192;
+/// Jobs that pairs of triangles are divided into.
+const JOBS: usize = 2048;
 /// Deeper than any tree over 2³² triangles.
 const DEPTH: usize = 34;
 
@@ -292,6 +294,34 @@ impl TriangleTree {
         first
     }
 
+    /// Pairs of triangles whose boxes meet, in jobs that can be done side by side: each calls for every pair, some of them twice.
+    pub fn meeting_pairs(&self) -> MeetingPairs<'_> {
+        let boxes = self.slices.par_iter().zip(&self.corners);
+        let boxes = boxes.map(|(slice, &corners)| slice.outline(corners).into_iter().fold(Box3::EMPTY, Box3::with));
+        let mut jobs: Vec<[Node; 2]> = self.root().into_iter().map(|root| [root, root]).collect();
+        while !jobs.is_empty() && jobs.len() < JOBS && jobs.iter().any(|[a, b]| a.leaves > 1 || b.leaves > 1) {
+            jobs = jobs.into_iter().flat_map(|job| self.divided(job)).collect();
+        }
+        MeetingPairs { boxes: boxes.collect(), tree: self, jobs }
+    }
+
+    /// A pair of nodes as pairs of their children; those that do not meet are left out.
+    fn divided(&self, [a, b]: [Node; 2]) -> Vec<[Node; 2]> {
+        let pairs = match (a.index == b.index, a.leaves > 1, b.leaves > 1) {
+            (true, true, _) => {
+                let [x, y] = a.children();
+                vec![[x, x], [x, y], [y, y]]
+            }
+            (false, true, _) if a.leaves >= b.leaves => a.children().map(|x| [x, b]).to_vec(),
+            (false, _, true) => b.children().map(|y| [a, y]).to_vec(),
+            _ => vec![[a, b]],
+        };
+        let meet = |[a, b]: &[Node; 2]| {
+            a.index == b.index || self.boxes[a.index as usize].meets(&self.boxes[b.index as usize])
+        };
+        pairs.into_iter().filter(meet).collect()
+    }
+
     /// Ids and corners of all triangles in the order of the leaves: neighbours in it are neighbours in space.
     pub(super) fn in_order(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> {
         let firsts = self.slices.iter().zip(&self.corners).filter(|(slice, _)| slice.number == 0);
@@ -349,6 +379,43 @@ impl TriangleTree {
     }
 }
 
+/// Pairs of triangles that may meet; see [`TriangleTree::meeting_pairs`].
+pub struct MeetingPairs<'a> {
+    tree: &'a TriangleTree,
+    boxes: Vec<Box3>,
+    jobs: Vec<[Node; 2]>,
+}
+
+/// A triangle: its id and its corners.
+pub type Placed<'a> = (u32, &'a [DVec3; 3]);
+
+impl MeetingPairs<'_> {
+    /// Number of jobs.
+    pub fn jobs(&self) -> usize {
+        self.jobs.len()
+    }
+
+    /// Offers the pairs of a job, always in the same order; triangles that are cut into slices come more than once.
+    pub fn visit(&self, job: usize, mut offer: impl FnMut(Placed<'_>, Placed<'_>)) {
+        let mut stack = vec![self.jobs[job]];
+        while let Some([a, b]) = stack.pop() {
+            if a.leaves > 1 || b.leaves > 1 {
+                stack.extend(self.tree.divided([a, b]));
+                continue;
+            }
+            for i in self.tree.leaf(a) {
+                let others = if a.index == b.index { i + 1..self.tree.leaf(a).end } else { self.tree.leaf(b) };
+                for j in others.filter(|&j| self.boxes[i].meets(&self.boxes[j])) {
+                    let [x, y] = [i, j].map(|k| (self.tree.slices[k].id, &self.tree.corners[k]));
+                    if x.0 != y.0 {
+                        offer(x, y);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Sorts the items into leaves and fills the boxes of a subtree; returns its box.
 fn build(
     boxes: &mut [Box3],
@@ -388,6 +455,11 @@ impl Box3 {
 
     fn with(self, p: DVec3) -> Box3 {
         Box3 { low: self.low.min(p), high: self.high.max(p) }
+    }
+
+    #[inline]
+    fn meets(&self, other: &Box3) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
 
     #[inline]

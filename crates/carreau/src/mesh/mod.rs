@@ -22,6 +22,7 @@
 //! | `nesting` | closed components: volume, nesting, which are inside out |
 //! | `topology` | [`Topology`]: counts, genus, defects with their places |
 //! | `repair` | [`repair`]: weld, drop, orient, split |
+//! | `prepare` | [`prepare`]: what every room is given of a surface |
 
 mod area;
 mod attributes;
@@ -36,6 +37,7 @@ mod hex_mesh;
 mod id;
 mod nesting;
 mod polygons;
+mod prepare;
 mod raw;
 mod repair;
 mod space_order;
@@ -58,6 +60,7 @@ pub use half_edges::{EdgeGroup, HalfEdges};
 pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_edges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
+pub use prepare::{Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, prepare};
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub(crate) use repair::{divided, is_flawed};

@@ -16,6 +16,11 @@ pub(crate) struct Shells {
     /// In how many other shells each lies.
     pub depth: Vec<u32>,
     bounds: Vec<(DVec3, DVec3)>,
+    /// Which shell lies in which other one.
+    inside: Vec<[u32; 2]>,
+    /// The component of every shell, and a face of it.
+    component: Vec<u32>,
+    first_face: Vec<u32>,
 }
 
 impl Shells {
@@ -33,14 +38,54 @@ impl Shells {
         let of_component: Vec<u32> = is_shell.iter().map(number).collect();
         let of_face: Vec<u32> = parts.component.iter().map(|&c| of_component[c as usize]).collect();
         let (volume, bounds) = volumes_and_bounds(points, faces, &of_face, count as usize);
-        let mut shells = Shells { of_component, volume, depth: vec![0; count as usize], bounds };
+        let (mut component, mut first_face) = (vec![NONE; count as usize], vec![NONE; count as usize]);
+        for (f, &shell) in (0u32..).zip(&of_face).filter(|&(_, &shell)| shell != NONE) {
+            if first_face[shell as usize] == NONE {
+                (component[shell as usize], first_face[shell as usize]) = (parts.component[f as usize], f);
+            }
+        }
+        let depth = vec![0; count as usize];
+        let mut shells =
+            Shells { of_component, volume, depth, bounds, inside: Vec::new(), component, first_face };
         shells.find_depths(points, faces, &of_face);
         shells
+    }
+
+    /// None at all.
+    pub fn none() -> Self {
+        Shells {
+            of_component: Vec::new(),
+            volume: Vec::new(),
+            depth: Vec::new(),
+            bounds: Vec::new(),
+            inside: Vec::new(),
+            component: Vec::new(),
+            first_face: Vec::new(),
+        }
     }
 
     /// Number of shells.
     pub fn len(&self) -> usize {
         self.volume.len()
+    }
+
+    /// Shells for which this holds, by a face of the inner and one of the outer, are no cavities of each other.
+    pub fn tell_apart(&mut self, apart: impl Fn(u32, u32) -> bool) {
+        let face = |shell: u32| self.first_face[shell as usize];
+        let (depth, inside) = (&mut self.depth, &mut self.inside);
+        inside.retain(|&[inner, outer]| {
+            let keep = !apart(face(inner), face(outer));
+            depth[inner as usize] -= u32::from(!keep);
+            keep
+        });
+    }
+
+    /// The component whose cavity a component is; itself where it is none.
+    pub fn body(&self, component: u32) -> u32 {
+        let shell = self.of_component[component as usize];
+        let Some(&depth) = self.depth.get(shell as usize).filter(|depth| *depth % 2 == 1) else { return component };
+        let around = self.inside.iter().find(|[inner, outer]| *inner == shell && self.depth[*outer as usize] + 1 == depth);
+        around.map_or(component, |&[_, outer]| self.component[outer as usize])
     }
 
     /// Whether a component looks the wrong way: inward outside, outward as a cavity. A volume within rounding of zero
@@ -72,7 +117,9 @@ impl Shells {
         let windings = hits.chunk_by(|a, b| a.0 == b.0 && a.1 == b.1 && a.2 == b.2);
         let inside: Vec<_> = windings.filter(|run| run.iter().map(|h| i32::from(h.3)).sum::<i32>() != 0).collect();
         for pair in inside.chunk_by(|a, b| a[0].0 == b[0].0 && a[0].1 == b[0].1).filter(|pair| pair.len() == 2) {
-            self.depth[pair[0][0].0 as usize] += 1;
+            let (inner, outer, ..) = pair[0][0];
+            self.depth[inner as usize] += 1;
+            self.inside.push([inner, outer]);
         }
     }
 }

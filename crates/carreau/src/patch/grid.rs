@@ -72,6 +72,19 @@ impl Patch {
         }
     }
 
+    /// The patch seen from behind: rows and columns exchanged.
+    pub fn transposed(&self) -> Patch {
+        let (rows, cols) = (self.cols, self.rows);
+        let nodes = (0..=rows).flat_map(|r| (0..=cols).map(move |c| (c, r)));
+        let cells = (0..rows).flat_map(|r| (0..cols).map(move |c| (c, r)));
+        Patch {
+            rows,
+            cols,
+            vertices: nodes.map(|(r, c)| self.vertex(r, c)).collect(),
+            triangles: cells.flat_map(|(r, c)| self.cell_triangles(r, c)).collect(),
+        }
+    }
+
     /// The border as a closed loop of vertices, counter-clockwise from node (0, 0); the first is not repeated.
     pub fn border(&self) -> Vec<VertexId> {
         let mut border: Vec<VertexId> = Vec::new();

@@ -25,8 +25,10 @@ use crate::mesh::area::{safe_length, triangle_area_vector};
 use crate::mesh::disjoint_sets::DisjointSets;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::polygons::Polygons;
+use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::topology::DEGENERATE_AREA;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Below this mean ratio a triangle is flat (1: equilateral).
 const FLAT: f64 = 1e-4;
@@ -123,15 +125,29 @@ fn edge_lengths(p: [DVec3; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| safe_length(p[(k + 1) % 3] - p[k]))
 }
 
+/// Whether a face has no area: all triangles of its fan.
+pub fn is_flat_face(points: &[DVec3], face: &[u32], diagonal: f64) -> bool {
+    let fan = |k: usize| [face[0], face[k], face[k + 1]].map(|v| points[v as usize]);
+    (1..face.len() - 1).all(|k| is_flat(fan(k), diagonal))
+}
+
 fn flat_faces(soup: &Soup, diagonal: f64) -> Vec<u32> {
-    let flat = |face: &[u32]| match *face {
-        [a, b, c] => is_flat([a, b, c].map(|v| soup.points[v as usize]), diagonal),
-        _ => {
-            let fan = |k: usize| [face[0], face[k], face[k + 1]].map(|v| soup.points[v as usize]);
-            (1..face.len() - 1).all(|k| is_flat(fan(k), diagonal))
-        }
-    };
-    (0..soup.faces.len() as u32).filter(|&f| flat(soup.faces.face(f as usize))).collect()
+    let flat = |f: u32| is_flat_face(&soup.points, soup.faces.face(f as usize), diagonal);
+    (0..soup.faces.len() as u32).filter(|&f| flat(f)).collect()
+}
+
+/// The faces without area, and those that use a vertex twice.
+pub fn found(soup: &Soup, diagonal: f64) -> Vec<u32> {
+    let repeats = soup.faces_with_repeats();
+    let flat = |f: u32| repeats[f as usize] || is_flat_face(&soup.points, soup.faces.face(f as usize), diagonal);
+    (0..soup.faces.len() as u32).filter(|&f| flat(f)).collect()
+}
+
+/// Whether a mesh has faces without area.
+pub fn any(mesh: &SurfaceMesh) -> bool {
+    let diagonal = mesh.diagonal();
+    let flat = |f: usize| is_flat_face(mesh.points(), mesh.faces().face(f), diagonal);
+    (0..mesh.face_count()).into_par_iter().with_min_len(4096).any(flat)
 }
 
 /// Flips the longest edge of every cap whose neighbour across is a triangle, where that leaves fewer flat triangles.

@@ -55,7 +55,7 @@ pub fn is_flawed(mesh: &SurfaceMesh, flat: f64) -> bool {
 }
 
 /// Whether the faces around every vertex are one fan.
-fn is_umbrella(mesh: &SurfaceMesh) -> bool {
+pub fn is_umbrella(mesh: &SurfaceMesh) -> bool {
     let Some(t) = Triangles::of(mesh) else { return false };
     let mut fans = vec![0u8; mesh.vertex_count()];
     let mut seen = vec![false; mesh.corner_count()];

@@ -7,6 +7,7 @@ use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::id::VertexId;
 use crate::mesh::polygons::Polygons;
 use crate::mesh::surface::{SurfaceMesh, TaggedEdge};
+use crate::mesh::triangles::NONE;
 use glam::DVec3;
 
 /// Points and polygons without any promise, with the source of every vertex, face and corner in the original mesh.
@@ -17,6 +18,8 @@ pub struct Soup {
     pub vertex_source: Vec<u32>,
     pub face_source: Vec<u32>,
     pub corner_source: Vec<u32>,
+    /// The vertex that every one of the original mesh has become; [`NONE`] where it is gone.
+    pub vertex_image: Vec<u32>,
 }
 
 impl Soup {
@@ -28,6 +31,7 @@ impl Soup {
             vertex_source: (0..mesh.vertex_count() as u32).collect(),
             face_source: (0..mesh.face_count() as u32).collect(),
             corner_source: (0..mesh.corner_count() as u32).collect(),
+            vertex_image: (0..mesh.vertex_count() as u32).collect(),
         }
     }
 
@@ -46,12 +50,13 @@ impl Soup {
             edge.ends = edge.ends.map(|v| VertexId(leader[v.index()]));
         }
         self.tagged.retain(|edge| edge.ends[0] != edge.ends[1]);
+        self.vertex_image.iter_mut().filter(|v| **v != NONE).for_each(|v| *v = leader[*v as usize]);
         let keep: Vec<bool> = leader.iter().enumerate().map(|(v, &l)| v == l as usize).collect();
         self.keep_vertices(&keep)
     }
 
     /// Drops vertices and renumbers the rest in order; tagged edges that lose an end go. Returns how many were dropped.
-    fn keep_vertices(&mut self, keep: &[bool]) -> usize {
+    pub fn keep_vertices(&mut self, keep: &[bool]) -> usize {
         let mut count = 0;
         let new_id: Vec<u32> = keep
             .iter()
@@ -61,6 +66,8 @@ impl Soup {
             })
             .collect();
         self.faces.corners_mut().iter_mut().for_each(|v| *v = new_id[*v as usize]);
+        let moved = |v: u32| if v != NONE && keep[v as usize] { new_id[v as usize] } else { NONE };
+        self.vertex_image.iter_mut().for_each(|v| *v = moved(*v));
         self.tagged.retain(|edge| edge.ends.iter().all(|v| keep[v.index()]));
         for edge in &mut self.tagged {
             edge.ends = edge.ends.map(|v| VertexId(new_id[v.index()]));
@@ -70,6 +77,32 @@ impl Soup {
         let mut at = keep.iter();
         self.vertex_source.retain(|_| at.next() == Some(&true));
         keep.len() - count as usize
+    }
+
+    /// Puts the vertices into the order of their sources; those that have no source of their own come last. Returns these.
+    pub fn in_order_of_source(&mut self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
+        order.sort_by_key(|&v| (self.vertex_source[v as usize], v));
+        let source = |v: u32| self.vertex_source[v as usize];
+        let mut last = NONE;
+        let (mut owners, mut copies) = (Vec::with_capacity(order.len()), Vec::new());
+        for v in order {
+            if source(v) == last { copies.push(v) } else { owners.push(v) }
+            last = source(v);
+        }
+        copies.sort_unstable();
+        let first_copy = owners.len() as u32;
+        owners.extend(copies);
+        let mut new_id = vec![0; owners.len()];
+        (0u32..).zip(&owners).for_each(|(new, &old)| new_id[old as usize] = new);
+        self.points = owners.iter().map(|&v| self.points[v as usize]).collect();
+        self.vertex_source = owners.iter().map(|&v| self.vertex_source[v as usize]).collect();
+        self.faces.corners_mut().iter_mut().for_each(|v| *v = new_id[*v as usize]);
+        self.vertex_image.iter_mut().filter(|v| **v != NONE).for_each(|v| *v = new_id[*v as usize]);
+        for edge in &mut self.tagged {
+            edge.ends = edge.ends.map(|v| VertexId(new_id[v.index()]));
+        }
+        (first_copy..self.points.len() as u32).collect()
     }
 
     /// Drops the vertices that no face uses, and the tagged edges that end there. Returns how many vertices.
