@@ -21,6 +21,7 @@ from ._results import *  # noqa: F403
 from ._results import __all__ as _results
 from ._verbs import (
     Common,
+    Preparation,
     compare,
     curvature,
     enrich,
@@ -41,6 +42,7 @@ __version__: str = _core.__version__
 
 __all__ = [
     "Common",
+    "Preparation",
     "Mesh",
     "Skeleton",
     "Watch",

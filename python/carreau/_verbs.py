@@ -101,6 +101,25 @@ class Common(TypedDict, total=False):
     progress: bool | Watch | None
 
 
+class Preparation(Common, total=False):
+    """Keyword arguments of every verb that takes a surface, besides those of `Common`.
+
+    Attributes
+    ----------
+    weld : float or str
+        Vertices nearer than this become one (0: those at equal positions).
+    keep : {"all", "largest"} or float or str
+        Pieces that stay: all, the largest, or those with at least this share of the largest one's area. By default all; the
+        largest where a method takes one body.
+    as_is : bool
+        The surface is taken as it is: nothing is welded, left out or turned.
+    """
+
+    weld: Length | None
+    keep: float | str | None
+    as_is: bool
+
+
 def _options(arguments: dict[str, Any], *inputs: str) -> dict[str, Any]:
     """The options among the local names of a verb."""
     common = arguments.pop("common")
@@ -128,7 +147,7 @@ def segment(
     scale: Literal["largest-side", "root-area"] | None = None,
     min_area: float | None = None,
     tolerance: Length | None = None,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> SegmentResult:
     """Find the faces of a part and the surface that each lies on.
 
@@ -165,7 +184,7 @@ def segment(
     tolerance : float or str, optional
         Largest distance of a region's vertices from its surface ("0.003%").
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -196,7 +215,7 @@ def enrich(
     ignore_tags: bool = False,
     min_size: Length | None = None,
     max_size: Length | None = None,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> RemeshResult:
     """Refine a surface to an angular deviation.
 
@@ -219,7 +238,7 @@ def enrich(
     min_size, max_size : float or str, optional
         Smallest and largest edge length ("0.02%", "20%").
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -254,7 +273,7 @@ def simplify(
     enrich: float | Literal["off"] | None = None,
     anisotropic: bool = False,
     geometric: bool = False,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> RemeshResult:
     """Coarsen a surface to an angular deviation, a number of triangles or a distance.
 
@@ -287,7 +306,7 @@ def simplify(
     geometric : bool
         Shapes are left aside: as near to the surface as the number of triangles allows.
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -329,7 +348,7 @@ def patch(
     tolerance: Length | None = None,
     trimmed: bool = False,
     schema: Literal["ap214", "ap242"] | None = None,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> PatchResult:
     """Decompose a triangle mesh into quad patches, on its own vertices.
 
@@ -382,7 +401,7 @@ def patch(
     schema : {"ap214", "ap242"}, optional
         Application protocol of STEP files ("ap214").
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -414,7 +433,7 @@ def field(
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
     classic: bool = False,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> FieldResult:
     """Frame field aligned with features, with room for a quad in every corner.
 
@@ -441,7 +460,7 @@ def field(
     classic : bool
         Count the corners without room and the singularities of the classic field, too.
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -468,7 +487,7 @@ def motorcycle(
     feature_angle: float | None = None,
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> MotorcycleResult:
     """Motorcycle graph of a frame field: tracks that divide a surface into patches for quads.
 
@@ -489,7 +508,7 @@ def motorcycle(
     ignore_tags : bool
         Marked edges of the mesh are not special.
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -516,7 +535,7 @@ def quad(
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
     rung: int | None = None,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> QuadResult:
     """All-quad mesh that keeps every feature.
 
@@ -537,7 +556,7 @@ def quad(
     rung : int, optional
         The first rung of the ladder that is tried, 1 to 4: the last one always gives a mesh (1).
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -561,7 +580,7 @@ def skeleton(
     medial: float | None = None,
     detail: float | None = None,
     no_prune: bool = False,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> SkeletonResult:
     """Curve skeleton of a surface, with radii.
 
@@ -578,7 +597,7 @@ def skeleton(
     no_prune : bool
         Keep branches that stay within the ball of their branching.
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -609,7 +628,7 @@ def hex(
     adapt_radius: bool = False,
     stage: Literal["base", "full"] | None = None,
     allow_invalid: bool = False,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> HexResult:
     """Mesh a tubular surface, or the tubes around a skeleton, with hexahedra.
 
@@ -638,7 +657,7 @@ def hex(
     allow_invalid : bool
         Return cells without a certificate too; the record lists them.
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -667,6 +686,7 @@ def repair(
     no_orient: bool = False,
     no_split: bool = False,
     keep_unreferenced: bool = False,
+    keep: float | str | None = None,
     **common: Unpack[Common],
 ) -> RepairResult:
     """Weld, drop degenerate and duplicate faces, orient, split what is not manifold.
@@ -679,6 +699,8 @@ def repair(
         Weld vertices nearer than this (0: at equal positions).
     no_weld, keep_degenerate, keep_duplicates, no_orient, no_split, keep_unreferenced : bool
         Leave out a step.
+    keep : {"all", "largest"} or float or str, optional
+        Pieces that stay: all, the largest, or those with at least this share of the largest one's area ("all").
     **common
         Options that every verb has, see `Common`.
 
@@ -704,7 +726,7 @@ def curvature(
     estimator: Estimator | None = None,
     radius: Length | None = None,
     feature_angle: float | None = None,
-    **common: Unpack[Common],
+    **common: Unpack[Preparation],
 ) -> CurvatureResult:
     """Principal curvatures and directions at every vertex.
 
@@ -719,7 +741,7 @@ def curvature(
     feature_angle : float, optional
         Edges with a larger angle between their faces are features, in degrees (25).
     **common
-        Options that every verb has, see `Common`.
+        Options that every verb on a surface has, see `Preparation` and `Common`.
 
     Returns
     -------
@@ -762,7 +784,7 @@ def info(mesh: Surface, **common: Unpack[Common]) -> InfoResult:
     return run("info", InfoResult, (mesh,), options, _progress(options))
 
 
-def compare(a: Surface, b: Surface, *, samples: int | None = None, **common: Unpack[Common]) -> CompareResult:
+def compare(a: Surface, b: Surface, *, samples: int | None = None, **common: Unpack[Preparation]) -> CompareResult:
     """How far two surfaces are apart, both ways.
 
     Parameters

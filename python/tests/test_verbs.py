@@ -50,12 +50,16 @@ def test_functions_have_the_options_of_the_command_line(verb):
     own = {p.name for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY}
     wanted = long_options(verb)
     documented = own | set(cr.Common.__annotations__)
+    if verb not in ("info", "repair"):
+        documented |= set(cr.Preparation.__annotations__)
     assert wanted <= documented, f"not in the signature: {wanted - documented}"
     assert own <= wanted, f"not on the command line: {own - wanted}"
     for name in own:
         assert re.search(rf"^    (?:\w+, )*{name}(?:, \w+)* : ", function.__doc__, re.M), f"{name} is not documented"
     for name in set(cr.Common.__annotations__) - OWN:
         assert name in long_options("segment") and re.search(rf"^    {name} : ", cr.Common.__doc__, re.M)
+    for name in set(cr.Preparation.__annotations__) - set(cr.Common.__annotations__):
+        assert name in long_options("segment") and re.search(rf"^    {name} : ", cr.Preparation.__doc__, re.M)
 
 
 def test_unknown_names_come_with_the_nearest_ones(bracket):

@@ -1,5 +1,6 @@
 //! `compare`: how far two surfaces are apart.
 
+use super::{intersection_line, intersections};
 use crate::common::{Common, CommonValues};
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
@@ -10,7 +11,7 @@ use carreau::geometry::quality::SurfaceQuality;
 use carreau::mesh::{PrepareOptions, PrepareReport, SurfaceMesh, Takes};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Map, json};
 use std::path::{Path, PathBuf};
 
 /// Two-sided distance of two surfaces, angle between their normals, and quality of both
@@ -57,6 +58,7 @@ impl Compare {
             let (a, prepared_a) = read(session, &self.a, &options.prepare)?;
             session.record.set("prepared", json!({ "a": prepared_a, "b": prepared_b }));
             session.show_equal(&[&self.a, &self.b]);
+            let mut crossed = Map::new();
             let context = session.context.clone();
             let found = context.install(|| {
                 let _stage = context.stage("distance");
@@ -75,6 +77,12 @@ impl Compare {
             if let Some(angle) = &found.normal_deg {
                 session.say(format!("normals: mean {:.3}°, max {:.3}°", angle.mean, angle.max));
             }
+            for (name, mesh) in [("a", &a), ("b", &b)] {
+                let crossings = intersections(session, mesh)?;
+                intersection_line(&crossings).into_iter().for_each(|line| session.say(format!("{name}: {line}")));
+                crossed.insert(name.into(), json!(crossings));
+            }
+            session.record.set("intersections", crossed);
             session.record.set_all(&found);
             session.draw(&a.clone().into())?;
             session.record.set("quality", json!({ "a": SurfaceQuality::of(&a), "b": SurfaceQuality::of(&b) }));

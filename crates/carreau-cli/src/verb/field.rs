@@ -106,7 +106,9 @@ impl Field {
         let mut wanted = options.field.clone();
         wanted.features = options.features.load(session, &prepared)?;
         let mut found = context.install(|| field::field(mesh, &wanted, &context))?;
-        found.source.iter_mut().for_each(|t| *t = prepared.face(*t));
+        if mesh.is_triangular() {
+            found.source.iter_mut().for_each(|t| *t = prepared.face(*t));
+        }
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, &prepared, session);
         describe(session, &found);

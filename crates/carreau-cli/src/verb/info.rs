@@ -3,9 +3,12 @@
 use crate::common::{Common, CommonValues};
 use crate::session::{Failure, Session};
 use carreau::Error;
+use carreau::geometry::intersections::Intersections;
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::hex::Validity;
-use carreau::mesh::{Column, Columns, HexMesh, RawMesh, SurfaceMesh, Topology};
+use carreau::mesh::{
+    Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare,
+};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -135,6 +138,10 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
         session.say(format!("volume {volume}"));
     }
     defect_lines(t, true).into_iter().for_each(|line| session.say(line));
+    let crossings = intersections(session, mesh)?;
+    intersection_line(&crossings).into_iter().for_each(|line| session.say(line));
+    session.record.set("intersections", crossings);
+    would_be_prepared(session, mesh)?;
     session.record.set("bounds", json!([low.to_array(), high.to_array()]));
     session.record.set("diagonal", mesh.diagonal());
     session.record.set("topology", topology);
@@ -171,4 +178,33 @@ pub fn defect_lines(t: &Topology, all: bool) -> Vec<String> {
         format!("{count} {}: {}{dots}", if *count == 1 { one } else { many }, shown.join(", "))
     };
     listed.map(line).collect()
+}
+
+/// The self-intersections of a surface.
+pub fn intersections(session: &Session, mesh: &SurfaceMesh) -> Result<Intersections, Error> {
+    let context = session.context.clone();
+    context.install(|| {
+        let _stage = context.stage("intersections");
+        Intersections::of(mesh, &context)
+    })
+}
+
+/// How many self-intersections there are, and where the first ones are.
+pub fn intersection_line(found: &Intersections) -> Option<String> {
+    let shown: Vec<String> = found.places.iter().take(3).map(|[a, b]| format!("[{a},{b}]")).collect();
+    let dots = if found.pairs > shown.len() { ", …" } else { "" };
+    let least = if found.more { "at least " } else { "" };
+    let pairs = if found.pairs == 1 { "pair of faces meets" } else { "pairs of faces meet" };
+    (found.pairs > 0).then(|| format!("{least}{} {pairs} (self-intersections): {}{dots}", found.pairs, shown.join(", ")))
+}
+
+/// What other verbs do before they begin.
+fn would_be_prepared(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Error> {
+    let context = session.context.clone();
+    let report = prepare(mesh.clone(), &PrepareOptions::default(), Takes::Bodies, &context)?.report;
+    if let Some(line) = report.line() {
+        session.say(format!("other verbs take it {line}"));
+    }
+    session.record.set("prepared", report);
+    Ok(())
 }

@@ -24,7 +24,7 @@ use crate::session::Failure;
 use clap::Subcommand;
 
 pub use features::read_edges;
-pub use info::defect_lines;
+pub use info::{defect_lines, intersection_line, intersections};
 
 /// What to do.
 #[derive(Subcommand)]

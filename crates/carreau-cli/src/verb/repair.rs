@@ -5,7 +5,7 @@ use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
-use carreau::mesh::{RawMesh, RepairOptions, repair};
+use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, keep_pieces, repair};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
@@ -45,6 +45,9 @@ pub struct Repair {
     /// Keeps vertices that no face uses
     #[arg(long)]
     keep_unreferenced: bool,
+    /// Pieces that stay: all, largest, or those with a share of the largest one's area, such as 1% [default: all]
+    #[arg(long, value_name = "all|largest|SHARE")]
+    keep: Option<KeepPieces>,
     #[command(flatten)]
     pub(super) common: Common,
 }
@@ -54,6 +57,7 @@ pub struct Repair {
 struct Options {
     #[serde(flatten)]
     repair: RepairOptions,
+    keep: Option<KeepPieces>,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -75,7 +79,24 @@ impl Repair {
                 session.say(sentence.clone());
                 session.record.warnings.push(sentence);
             }
-            let out = RawMesh::from(done.mesh);
+            let mut mesh = done.mesh;
+            if let Some(keep) = options.keep {
+                let prepared = keep_pieces(mesh, keep)?;
+                if let Some(first) = prepared.report.left_out.first {
+                    let pieces = prepared.report.left_out;
+                    let sentence = format!(
+                        "{} {} of {} faces left out, first at face {first} of the repaired surface",
+                        pieces.count,
+                        if pieces.count == 1 { "piece" } else { "pieces" },
+                        pieces.faces
+                    );
+                    session.say(sentence.clone());
+                    session.record.warnings.push(sentence);
+                }
+                session.record.set("left_out", prepared.report.left_out);
+                mesh = prepared.mesh;
+            }
+            let out = RawMesh::from(mesh);
             session.draw(&out)?;
             session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
@@ -99,6 +120,7 @@ impl Repair {
         o.outward &= !self.no_orient;
         o.split &= !self.no_split;
         o.unreferenced &= !self.keep_unreferenced;
+        all.keep = self.keep.or(all.keep);
         all.common = self.common.over(all.common);
         Ok(all)
     }

@@ -111,6 +111,16 @@ pub fn prepare(mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes, contex
     pieces::keep(mended.into_prepared(mesh)?, options.keep, takes)
 }
 
+/// Leaves out pieces of a surface, and does nothing else.
+///
+/// # Errors
+/// None that the mesh itself did not have.
+pub fn keep_pieces(mesh: SurfaceMesh, keep: Keep) -> Result<Prepared> {
+    let (component, components, shells) = scan::parts(&mesh);
+    let bodies = Bodies::of(&mesh, &component, components, &shells);
+    pieces::keep(Prepared::unchanged(mesh, bodies), Some(keep), Takes::Bodies)
+}
+
 /// A surface on its way.
 struct Mended {
     soup: Soup,
