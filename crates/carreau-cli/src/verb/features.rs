@@ -81,7 +81,15 @@ pub fn tell_features(found: &FoundFeatures, session: &mut Session) {
     session.record.set("features", record);
 }
 
-/// A scene with the features of the input that are none in the result, as lines of their own.
+/// A scene with features and sharp edges that are none, as lines of two colours, where there are any of these.
+pub fn with_both(scene: Scene, found: &FoundFeatures) -> Scene {
+    if found.dropped.is_empty() {
+        return scene;
+    }
+    with_dropped(scene.lines("features", Style::Feature, Lines::Segments(found.kept.clone())), found)
+}
+
+/// A scene with the sharp edges of the input that are no features, as lines of their own.
 pub fn with_dropped(scene: Scene, found: &FoundFeatures) -> Scene {
     if found.dropped.is_empty() {
         return scene;

@@ -1,6 +1,6 @@
 //! `simplify` and `enrich`: a graded mesh within an angle of the surface.
 
-use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
+use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_both};
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::replay::options_from;
@@ -202,7 +202,7 @@ impl Remesh {
         tell_features(&result.features, session);
         let (mesh, found) = (RawMesh::from(result.mesh), result.features);
         session
-            .deliver_as(&mesh, self.output.as_deref(), |name| Ok(with_dropped(Scene::of_mesh(name, &mesh)?, &found)))?;
+            .deliver_as(&mesh, self.output.as_deref(), |name| Ok(with_both(Scene::of_mesh(name, &mesh)?, &found)))?;
         session.keep(|| Found::Mesh(mesh));
         Ok(())
     }

@@ -12,6 +12,7 @@ const SHORTEST_CREASE: u32 = 5;
 pub(super) fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec<bool>> {
     let limits = FeatureOptions {
         angle_deg: options.feature_angle,
+        creases: options.creases,
         borders: false,
         tags: options.tagged_edges,
         edges: options.feature_edges.clone(),

@@ -222,7 +222,11 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     let out = match (options.distance, options.triangles) {
         _ if options.geometric => search::least_error(mesh, &enriched, &mut source, options, context)?,
         (Some(distance), _) => search::within_distance(mesh, &enriched, &mut source, options, distance, context)?,
-        (None, Some(wanted)) => search::to_count(&enriched, &mut source, options, wanted, context)?,
+        (None, Some(wanted)) => {
+            let (out, tolerance) = search::to_count(&enriched, &mut source, options, wanted, context)?;
+            repaired.extend(looser_ridges(tolerance, options.ridge_tolerance, wanted));
+            out
+        }
         (None, None) => {
             source.set_sizes(options, context)?;
             source.adapted(&enriched, options, false, context)?
@@ -232,8 +236,35 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
         let reached = out.face_count();
         repaired.push(format!("{wanted} triangles were asked for, the curves and the surface allow {reached}; a larger feature angle leaves fewer curves"));
     }
+    repaired.extend(grown(mesh, &out, options));
     let quality = quality::measure(&out)?;
     Ok(Remeshed { mesh: out, quality, repaired, features: source.found, missing: Vec::new() })
+}
+
+/// What is to be told where ridges are farther off than they should be.
+fn looser_ridges(tolerance: f64, usual: f64, wanted: usize) -> Option<String> {
+    let share = 100.0 * tolerance;
+    (tolerance > usual).then(|| {
+        format!("ridges may be off by {share:.2} % of the diagonal, because {wanted} triangles are too few to follow them more closely")
+    })
+}
+
+/// What is to be told of a mesh with more triangles than before.
+fn grown(before: &SurfaceMesh, after: &SurfaceMesh, options: &RemeshOptions) -> Option<String> {
+    let of = before.faces().iter().map(|face| face.len().saturating_sub(2)).sum::<usize>();
+    let is_wanted = options.triangles.is_some_and(|n| n > of) || options.enrich.is_some();
+    if after.face_count() <= of || is_wanted {
+        return None;
+    }
+    let why = match (options.triangles, options.distance) {
+        (Some(_), _) => "the curves need as many".to_string(),
+        (None, Some(_)) => "the distance asks for even triangles that are smaller than those of the input".to_string(),
+        (None, None) => format!(
+            "a deviation of {}° and even triangles ask for shorter edges than the input has; a larger deviation or a number of triangles gives fewer",
+            options.deviation
+        ),
+    };
+    Some(format!("the result has {} triangles, more than the {of} before, because {why}", after.face_count()))
 }
 
 /// Refines a surface to an angular deviation: long edges are split, with the new vertices on curved patches.
