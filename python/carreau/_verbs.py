@@ -210,9 +210,10 @@ def enrich(
     deviation: float | None = None,
     gradation: float | Literal["off"] | None = None,
     feature_angle: float | None = None,
+    features: ArrayLike | File | None = None,
+    ignore_tags: bool = False,
     labels: ArrayLike | str | None = None,
     sizes: ArrayLike | str | None = None,
-    ignore_tags: bool = False,
     min_size: Length | None = None,
     max_size: Length | None = None,
     **common: Unpack[Preparation],
@@ -228,7 +229,9 @@ def enrich(
     gradation : float or "off", optional
         Largest ratio of sizes over one unit of length (1.5).
     feature_angle : float, optional
-        Edges with more than this angle between their faces stay, in degrees (35; 180: none).
+        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35° alone).
+    features : "auto", array_like of int (k, 2) or path, optional
+        "auto": creases at the size of the result stay; or these besides: pairs of vertices, or a file.
     labels : array_like of int or str, optional
         Labels of faces, or the face attribute that has them: edges between two values stay.
     sizes : array_like of float or str, optional
@@ -265,9 +268,10 @@ def simplify(
     distance: Length | None = None,
     gradation: float | Literal["off"] | None = None,
     feature_angle: float | None = None,
+    features: ArrayLike | File | None = None,
+    ignore_tags: bool = False,
     labels: ArrayLike | str | None = None,
     sizes: ArrayLike | str | None = None,
-    ignore_tags: bool = False,
     min_size: Length | None = None,
     max_size: Length | None = None,
     enrich: float | Literal["off"] | None = None,
@@ -290,7 +294,9 @@ def simplify(
     gradation : float or "off", optional
         Largest ratio of sizes over one unit of length (1.5).
     feature_angle : float, optional
-        Edges with more than this angle between their faces stay, in degrees (35; 180: none).
+        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35° alone).
+    features : "auto", array_like of int (k, 2) or path, optional
+        "auto": creases at the size of the result stay; or these besides: pairs of vertices, or a file.
     labels : array_like of int or str, optional
         Labels of faces, or the face attribute that has them: edges between two values stay.
     sizes : array_like of float or str, optional
@@ -452,9 +458,10 @@ def field(
     lean : float, optional
         Largest angle by which the two directions lean towards each other, in degrees (60).
     feature_angle : float, optional
-        Edges with a larger angle between their faces are features, in degrees (35; 180: none is sharp).
-    features : array_like of int (k, 2) or path, optional
-        Further features: pairs of vertices, or a file.
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
+        alone).
+    features : "auto", array_like of int (k, 2) or path, optional
+        "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool
         Marked edges of the mesh are not special.
     classic : bool
@@ -502,9 +509,10 @@ def motorcycle(
     edge_length : float or str, optional
         Length of their edges instead.
     feature_angle : float, optional
-        Edges with a larger angle between their faces are features, in degrees (35; 180: none is sharp).
-    features : array_like of int (k, 2) or path, optional
-        Further features: pairs of vertices, or a file.
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
+        alone).
+    features : "auto", array_like of int (k, 2) or path, optional
+        "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool
         Marked edges of the mesh are not special.
     **common
@@ -548,9 +556,10 @@ def quad(
     edge_length : float or str, optional
         Length of the edges instead.
     feature_angle : float, optional
-        Edges with a larger angle between their faces are features, in degrees (35; 180: none is sharp).
-    features : array_like of int (k, 2) or path, optional
-        Further features: pairs of vertices, or a file.
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
+        alone).
+    features : "auto", array_like of int (k, 2) or path, optional
+        "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool
         Marked edges of the mesh are not special.
     rung : int, optional

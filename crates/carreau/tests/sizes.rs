@@ -9,8 +9,8 @@ use carreau::mesh::{Column, CurveNet, SurfaceMesh};
 use carreau::remesh::{RemeshOptions, Remeshed};
 use carreau::{Context, DVec3, field, hex, quad, remesh, sample, segment, skeleton};
 
-/// Powers of two that the models are multiplied by: 3e-271 to 8e270, and just beyond the range that is left alone.
-const POWERS: [i32; 6] = [-900, -500, -66, 66, 500, 900];
+/// Powers of two that the models are multiplied by: 3e-271 to 8e270, and units that are in use.
+const POWERS: [i32; 8] = [-900, -500, -30, -3, 3, 30, 500, 900];
 
 /// 2ⁿ · x; a factor of two rounds nothing.
 fn times(x: f64, n: i32) -> f64 {
@@ -163,6 +163,26 @@ fn quads() {
         let found = of(n);
         same_mesh(&found.mesh, &expected.mesh, n, "quad");
         assert_eq!(found.quality.distance_max, expected.quality.distance_max, "2^{n}");
+    }
+}
+
+#[test]
+fn motorcycle_graphs() {
+    let mesh = model("bracket", 16);
+    let of = |n: i32| {
+        let options = quad::GraphOptions { edge_length: Some(times(0.1, n)), ..Default::default() };
+        quad::motorcycle_graph(&moved(&mesh, n), &options, &Context::new()).unwrap()
+    };
+    let expected = of(0);
+    assert!(!expected.tracks.is_empty());
+    for n in POWERS {
+        let found = of(n);
+        same_mesh(&found.mesh, &expected.mesh, n, "graph");
+        assert_eq!((&found.tracks, &found.arcs, &found.nodes), (&expected.tracks, &expected.arcs, &expected.nodes));
+        let areas = |graph: &quad::MotorcycleGraph, n: i32| -> Vec<f64> {
+            graph.patches.iter().map(|p| times(p.area, 2 * n).min(f64::MAX)).collect()
+        };
+        assert_eq!(areas(&found, 0), areas(&expected, n), "2^{n}");
     }
 }
 

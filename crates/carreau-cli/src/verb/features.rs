@@ -1,49 +1,56 @@
-//! The flags that say which edges are features, shared by `field` and `quad`, and the files that list edges.
+//! The flags that say which edges are features, shared by the verbs that keep them; the files that list edges; what the record and the
+//! page tell of features.
 
 use crate::prepare::edges_of_surface;
 use crate::session::Session;
-use carreau::geometry::features::FeatureOptions;
+use carreau::geometry::features::{FeatureOptions, FoundFeatures};
 use carreau::mesh::{Prepared, VertexId};
+use carreau::report::page::{Path as Lines, Scene, Style};
 use carreau::{Error, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Which edges are features, as flags.
 #[derive(Args)]
 pub struct FeatureFlags {
-    /// Edges with a larger angle between their faces are features, in degrees; 180: none is sharp [default: 35]
+    /// Every edge with a larger angle between its faces is a feature, in degrees; 180: none is [default: creases of 35° alone]
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
-    /// Further features: a file with two vertex ids per line
-    #[arg(long, value_name = "FILE")]
-    features: Option<PathBuf>,
+    /// auto: creases at the size of the result; or a file with two vertex ids per line: these besides [default: auto]
+    #[arg(long, value_name = "auto|FILE", value_parser = auto_or_file)]
+    features: Option<AutoOrFile>,
     /// Edges tagged in the file are not special
     #[arg(long)]
     ignore_tags: bool,
 }
 
-/// Which edges are features: what replays a run.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FeatureValues {
-    feature_angle: f64,
-    features: Option<PathBuf>,
-    ignore_tags: bool,
+/// The word `auto`, or a file of edges.
+#[derive(Debug, Clone)]
+pub struct AutoOrFile(Option<PathBuf>);
+
+fn auto_or_file(text: &str) -> Result<AutoOrFile, String> {
+    Ok(AutoOrFile((text != "auto").then(|| PathBuf::from(text))))
 }
 
-impl Default for FeatureValues {
-    fn default() -> Self {
-        FeatureValues { feature_angle: 35.0, features: None, ignore_tags: false }
-    }
+/// Which edges are features: what replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FeatureValues {
+    /// Every edge above it; else creases at the size of the result.
+    feature_angle: Option<f64>,
+    features: Option<PathBuf>,
+    ignore_tags: bool,
 }
 
 impl FeatureFlags {
     /// These flags laid over values from an options file.
     pub fn over(&self, values: FeatureValues) -> FeatureValues {
+        let is_auto = matches!(self.features, Some(AutoOrFile(None)));
         FeatureValues {
-            feature_angle: self.feature_angle.unwrap_or(values.feature_angle),
-            features: self.features.clone().or(values.features),
+            feature_angle: self.feature_angle.or(values.feature_angle.filter(|_| !is_auto)),
+            features: self.features.as_ref().map_or(values.features, |given| given.0.clone()),
             ignore_tags: self.ignore_tags || values.ignore_tags,
         }
     }
@@ -54,8 +61,42 @@ impl FeatureValues {
     pub fn load(&self, session: &Session, prepared: &Prepared) -> Result<FeatureOptions, Error> {
         let edges = self.features.as_deref().map(|file| session.load_edges(file)).transpose()?.unwrap_or_default();
         let edges = edges_of_surface(prepared, edges);
-        Ok(FeatureOptions { angle_deg: Some(self.feature_angle), borders: true, tags: !self.ignore_tags, edges })
+        let every = |angle| FeatureOptions { angle_deg: Some(angle), ..FeatureOptions::default() };
+        let creases = self.feature_angle.map_or_else(FeatureOptions::auto, every);
+        Ok(FeatureOptions { tags: !self.ignore_tags, edges, ..creases })
     }
+}
+
+/// Tells of the features that were found, and of sharp edges that are none.
+pub fn tell_features(found: &FoundFeatures, session: &mut Session) {
+    let dropped = found.dropped.len();
+    if let Some(longest) = found.longest_dropped {
+        let (kept, [x, y, z]) = (found.kept.len(), longest.place.to_array());
+        session.say(format!(
+            "features: {kept} edges; {dropped} sharp edges are none at this size, the longest strand is {:.4} long, near {x:.4} {y:.4} {z:.4}",
+            longest.length
+        ));
+    }
+    let longest = found.longest_dropped.map(|l| json!({ "length": l.length, "place": l.place.to_array() }));
+    let record =
+        json!({ "edges": found.kept.len(), "dropped": dropped, "longest_dropped": longest, "noise": found.noise });
+    session.record.set("features", record);
+}
+
+/// A scene with features and sharp edges that are none, as lines of two colours, where there are any of these.
+pub fn with_both(scene: Scene, found: &FoundFeatures) -> Scene {
+    if found.dropped.is_empty() {
+        return scene;
+    }
+    with_dropped(scene.lines("features", Style::Feature, Lines::Segments(found.kept.clone())), found)
+}
+
+/// A scene with the sharp edges of the input that are no features, as lines of their own.
+pub fn with_dropped(scene: Scene, found: &FoundFeatures) -> Scene {
+    if found.dropped.is_empty() {
+        return scene;
+    }
+    scene.lines("sharp edges that are no features", Style::Singular, Lines::Segments(found.dropped.clone()))
 }
 
 /// Tells of features that were asked for and do not exist.

@@ -1,6 +1,6 @@
 //! `field`: a frame field along the features of a part.
 
-use super::features::{FeatureFlags, FeatureValues, warn_missing};
+use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
@@ -112,6 +112,7 @@ impl Field {
         found.repaired.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, &prepared, session);
         describe(session, &found);
+        tell_features(&found.found, session);
         if options.classic {
             let classic = context.install(|| {
                 let _stage = context.stage("classic field");
@@ -129,7 +130,9 @@ impl Field {
 
     fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
         session.draw_as(|| field_figure(&found))?;
-        session.show_result(self.output.as_deref(), |name, _| Scene::of_field(name, &found))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(with_dropped(Scene::of_field(name, &found)?, &found.found))
+        })?;
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }

@@ -1,6 +1,6 @@
 //! `motorcycle`: the motorcycle graph of a frame field, which divides a part into patches for quads.
 
-use super::features::{FeatureFlags, FeatureValues, warn_missing};
+use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
@@ -100,12 +100,15 @@ impl Motorcycle {
         found.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, &prepared, session);
         describe(session, &found);
+        tell_features(&found.features, session);
         self.write(session, found)
     }
 
     fn write(&self, session: &mut Session, found: MotorcycleGraph) -> Result<(), Error> {
         session.draw_as(|| graph_figure(&found))?;
-        session.show_result(self.output.as_deref(), |name, _| Scene::of_graph(name, &found))?;
+        session.show_result(self.output.as_deref(), |name, _| {
+            Ok(with_dropped(Scene::of_graph(name, &found)?, &found.features))
+        })?;
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }

@@ -6,6 +6,7 @@ use crate::host::Found;
 use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::geometry::features::Creases;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{FaceId, PrepareOptions, Prepared};
@@ -162,7 +163,9 @@ impl Patch {
         o.merge = self.merge.unwrap_or(o.merge);
         o.probes = self.probes.or(o.probes);
         o.crease_angle = self.crease_angle.unwrap_or(o.crease_angle);
-        o.feature_angle = self.feature_angle.or(o.feature_angle);
+        if self.feature_angle.is_some() {
+            (o.feature_angle, o.creases) = (self.feature_angle, Creases::Every);
+        }
         o.tagged_edges &= !self.ignore_tags;
         all.brep.fit = self.fit.unwrap_or(all.brep.fit);
         all.brep.tolerance = self.tolerance.unwrap_or(all.brep.tolerance);
@@ -178,6 +181,7 @@ impl Patch {
         // A smooth face cannot follow a crease: it would have to fall back to degree 1.
         if all.brep.fit == Fit::Bicubic && all.patch.feature_angle.is_none() {
             all.patch.feature_angle = Some(SMOOTH_FEATURE_ANGLE);
+            all.patch.creases = Creases::Auto;
         }
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);

@@ -1,6 +1,6 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
-use super::features::{FeatureFlags, FeatureValues, warn_missing};
+use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
@@ -94,8 +94,9 @@ impl Quad {
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&result.missing, &prepared, session);
         describe(session, &result);
-        let (mesh, tracks) = (RawMesh::from(result.mesh), result.tracks);
-        let scene = |name| Ok(Scene::of_mesh(name, &mesh)?.tracks(&tracks));
+        tell_features(&result.features, session);
+        let (mesh, tracks, found) = (RawMesh::from(result.mesh), result.tracks, result.features);
+        let scene = |name| Ok(with_dropped(Scene::of_mesh(name, &mesh)?.tracks(&tracks), &found));
         session.deliver_as(&mesh, self.output.as_deref(), scene)?;
         session.keep(|| Found::Quads(mesh, tracks));
         Ok(())

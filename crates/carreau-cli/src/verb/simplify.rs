@@ -1,11 +1,14 @@
 //! `simplify` and `enrich`: a graded mesh within an angle of the surface.
 
+use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_both};
 use crate::common::{Common, CommonValues};
 use crate::prepare::PrepareFlags;
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
+use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -66,18 +69,14 @@ pub(super) struct Remesh {
     /// Largest ratio of sizes over one unit of length [default: 1.5]
     #[arg(long, value_name = "B|off", value_parser = number_or_off)]
     gradation: Option<OrOff>,
-    /// Edges with more than this angle between their faces stay, in degrees; 180: none [default: 35]
-    #[arg(long, value_name = "DEG")]
-    feature_angle: Option<f64>,
+    #[command(flatten)]
+    features: FeatureFlags,
     /// A face property of integers: edges between two values stay
     #[arg(long, value_name = "PROPERTY")]
     labels: Option<String>,
     /// A vertex property of numbers: no edge shall be longer than these, in the unit of the file
     #[arg(long, value_name = "PROPERTY")]
     sizes: Option<String>,
-    /// Edges tagged in the file are not special
-    #[arg(long)]
-    ignore_tags: bool,
     /// Smallest edge length [default: 0.02%]
     #[arg(long, value_name = "LENGTH")]
     min_size: Option<Length>,
@@ -113,6 +112,7 @@ struct Options {
     max_size: Option<Length>,
     #[serde(flatten)]
     prepare: PrepareOptions,
+    features: FeatureValues,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -149,10 +149,9 @@ impl Remesh {
         let o = &mut all.remesh;
         o.deviation = self.deviation.unwrap_or(o.deviation);
         o.gradation = self.gradation.map_or(o.gradation, |g| g.0);
-        o.feature_angle = self.feature_angle.unwrap_or(o.feature_angle);
         o.labels = self.labels.clone().or(o.labels.take());
         o.sizes = self.sizes.clone().or(o.sizes.take());
-        o.tags &= !self.ignore_tags;
+        all.features = self.features.over(all.features);
         all.min_size = self.min_size.or(all.min_size);
         all.max_size = self.max_size.or(all.max_size);
         all.prepare = self.prepare.over(all.prepare);
@@ -163,16 +162,21 @@ impl Remesh {
     fn run(&self, verb: &'static str, options: &Options, method: Method) -> Result<(), Failure> {
         Session::run(verb, &self.common, &options.common, Some(&self.input), |session| {
             session.record.set("options", options);
-            let source = session.read_surface(&self.input, &options.prepare)?.mesh;
+            let prepared = session.read_surface(&self.input, &options.prepare)?;
             let context = session.context.clone();
-            let diagonal = source.diagonal();
+            let diagonal = prepared.mesh.diagonal();
             let mut wanted = options.remesh.clone();
             wanted.distance = options.distance.map(|d| d.resolve(diagonal));
             let share = |length: Length| length.resolve(diagonal) / diagonal.max(f64::MIN_POSITIVE);
             wanted.min_size = options.min_size.map_or(wanted.min_size, share);
             wanted.max_size = options.max_size.map_or(wanted.max_size, share);
-            let result = context.install(|| method(&source, &wanted, &context))?;
-            self.tell(session, &source, result)
+            let features = options.features.load(session, &prepared)?;
+            wanted.feature_angle = features.angle_deg.unwrap_or(180.0);
+            wanted.creases = features.creases;
+            wanted.tags = features.tags;
+            wanted.feature_edges = features.edges;
+            let result = context.install(|| method(&prepared.mesh, &wanted, &context))?;
+            self.tell(session, &prepared.mesh, result)
         })
     }
 
@@ -199,6 +203,12 @@ impl Remesh {
             q.deviation_mean_deg, q.deviation_area_mean_deg, q.deviation_max_deg
         ));
         session.record.set("quality", quality);
-        session.deliver(&RawMesh::from(result.mesh), self.output.as_deref())
+        warn_missing(&result.missing, session);
+        tell_features(&result.features, session);
+        let (mesh, found) = (RawMesh::from(result.mesh), result.features);
+        session
+            .deliver_as(&mesh, self.output.as_deref(), |name| Ok(with_both(Scene::of_mesh(name, &mesh)?, &found)))?;
+        session.keep(|| Found::Mesh(mesh));
+        Ok(())
     }
 }

@@ -29,7 +29,7 @@ mod tests;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, FeaturedSurface};
+use crate::geometry::features::{FeatureOptions, FeaturedSurface, FoundFeatures, USUAL_ELEMENTS};
 use crate::mesh::{CornerId, Side, SurfaceMesh, UnitScale, VertexId};
 use condition::Conditioned;
 use dual::Dual;
@@ -86,7 +86,7 @@ pub struct FieldOptions {
 
 impl Default for FieldOptions {
     fn default() -> Self {
-        let (features, pin, propagation) = (FeatureOptions::default(), Pin::default(), Propagation::default());
+        let (features, pin, propagation) = (FeatureOptions::auto(), Pin::default(), Propagation::default());
         FieldOptions { features, orthogonal: false, pin, propagation, lean_deg: 60.0 }
     }
 }
@@ -166,6 +166,8 @@ pub struct Field {
     pub repaired: Vec<String>,
     /// Tagged and listed edges that the mesh does not have.
     pub missing: Vec<[VertexId; 2]>,
+    /// The features of the input, and sharp edges that are none at the size of the usual quads.
+    pub found: FoundFeatures,
 }
 
 impl Field {
@@ -213,9 +215,11 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let found = field(&mesh, options, context)?;
-        return Ok(Field { mesh: scale.back().moved(found.mesh, &[]), ..found });
+        let mesh = scale.back().moved(found.mesh, &[]);
+        return Ok(Field { mesh, found: found.found.moved(scale.back()), ..found });
     }
-    let FeaturedSurface { mesh, features, repaired, missing } = FeaturedSurface::new(mesh, &options.features, context)?;
+    let wanted = options.features.for_squares(mesh, USUAL_ELEMENTS);
+    let FeaturedSurface { mesh, features, repaired, missing, found } = FeaturedSurface::new(mesh, &wanted, context)?;
     check_input(&mesh)?;
     let conditioned = {
         let _stage = context.stage("condition");
@@ -244,6 +248,7 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
         energy,
         repaired,
         missing,
+        found,
     })
 }
 

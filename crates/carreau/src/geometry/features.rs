@@ -1,12 +1,26 @@
 //! Feature edges: where a surface must not be smoothed over.
 //!
 //! Features are the sharp edges, the borders, the edges tagged in the file and those the user lists. Edges without a
-//! regular neighbour on the other side (non-manifold, inconsistently oriented) always count.
+//! regular neighbour on the other side (non-manifold, inconsistently oriented) always count. Which sharp edges count is a
+//! matter of the size of what is made: see [`Creases`].
+//!
+//! | file | holds |
+//! |---|---|
+//! | `at_size` | which sharp edges are creases at the size of elements; noise |
+//! | `network` | strands of edges: bridged, pruned |
+//! | `found` | what was found, for records and pictures |
+
+mod at_size;
+mod found;
+mod network;
+
+pub use at_size::{Noise, USUAL_ELEMENTS};
+pub use found::{DroppedStrand, FoundFeatures};
 
 use super::normals::{AngleLimit, angle_between, face_normals};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
+use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector, sound};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +28,27 @@ use serde::{Deserialize, Serialize};
 /// divided by rounding.
 const MARGIN_DEG: f64 = 1e-6;
 
+/// Which of the edges above the angle are features.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Creases {
+    /// Every one.
+    #[default]
+    Every,
+    /// Those that are creases at the size of the elements that are made: each method knows its own.
+    Auto,
+    /// Those that are creases at the size of elements with edges of this length, in the unit of the mesh.
+    AtSize(f64),
+}
+
 /// What makes an edge a feature.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeatureOptions {
     /// Edges whose face normals differ by more than this, in degrees; `None`: no edge is sharp.
     pub angle_deg: Option<f64>,
+    /// Which of these.
+    pub creases: Creases,
     /// Borders.
     pub borders: bool,
     /// Edges tagged in the file.
@@ -30,17 +59,47 @@ pub struct FeatureOptions {
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        FeatureOptions { angle_deg: Some(35.0), borders: true, tags: true, edges: Vec::new() }
+        FeatureOptions { angle_deg: Some(35.0), creases: Creases::Every, borders: true, tags: true, edges: Vec::new() }
     }
 }
 
+impl FeatureOptions {
+    /// Creases at the size of the elements that a method makes.
+    pub fn auto() -> Self {
+        FeatureOptions { creases: Creases::Auto, ..FeatureOptions::default() }
+    }
+
+    /// The same for elements with edges of this length, where they are to be found at that size.
+    pub fn for_size(&self, length: f64) -> Self {
+        let creases = if self.creases == Creases::Auto { Creases::AtSize(length) } else { self.creases };
+        FeatureOptions { creases, ..self.clone() }
+    }
+
+    /// The same for elements that cover a surface `count` times over with squares.
+    pub fn for_squares(&self, mesh: &SurfaceMesh, count: f64) -> Self {
+        self.for_size(length_of_squares(mesh, count))
+    }
+}
+
+/// Length of the edges of so many squares that cover a surface.
+pub fn length_of_squares(mesh: &SurfaceMesh, count: f64) -> f64 {
+    let area: f64 = mesh.faces().iter().map(|face| area_vector(mesh.points(), face).length()).sum();
+    (area / count.max(1.0)).sqrt()
+}
+
 /// The feature edges of a mesh.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Features {
     /// For every corner whether the half-edge that leaves it lies on a feature; the half-edges of an edge agree.
     pub corners: Vec<bool>,
     /// Listed and tagged edges that the mesh does not have.
     pub missing: Vec<[VertexId; 2]>,
+    /// Edges above the angle that are none, as the corner that the first half-edge leaves from.
+    pub dropped: Vec<CornerId>,
+    /// The longest strand of these.
+    pub longest_dropped: Option<DroppedStrand>,
+    /// How noisy the edges above the angle are; nothing where all of them count.
+    pub noise: Noise,
 }
 
 impl Features {
@@ -64,21 +123,49 @@ impl Features {
 /// # Errors
 /// [`Error::Options`] for an angle outside 0 to 180.
 pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Features> {
+    feature_edges_in(mesh, options, &Context::new())
+}
+
+/// The same in a context: creases at the size of elements take their time.
+///
+/// # Errors
+/// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
+pub fn feature_edges_in(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Features> {
     if let Some(angle) = options.angle_deg.filter(|a| !(0.0..=180.0).contains(a)) {
         return Err(Error::Options(format!("the feature angle must be between 0 and 180 degrees, not {angle}")));
     }
     let normals = face_normals(mesh);
     let limit = options.angle_deg.map(|a| AngleLimit::new((a + MARGIN_DEG).to_radians()));
-    let is_feature = |c: CornerId| match mesh.side(c) {
-        Side::Inner(o) => limit.is_some_and(|limit| {
+    let is_sharp = |c: CornerId| {
+        mesh.opposite(c).zip(limit.as_ref()).is_some_and(|(o, limit)| {
             let [a, b] = sides(mesh, &normals, c, o);
             limit.is_exceeded(a, b)
-        }),
+        })
+    };
+    let is_fixed = |c: CornerId| match mesh.side(c) {
+        Side::Inner(_) => false,
         Side::Border => options.borders,
         Side::Inconsistent | Side::NonManifold => true,
     };
-    let mut corners: Vec<bool> = (0..mesh.corner_count()).map(CornerId::new).map(is_feature).collect();
+    let every = || (0..mesh.corner_count()).map(CornerId::new);
+    let mut fixed: Vec<bool> = every().map(is_fixed).collect();
+    let missing = mark_listed(mesh, options, &mut fixed);
+    let sharp: Vec<bool> = every().map(is_sharp).collect();
+    let size = match options.creases {
+        Creases::Every => None,
+        Creases::Auto => Some(length_of_squares(mesh, USUAL_ELEMENTS)),
+        Creases::AtSize(size) => Some(size),
+    };
+    let Some((size, angle)) = size.zip(options.angle_deg).filter(|_| sharp.contains(&true)) else {
+        let corners = fixed.iter().zip(&sharp).map(|(fixed, sharp)| *fixed || *sharp).collect();
+        return Ok(Features { corners, missing, ..Features::default() });
+    };
+    let found = at_size::select(mesh, &normals, [fixed, sharp], angle, size, context)?;
+    Ok(Features { missing, ..found })
+}
 
+/// Marks the tagged and listed edges; returns those that the mesh does not have.
+fn mark_listed(mesh: &SurfaceMesh, options: &FeatureOptions, marks: &mut [bool]) -> Vec<[VertexId; 2]> {
     let tagged = mesh.tagged_edges.iter().filter(|_| options.tags).map(|e| e.ends);
     let listed: Vec<[VertexId; 2]> = tagged.chain(options.edges.iter().copied()).collect();
     let mut missing = Vec::new();
@@ -86,12 +173,12 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
         let half_edges = mesh.half_edges();
         for ends in listed {
             match half_edges.find(ends[0].0, ends[1].0) {
-                Some(edge) => edge.corners().for_each(|c| corners[c as usize] = true),
+                Some(edge) => edge.corners().for_each(|c| marks[c as usize] = true),
                 None => missing.push(ends),
             }
         }
     }
-    Ok(Features { corners, missing })
+    missing
 }
 
 /// Sound triangles with their features: what fields and quads start from.
@@ -105,6 +192,8 @@ pub struct FeaturedSurface {
     pub repaired: Vec<String>,
     /// Listed and tagged edges that the mesh does not have.
     pub missing: Vec<[VertexId; 2]>,
+    /// What was kept and dropped.
+    pub found: FoundFeatures,
 }
 
 impl FeaturedSurface {
@@ -115,17 +204,19 @@ impl FeaturedSurface {
     /// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
     pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
         let _stage = context.stage("features");
-        let found = feature_edges(mesh, options)?;
+        let found = feature_edges_in(mesh, options, context)?;
         let mut marked = mesh.clone();
         let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))];
         marked.tagged_edges = found.edges(mesh).map(|c| TaggedEdge { ends: ends(c), tag: 1 }).collect();
         let is_triangular = mesh.is_triangular();
         let (mesh, repaired) = sound(&marked, context)?;
         // A repair may flip edges that were marked: others are sharp then.
-        let angle_deg = options.angle_deg.filter(|_| is_triangular && !repaired.is_empty());
-        let as_marked = FeatureOptions { angle_deg, borders: true, tags: true, edges: Vec::new() };
+        let is_new = is_triangular && !repaired.is_empty() && !found.noise.is_high();
+        let angle_deg = options.angle_deg.filter(|_| is_new);
+        let as_marked = FeatureOptions { angle_deg, ..FeatureOptions::default() };
         let features = feature_edges(&mesh, &as_marked)?;
-        Ok(FeaturedSurface { mesh, features, repaired, missing: found.missing })
+        let told = FoundFeatures::new(&marked, &found);
+        Ok(FeaturedSurface { mesh, features, repaired, missing: found.missing, found: told })
     }
 }
 
@@ -185,7 +276,7 @@ mod tests {
     #[test]
     fn borders_tags_lists_and_irregular_edges_count_as_asked() {
         let mut mesh = grid(3);
-        let none = FeatureOptions { angle_deg: None, borders: false, tags: false, edges: Vec::new() };
+        let none = FeatureOptions { angle_deg: None, borders: false, tags: false, ..FeatureOptions::default() };
         assert_eq!(count(&mesh, &none), 0);
         assert_eq!(count(&mesh, &FeatureOptions { borders: true, ..none.clone() }), 12);
         let inner = [VertexId(5), VertexId(6)];

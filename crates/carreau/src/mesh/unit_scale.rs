@@ -1,15 +1,12 @@
 //! Coordinates brought into a range where products of lengths neither overflow nor vanish.
 //!
-//! A file may be in any unit: at 1e160 squares of lengths are infinite, at 1e-110 their cubes are zero. The methods look at
-//! that once, at their doors: what lies outside of the free range is worked on at a size of about one, and the result goes
+//! A file may be in any unit: at 1e160 squares of lengths are infinite, at 1e-110 their cubes are zero, and a last digit that differs
+//! is enough for another mesh. The methods look at that once, at their doors: they work at a size of about one, and the result goes
 //! back. The factor is a power of two, which rounds nothing: the result is that of the scaled mesh, bit for bit.
 
 use super::{Column, CurveNet, SurfaceMesh, Triangles};
 use glam::DVec3;
 use rayon::prelude::*;
-
-/// Lengths stay as they are between these powers of two: fourth powers are far from the ends of the range.
-const FREE: std::ops::RangeInclusive<i32> = -64..=64;
 
 /// The power of two that lengths are divided by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,23 +35,17 @@ impl UnitScale {
         let largest = |p: DVec3| p.abs().max_element();
         let all = points.par_iter().with_min_len(4096).map(|p| largest(*p)).reduce(|| 0.0, f64::max);
         let some = if count == 0 { 0.0 } else { largest(corner(0)) };
-        // The largest is between these two: most often there is no need to look which vertices are used.
-        if [some, all].iter().all(|&x| x > 0.0 && FREE.contains(&exponent(x))) {
-            return UnitScale(0);
+        // The largest is between these two: there may be no need to look which vertices are used.
+        if some > 0.0 && exponent(some) == exponent(all) {
+            return UnitScale(exponent(all));
         }
         let corners = (0..count).into_par_iter().with_min_len(4096);
-        let largest = exponent(corners.map(|c| largest(corner(c))).reduce(|| 0.0, f64::max));
-        UnitScale(if FREE.contains(&largest) { 0 } else { largest })
+        UnitScale(exponent(corners.map(|c| largest(corner(c))).reduce(|| 0.0, f64::max)))
     }
 
     /// The larger of two scales: one for two meshes that belong together.
     pub fn with(self, other: Self) -> Self {
-        match [self.0, other.0] {
-            // Zero stands for all of the free range.
-            [0, b] => UnitScale(b.max(0)),
-            [a, 0] => UnitScale(a.max(0)),
-            [a, b] => UnitScale(a.max(b)),
-        }
+        UnitScale(self.0.max(other.0))
     }
 
     /// The way back.
@@ -124,7 +115,13 @@ impl UnitScale {
 
 /// Of the power of two just below a length; zero of none.
 fn exponent(length: f64) -> i32 {
-    if length > 0.0 { length.log2().floor() as i32 } else { 0 }
+    // From its bits: a logarithm rounds, up to the next power at times.
+    let of_normal = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+    match length {
+        x if !(x > 0.0 && x.is_finite()) => 0,
+        x if x < f64::MIN_POSITIVE => of_normal(x * 2f64.powi(64)) - 64,
+        x => of_normal(x),
+    }
 }
 
 /// x · 2ⁿ; the largest number where that is beyond the range.
@@ -145,7 +142,7 @@ mod tests {
     fn what_is_brought_into_range_comes_back_bit_for_bit() {
         let mesh = test_models::tetrahedron();
         assert!(UnitScale::of_mesh(&mesh).mesh(&mesh, &[]).is_none());
-        for n in [-1010, -700, -65, 65, 513, 1010] {
+        for n in [-1010, -700, -65, -3, -1, 1, 30, 65, 513, 1010] {
             let there = UnitScale(-n).moved(mesh.clone(), &[]);
             let scale = UnitScale::of_mesh(&there);
             let inside = scale.mesh(&there, &[]).unwrap();

@@ -12,9 +12,11 @@ const SHORTEST_CREASE: u32 = 5;
 pub(super) fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec<bool>> {
     let limits = FeatureOptions {
         angle_deg: options.feature_angle,
+        creases: options.creases,
         borders: false,
         tags: options.tagged_edges,
         edges: options.feature_edges.clone(),
+        ..FeatureOptions::default()
     };
     let tagged = limits.tags && !mesh.tagged_edges.is_empty();
     if limits.angle_deg.is_none() && limits.edges.is_empty() && !tagged {
@@ -35,7 +37,7 @@ pub(super) fn creases(mesh: &SurfaceMesh, angle: f64, barriers: &[bool]) -> Resu
     if angle >= 180.0 {
         return Ok(barriers.to_vec());
     }
-    let limits = FeatureOptions { angle_deg: Some(angle), borders: false, tags: false, edges: Vec::new() };
+    let limits = FeatureOptions { angle_deg: Some(angle), borders: false, tags: false, ..FeatureOptions::default() };
     let sharp = feature_edges(mesh, &limits)?.corners;
     let ends = |c: usize| [CornerId::new(c), mesh.next(CornerId::new(c))].map(|c| mesh.vertex(c).0);
     let mut sets = DisjointSets::new(mesh.vertex_count());

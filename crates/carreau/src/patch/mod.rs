@@ -53,6 +53,7 @@ mod zones;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::geometry::features::Creases;
 use crate::mesh::{CornerId, FaceId, SurfaceMesh, Triangles, VertexId};
 use cad::{QuadCell, QuadPolygon};
 use grid::Grid;
@@ -133,6 +134,8 @@ pub struct PatchOptions {
     pub crease_angle: f64,
     /// Edges with more than this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
+    /// Which of these: every one, or the creases at the size of 3,000 squares.
+    pub creases: Creases,
     /// Edges that are never crossed, by their vertices.
     #[serde(skip)]
     pub feature_edges: Vec<[VertexId; 2]>,
@@ -156,6 +159,7 @@ impl Default for PatchOptions {
             probes: None,
             crease_angle: 40.0,
             feature_angle: None,
+            creases: Creases::Every,
             feature_edges: Vec::new(),
             tagged_edges: true,
         }

@@ -58,7 +58,7 @@ pub fn draw(
 
 fn frames(coarse: &Coarse, context: &Context) -> Result<Field> {
     let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
-    let features = FeatureOptions { angle_deg: None, borders: true, tags: false, edges };
+    let features = FeatureOptions { angle_deg: None, tags: false, edges, ..FeatureOptions::default() };
     field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
 }
 

@@ -74,7 +74,7 @@ pub use quality::QuadQuality;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::FeatureOptions;
+use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use attempts::Attempts;
 use gaps::Gap;
@@ -104,7 +104,7 @@ pub struct QuadOptions {
 
 impl Default for QuadOptions {
     fn default() -> Self {
-        QuadOptions { features: FeatureOptions::default(), quads: 3000, edge_length: None, rung: 1 }
+        QuadOptions { features: FeatureOptions::auto(), quads: 3000, edge_length: None, rung: 1 }
     }
 }
 
@@ -134,6 +134,8 @@ pub struct Quads {
     pub warnings: Vec<String>,
     /// Tagged and listed edges that the mesh does not have.
     pub missing: Vec<[VertexId; 2]>,
+    /// The features of the input, and sharp edges that are none at the size of the quads.
+    pub features: FoundFeatures,
 }
 
 impl Quads {
@@ -171,9 +173,10 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let edge_length = options.edge_length.map(|length| scale.length(length));
         let made = quads(&mesh, &QuadOptions { edge_length, ..options.clone() }, context)?;
-        return Ok(Quads { mesh: scale.back().moved(made.mesh, &[]), ..made });
+        let mesh = scale.back().moved(made.mesh, &[]);
+        return Ok(Quads { mesh, features: made.features.moved(scale.back()), ..made });
     }
-    let source = Source::new(mesh, &options.features, context)?;
+    let source = Source::new(mesh, &sized(&options.features, mesh, options.quads, options.edge_length), context)?;
     let (made, mut warnings) = match sewn_and_cut(&source, options, context)? {
         Some(found) => found,
         None => made(&source, options, context)?,
@@ -250,6 +253,14 @@ fn check(options: &QuadOptions) -> Result<()> {
     Ok(())
 }
 
+/// Features at the size of the quads.
+fn sized(features: &FeatureOptions, mesh: &SurfaceMesh, quads: usize, edge_length: Option<f64>) -> FeatureOptions {
+    match edge_length {
+        Some(length) => features.for_size(length),
+        None => features.for_squares(mesh, quads as f64),
+    }
+}
+
 fn check_size(quads: usize, edge_length: Option<f64>) -> Result<()> {
     if quads == 0 || quads > 100_000_000 {
         return Err(Error::Options(format!("{quads} quads: a number from 1 to 100 million is expected")));
@@ -321,7 +332,15 @@ fn finish(source: &Source, made: Made, quality: QuadQuality, warnings: Vec<Strin
         .collect();
     let labels = work.region.iter().map(|&r| r as i32).collect();
     mesh.attributes.face.insert("region".into(), Column::Label(labels));
-    Ok(Quads { mesh, quality, rungs, tracks, warnings, missing: source.surface.missing.clone() })
+    Ok(Quads {
+        mesh,
+        quality,
+        rungs,
+        tracks,
+        warnings,
+        missing: source.surface.missing.clone(),
+        features: source.surface.found.clone(),
+    })
 }
 
 /// Drops vertices without a face; the edges in `tracks` are renumbered with the others.

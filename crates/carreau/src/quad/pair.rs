@@ -273,7 +273,7 @@ fn from_corner_to_corner(found: &mut [([u32; 2], u32)], points: &[DVec3], source
 /// The frames of the coarse triangles.
 fn frames(coarse: &Coarse, context: &Context) -> Result<Vec<[DVec3; 2]>> {
     let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
-    let features = FeatureOptions { angle_deg: None, borders: true, tags: false, edges };
+    let features = FeatureOptions { angle_deg: None, tags: false, edges, ..FeatureOptions::default() };
     let field = field::field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)?;
     let mut frames = vec![[DVec3::ZERO; 2]; coarse.mesh.face_count()];
     // Parts of a triangle come in any order: the last one decides.

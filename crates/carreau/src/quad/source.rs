@@ -7,7 +7,7 @@ use super::tips::{Tip, tips};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, FeaturedSurface};
+use crate::geometry::features::{Creases, FeatureOptions, FeaturedSurface};
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
@@ -19,7 +19,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
 
 /// The features that are marked already.
-const AS_MARKED: FeatureOptions = FeatureOptions { angle_deg: None, borders: true, tags: true, edges: Vec::new() };
+const AS_MARKED: FeatureOptions =
+    FeatureOptions { angle_deg: None, creases: Creases::Every, borders: true, tags: true, edges: Vec::new() };
 
 /// The surface, its regions and its feature curves.
 pub struct Source {
@@ -63,7 +64,7 @@ impl Source {
         if let Some((met, what)) = meeting_borders(&surface.mesh)? {
             let again = FeaturedSurface::new(&met, &AS_MARKED, context)?;
             let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
-            surface = FeaturedSurface { repaired, missing: surface.missing, ..again };
+            surface = FeaturedSurface { repaired, missing: surface.missing, found: surface.found, ..again };
         }
         Self::of(surface, &FxHashSet::default(), context)
     }

@@ -26,7 +26,8 @@ pub fn follow(
     angle_deg: f64,
     may_bend: impl Fn(CornerId) -> bool,
 ) -> Result<()> {
-    let bent = FeatureOptions { angle_deg: Some(FADED * angle_deg), borders: false, tags: false, edges: Vec::new() };
+    let bent =
+        FeatureOptions { angle_deg: Some(FADED * angle_deg), borders: false, tags: false, ..FeatureOptions::default() };
     let bent = feature_edges(mesh, &bent)?;
     let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| v.index());
     // Curve edges and those that may become some, by vertex.

@@ -2,8 +2,9 @@
 
 use super::curves::{Kind, Marks};
 use super::{RemeshOptions, fading, warped};
+use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, feature_edges};
+use crate::geometry::features::{Creases, FeatureOptions, Features, FoundFeatures, feature_edges, feature_edges_in};
 use crate::geometry::normals::angle_between;
 use crate::mesh::{Column, CornerId, DisjointSets, NONE, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector};
 use glam::DVec3;
@@ -16,24 +17,32 @@ pub struct Reading {
     pub marks: Marks,
     /// The surface is a scan: there is noise to take out.
     pub noisy: bool,
+    /// The features.
+    pub found: FoundFeatures,
 }
 
 /// Finds the edges that stay.
-pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
+pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Reading> {
     let wanted = FeatureOptions {
         angle_deg: (options.feature_angle < 180.0).then_some(options.feature_angle),
-        borders: true,
+        creases: options.creases,
         tags: options.tags,
         edges: Vec::new(),
+        ..FeatureOptions::default()
     };
-    let mut features = feature_edges(mesh, &wanted)?;
+    let mut features = feature_edges_in(mesh, &wanted, context)?;
     let inside = inside_polygons(mesh, options.feature_angle)?;
     if let Some(inside) = &inside {
         let drawn = feature_edges(mesh, &FeatureOptions { angle_deg: None, ..wanted })?.corners;
         let stays = inside.iter().zip(drawn).map(|(inside, drawn)| drawn || !inside);
         features.corners.iter_mut().zip(stays).for_each(|(feature, stays)| *feature &= stays);
     }
-    let noisy = is_scan(mesh)? && drop_noise(mesh, &mut features.corners, options);
+    let noisy = is_scan(mesh)?
+        && match options.creases {
+            Creases::Every => drop_noise(mesh, &mut features.corners, options),
+            _ => is_noise(mesh, &features),
+        };
+    let found = FoundFeatures::new(mesh, &features);
     let labels = match &options.labels {
         None => None,
         Some(name) => match mesh.attributes.face.get(name) {
@@ -62,7 +71,7 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Reading> {
         let may_bend = |c: CornerId| inside.as_ref().is_some_and(|inside| inside[c.index()]);
         fading::follow(mesh, &mut marks, options.feature_angle, may_bend)?;
     }
-    Ok(Reading { marks, noisy })
+    Ok(Reading { marks, noisy, found })
 }
 
 /// The face property that tells which triangles were one polygon, where there were any.
@@ -80,7 +89,8 @@ fn inside_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Result<Option<Vec<bool
     }
     let limit = (0.5 * angle_deg).to_radians();
     let angle_deg = Some(angle_deg.max(warped::FOLDED_DEG));
-    let folded = feature_edges(mesh, &FeatureOptions { angle_deg, borders: false, tags: false, edges: Vec::new() })?;
+    let folded =
+        feature_edges(mesh, &FeatureOptions { angle_deg, borders: false, tags: false, ..FeatureOptions::default() })?;
     let inside = |c: CornerId| match mesh.side(c) {
         Side::Inner(o) => !folded.contains(c) && angle_between(normals[of(c)], normals[of(o)]) < limit,
         _ => false,
@@ -101,6 +111,14 @@ const MANY_SIDES: usize = 4;
 const FLAT_DEG: f64 = 0.1;
 /// Ridges of a scan are dropped where they have fewer edges than this for every loose end.
 const EDGES_PER_LOOSE_END: usize = 40;
+
+/// Whether what is sharp beside the creases is noise: there is much of it, and little besides. Where many of the edges are
+/// creases the surface is coarse, not noisy.
+fn is_noise(mesh: &SurfaceMesh, features: &Features) -> bool {
+    let inner = features.edges(mesh).filter(|&c| mesh.opposite(c).is_some()).count();
+    let is_coarse = inner as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0;
+    inner == 0 || features.noise.is_high() && !is_coarse
+}
 
 /// Drops ridges that are only noise; false where they are no noise. CAD models have flat faces and ridges that end at other
 /// ridges; scans have neither: there, ridges found by angle alone are few, in scattered pieces with loose ends, and each
@@ -167,7 +185,7 @@ fn drop_noise(mesh: &SurfaceMesh, feature: &mut [bool], options: &RemeshOptions)
 /// Faces that lie in one plane make one flat. Those of a scan are its triangles, even where they have been divided since,
 /// and have three sides: other flats, or straight borders. The flats of a CAD model have many.
 fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
-    let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, edges: Vec::new() };
+    let bent = FeatureOptions { angle_deg: Some(FLAT_DEG), borders: false, tags: false, ..FeatureOptions::default() };
     let bent = feature_edges(mesh, &bent)?.corners;
     let face = |c: usize| mesh.face_of(CornerId::new(c)).index() as u32;
     let across = |c: usize| mesh.opposite(CornerId::new(c)).map(|o| face(o.index()));
@@ -220,7 +238,6 @@ fn is_scan(mesh: &SurfaceMesh) -> Result<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Context;
     use crate::mesh::Polygons;
     use crate::mesh::test_models::{cube, grid, moved, sphere, triangles};
     use crate::sample;
@@ -276,7 +293,7 @@ mod tests {
         let (divided, _) = crate::remesh::clean(&mesh, &Context::new()).unwrap();
         let options = RemeshOptions { feature_angle: 25.0, ..RemeshOptions::default() };
         let ridges = |mesh: &SurfaceMesh| {
-            let marks = read(mesh, &options).unwrap().marks;
+            let marks = read(mesh, &options, &Context::new()).unwrap().marks;
             let ends = |c: CornerId| [mesh.vertex(c), mesh.vertex(mesh.next(c))].map(|v| mesh.points()[v.index()].x);
             let ridges = (0..mesh.corner_count()).filter(|&c| marks[c] == Some(Kind::Ridge));
             ridges.map(|c| ends(CornerId::new(c))).collect::<Vec<_>>()

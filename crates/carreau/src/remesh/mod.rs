@@ -63,7 +63,8 @@ mod work;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{Column, RepairOptions, SurfaceMesh, UnitScale, is_flawed, repair};
+use crate::geometry::features::{Creases, FeatureOptions, FoundFeatures, feature_edges};
+use crate::mesh::{Column, RepairOptions, SurfaceMesh, TaggedEdge, UnitScale, VertexId, is_flawed, repair};
 use serde::{Deserialize, Serialize};
 use source::Source;
 
@@ -79,8 +80,16 @@ pub struct RemeshOptions {
     /// β: largest ratio of sizes over one unit of length; `None`: not controlled.
     pub gradation: Option<f64>,
     /// Edges whose face normals differ by more are ridges, in degrees; 180: none.
+    #[serde(skip)]
     pub feature_angle: f64,
+    /// Which of these: creases at the size of the triangles that are made, or every edge.
+    #[serde(skip)]
+    pub creases: Creases,
+    /// Further ridges, by their ends.
+    #[serde(skip)]
+    pub feature_edges: Vec<[VertexId; 2]>,
     /// Edges tagged in the file are ridges.
+    #[serde(skip)]
     pub tags: bool,
     /// A face property of integers: edges between two values are ridges.
     pub labels: Option<String>,
@@ -121,6 +130,8 @@ impl Default for RemeshOptions {
             deviation: 14.0,
             gradation: Some(1.5),
             feature_angle: 35.0,
+            creases: Creases::Auto,
+            feature_edges: Vec::new(),
             tags: true,
             labels: None,
             min_size: 2e-4,
@@ -163,6 +174,16 @@ pub struct Remeshed {
     pub quality: RemeshQuality,
     /// What was repaired before, and what could not be reached, one sentence each.
     pub repaired: Vec<String>,
+    /// The ridges that stayed, and sharp edges that are none at this size.
+    pub features: FoundFeatures,
+    /// Listed edges that the mesh does not have.
+    pub missing: Vec<[VertexId; 2]>,
+}
+
+impl Remeshed {
+    fn with_missing(self, missing: Vec<[VertexId; 2]>) -> Self {
+        Remeshed { missing, ..self }
+    }
 }
 
 /// Coarsens a surface to an angular deviation, a number of triangles or a distance.
@@ -185,12 +206,15 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     if let Some(found) = in_unit_scale(mesh, options, |mesh, options| simplify(mesh, options, context)) {
         return found;
     }
+    if let Some((mesh, options, missing)) = with_listed(mesh, options)? {
+        return simplify(&mesh, &options, context).map(|found| found.with_missing(missing));
+    }
     let (cleaned, mut repaired) = clean(mesh, context)?;
     let enriched = match options.enrich {
         Some(deviation) => {
             let first = RemeshOptions { deviation, enrich: None, triangles: None, distance: None, ..options.clone() };
             first.check()?;
-            enriched(&cleaned, &first, context)?
+            enriched(&cleaned, &first, context)?.0
         }
         None => cleaned,
     };
@@ -198,7 +222,11 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     let out = match (options.distance, options.triangles) {
         _ if options.geometric => search::least_error(mesh, &enriched, &mut source, options, context)?,
         (Some(distance), _) => search::within_distance(mesh, &enriched, &mut source, options, distance, context)?,
-        (None, Some(wanted)) => search::to_count(&enriched, &mut source, options, wanted, context)?,
+        (None, Some(wanted)) => {
+            let (out, tolerance) = search::to_count(&enriched, &mut source, options, wanted, context)?;
+            repaired.extend(looser_ridges(tolerance, options.ridge_tolerance, wanted));
+            out
+        }
         (None, None) => {
             source.set_sizes(options, context)?;
             source.adapted(&enriched, options, false, context)?
@@ -208,8 +236,35 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
         let reached = out.face_count();
         repaired.push(format!("{wanted} triangles were asked for, the curves and the surface allow {reached}; a larger feature angle leaves fewer curves"));
     }
+    repaired.extend(grown(mesh, &out, options));
     let quality = quality::measure(&out)?;
-    Ok(Remeshed { mesh: out, quality, repaired })
+    Ok(Remeshed { mesh: out, quality, repaired, features: source.found, missing: Vec::new() })
+}
+
+/// What is to be told where ridges are farther off than they should be.
+fn looser_ridges(tolerance: f64, usual: f64, wanted: usize) -> Option<String> {
+    let share = 100.0 * tolerance;
+    (tolerance > usual).then(|| {
+        format!("ridges may be off by {share:.2} % of the diagonal, because {wanted} triangles are too few to follow them more closely")
+    })
+}
+
+/// What is to be told of a mesh with more triangles than before.
+fn grown(before: &SurfaceMesh, after: &SurfaceMesh, options: &RemeshOptions) -> Option<String> {
+    let of = before.faces().iter().map(|face| face.len().saturating_sub(2)).sum::<usize>();
+    let is_wanted = options.triangles.is_some_and(|n| n > of) || options.enrich.is_some();
+    if after.face_count() <= of || is_wanted {
+        return None;
+    }
+    let why = match (options.triangles, options.distance) {
+        (Some(_), _) => "the curves need as many".to_string(),
+        (None, Some(_)) => "the distance asks for even triangles that are smaller than those of the input".to_string(),
+        (None, None) => format!(
+            "a deviation of {}° and even triangles ask for shorter edges than the input has; a larger deviation or a number of triangles gives fewer",
+            options.deviation
+        ),
+    };
+    Some(format!("the result has {} triangles, more than the {of} before, because {why}", after.face_count()))
 }
 
 /// Refines a surface to an angular deviation: long edges are split, with the new vertices on curved patches.
@@ -221,10 +276,13 @@ pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) ->
     if let Some(found) = in_unit_scale(mesh, options, |mesh, options| enrich(mesh, options, context)) {
         return found;
     }
+    if let Some((mesh, options, missing)) = with_listed(mesh, options)? {
+        return enrich(&mesh, &options, context).map(|found| found.with_missing(missing));
+    }
     let (mesh, repaired) = clean(mesh, context)?;
-    let out = enriched(&mesh, options, context)?;
+    let (out, features) = enriched(&mesh, options, context)?;
     let quality = quality::measure(&out)?;
-    Ok(Remeshed { mesh: out, quality, repaired })
+    Ok(Remeshed { mesh: out, quality, repaired, features, missing: Vec::new() })
 }
 
 /// The same on a mesh of a usual size, where the given one is far from it.
@@ -239,15 +297,39 @@ fn in_unit_scale(
     let made: Vec<&str> = sizes.into_iter().chain(["size"]).collect();
     let mesh = scale.mesh(mesh, &given)?;
     let options = RemeshOptions { distance: options.distance.map(|d| scale.length(d)), ..options.clone() };
-    Some(run(&mesh, &options).map(|found| Remeshed { mesh: scale.back().moved(found.mesh, &made), ..found }))
+    Some(run(&mesh, &options).map(|found| Remeshed {
+        mesh: scale.back().moved(found.mesh, &made),
+        features: found.features.moved(scale.back()),
+        ..found
+    }))
 }
 
+/// The same with the listed edges as tagged ones, and those that the mesh does not have; `None` where none is listed. Tags stay
+/// with their edges while the mesh is repaired.
+fn with_listed(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Option<WithListed>> {
+    if options.feature_edges.is_empty() {
+        return Ok(None);
+    }
+    let edges = options.feature_edges.clone();
+    let listed = FeatureOptions { angle_deg: None, borders: false, tags: false, edges, ..FeatureOptions::default() };
+    let listed = feature_edges(mesh, &listed)?;
+    let mut mesh = mesh.clone();
+    if !options.tags {
+        mesh.tagged_edges.clear();
+    }
+    mesh.tagged_edges.extend(options.feature_edges.iter().map(|&ends| TaggedEdge { ends, tag: 1 }));
+    mesh.tagged_edges.retain(|edge| !listed.missing.contains(&edge.ends));
+    Ok(Some((mesh, RemeshOptions { tags: true, feature_edges: Vec::new(), ..options.clone() }, listed.missing)))
+}
+
+type WithListed = (SurfaceMesh, RemeshOptions, Vec<[VertexId; 2]>);
+
 /// A clean mesh, refined.
-fn enriched(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<SurfaceMesh> {
+fn enriched(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<(SurfaceMesh, FoundFeatures)> {
     let mut source = Source::new(mesh, options, context)?;
     source.support.ready_for_patches(source.noisy);
     source.set_sizes(options, context)?;
-    source.adapted(mesh, options, true, context)
+    Ok((source.adapted(mesh, options, true, context)?, source.found))
 }
 
 /// Triangles in the order of space, repaired where they need it. Polygons are looked at before they are cut: two that are the same may be cut in

@@ -66,7 +66,7 @@ pub fn measure(mesh: &SurfaceMesh) -> Result<RemeshQuality> {
     };
     let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
     let mean = |x: &[f64]| crate::geometry::summary::sum(x) / x.len().max(1) as f64;
-    let sharp = FeatureOptions { angle_deg: Some(SPLIT_DEG), borders: true, tags: false, edges: Vec::new() };
+    let sharp = FeatureOptions { angle_deg: Some(SPLIT_DEG), tags: false, ..FeatureOptions::default() };
     let normals = face_normals(mesh);
     let corners = corner_normals(mesh, &normals, &feature_edges(mesh, &sharp)?.corners);
     let angles: Vec<f64> = (0..mesh.corner_count())

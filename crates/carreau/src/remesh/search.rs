@@ -11,33 +11,49 @@ use crate::mesh::SurfaceMesh;
 
 /// Runs with a corrected scale before the nearest count is good enough. One does, as a rule: a run steers its own sizes.
 const COUNT_RUNS: usize = 3;
+/// Factors on the tolerance of the ridges, one after the other, where the tolerance needs more triangles than are wanted: at
+/// the last the ridges of a part of a thousand triangles are within 3 % of the diagonal.
+const LOOSER: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
-/// A mesh with a wanted number of triangles.
+/// A mesh with a wanted number of triangles, and the tolerance of the ridges that it took, as a share of the diagonal.
 pub(super) fn to_count(
     mesh: &SurfaceMesh,
     source: &mut Source,
     options: &RemeshOptions,
     wanted: usize,
     context: &Context,
-) -> Result<SurfaceMesh> {
-    let mut aim = wanted as f64;
-    let mut best: Option<SurfaceMesh> = None;
+) -> Result<(SurfaceMesh, f64)> {
+    let mut best: Option<(SurfaceMesh, f64)> = None;
     let miss = |m: &SurfaceMesh| m.face_count().abs_diff(wanted);
-    for _ in 0..COUNT_RUNS {
-        let scale = target::find_scale(source, options, aim, context)?;
-        let options = RemeshOptions { scale, ..options.clone() };
-        source.set_sizes(&options, context)?;
-        let out = source.adapted(mesh, &options, false, context)?;
-        aim *= wanted as f64 / out.face_count().max(1) as f64;
-        if best.as_ref().is_none_or(|b| miss(&out) < miss(b)) {
-            best = Some(out);
+    for looser in LOOSER {
+        let ridge_tolerance = looser * options.ridge_tolerance;
+        let options = RemeshOptions { ridge_tolerance, ..options.clone() };
+        let mut aim = wanted as f64;
+        for _ in 0..COUNT_RUNS {
+            let scale = target::find_scale(source, &options, aim, context)?;
+            let options = RemeshOptions { scale, ..options.clone() };
+            source.set_sizes(&options, context)?;
+            let out = source.adapted(mesh, &options, false, context)?;
+            let (count, is_nearer) = (out.face_count(), best.as_ref().is_none_or(|b| miss(&out) < miss(&b.0)));
+            aim *= wanted as f64 / count.max(1) as f64;
+            if is_nearer {
+                best = Some((out, ridge_tolerance));
+            }
+            let is_met = count.abs_diff(wanted) as f64 <= target::MET * wanted as f64;
+            // Sizes that change nothing are not what is in the way.
+            if is_met || !is_nearer || count as f64 > BOUND_BY_RIDGES * wanted as f64 {
+                break;
+            }
         }
-        if best.as_ref().is_some_and(|b| miss(b) as f64 <= target::MET * wanted as f64) {
+        if best.as_ref().is_some_and(|b| b.0.face_count() as f64 <= (1.0 + target::MET) * wanted as f64) {
             break;
         }
     }
     best.ok_or_else(|| Error::Bug("no run".into()))
 }
+
+/// Where so many times the wanted triangles are left, larger sizes alone will not do.
+const BOUND_BY_RIDGES: f64 = 1.1;
 
 /// How closely a distance is looked at where it is a promise: what counts is the upper bound.
 pub(super) const CLOSE_LOOK: DistanceOptions =

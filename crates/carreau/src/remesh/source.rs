@@ -5,9 +5,10 @@ use super::curves::{Curves, Kind};
 use super::output::{self, Made};
 use super::support::{Radius, Support};
 use super::work::{self, Limits, Work};
-use super::{RemeshOptions, anisotropy, features, size};
+use super::{RemeshOptions, anisotropy, features, size, target};
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::geometry::features::{Creases, FoundFeatures, USUAL_ELEMENTS, length_of_squares};
 use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh};
 use glam::DVec3;
 
@@ -37,6 +38,8 @@ pub struct Source {
     diagonal: f64,
     /// There is noise to take out.
     pub noisy: bool,
+    /// The features.
+    pub found: FoundFeatures,
     /// Largest size at every vertex, where that was given.
     given: Option<Vec<f64>>,
 }
@@ -47,7 +50,7 @@ impl Source {
         if mesh.faces().is_empty() {
             return Err(Error::input("the mesh has no faces", "", ""));
         }
-        let features::Reading { marks, noisy } = features::read(mesh, options)?;
+        let features::Reading { marks, noisy, found } = reading(mesh, options, context)?;
         let mut edit = EditMesh::new(mesh).ok_or_else(|| Error::Bug("polygons in a triangulated mesh".into()))?;
         // Ragged borders are read at the scale of the size map, which is known only roughly before the curves are.
         let scale = vec![0.01 * mesh.diagonal(); edit.vertex_slots() as usize];
@@ -61,7 +64,7 @@ impl Source {
         let radius = support.radii(&curves.rank);
         let bend = if options.anisotropic { support.bends(&curves.rank) } else { Vec::new() };
         let given = given_sizes(mesh, &support.mesh, options)?;
-        let mut source = Source { support, curves, radius, bend, diagonal: mesh.diagonal(), noisy, given };
+        let mut source = Source { support, curves, radius, bend, diagonal: mesh.diagonal(), noisy, found, given };
         if noisy && marks.contains(&Some(Kind::Border)) {
             source.set_size_map(options, context)?;
             let least = mean_border_edge(&source.support.mesh);
@@ -167,6 +170,32 @@ impl Source {
             dihedral: (!self.noisy && options.feature_angle < 180.0).then(|| Dihedral::within(options.feature_angle)),
         }
     }
+}
+
+/// The curves, where creases are wanted at the size of the result: at that of the wanted triangles, or else at that of an even
+/// mesh of as many triangles as the sizes ask for, which vary. Only where edges are noisy the size matters.
+fn reading(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<features::Reading> {
+    let at = |size: f64| RemeshOptions { creases: Creases::AtSize(size), ..options.clone() };
+    match (options.creases, options.triangles) {
+        (Creases::Auto, Some(wanted)) => features::read(mesh, &at(length_of_triangles(mesh, wanted as f64)), context),
+        (Creases::Auto, None) => {
+            let first = at(length_of_squares(mesh, USUAL_ELEMENTS));
+            let reading = features::read(mesh, &first, context)?;
+            if !reading.found.noise.is_high() {
+                return Ok(reading);
+            }
+            let mut source = Source::new(mesh, &first, context)?;
+            source.set_size_map(options, context)?;
+            features::read(mesh, &at(length_of_triangles(mesh, target::predicted(&source.support))), context)
+        }
+        _ => features::read(mesh, options, context),
+    }
+}
+
+/// Length of the edges of so many even triangles that cover a surface.
+fn length_of_triangles(mesh: &SurfaceMesh, count: f64) -> f64 {
+    // An even triangle is √3 / 4 of the square of its edge.
+    length_of_squares(mesh, 0.25 * 3f64.sqrt() * count)
 }
 
 /// Mean length of the edges with one triangle; 0 where there are none.

@@ -138,7 +138,8 @@ fn no_smooth_edge_becomes_a_crease() {
     let (mesh, context) = (model("bracket"), Context::new());
     let out = simplify(&mesh, &at(30.0), &context).unwrap().mesh;
     let sharp = |m: &SurfaceMesh, angle| {
-        let options = FeatureOptions { angle_deg: Some(angle), borders: false, tags: false, edges: Vec::new() };
+        let options =
+            FeatureOptions { angle_deg: Some(angle), borders: false, tags: false, ..FeatureOptions::default() };
         feature_edges(m, &options).unwrap().corners
     };
     let marks = sharp(&out, 35.0);

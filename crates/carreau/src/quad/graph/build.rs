@@ -149,6 +149,7 @@ impl<'a> Builder<'a> {
             patches,
             warnings: self.source.surface.repaired.clone(),
             missing: self.source.surface.missing.clone(),
+            features: self.source.surface.found.clone(),
         }))
     }
 

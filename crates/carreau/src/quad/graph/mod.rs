@@ -15,13 +15,13 @@ mod build;
 #[cfg(test)]
 mod tests;
 
-use super::check_size;
 use super::draw::{FINER, draw};
 use super::source::Source;
+use super::{check_size, sized};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::FeatureOptions;
-use crate::mesh::{Column, SurfaceMesh, VertexId};
+use crate::geometry::features::{FeatureOptions, FoundFeatures};
+use crate::mesh::{Column, SurfaceMesh, UnitScale, VertexId};
 use build::Builder;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ pub struct GraphOptions {
 
 impl Default for GraphOptions {
     fn default() -> Self {
-        GraphOptions { features: FeatureOptions::default(), quads: 3000, edge_length: None }
+        GraphOptions { features: FeatureOptions::auto(), quads: 3000, edge_length: None }
     }
 }
 
@@ -202,6 +202,8 @@ pub struct MotorcycleGraph {
     pub warnings: Vec<String>,
     /// Tagged and listed edges that the mesh does not have.
     pub missing: Vec<[VertexId; 2]>,
+    /// The features of the input, and sharp edges that are none at the size of the quads.
+    pub features: FoundFeatures,
 }
 
 /// The content of a layout file.
@@ -236,6 +238,14 @@ impl MotorcycleGraph {
     /// Patches that a grid of quads fits into.
     pub fn regular(&self) -> usize {
         self.patches.iter().filter(|p| p.is_regular()).count()
+    }
+
+    /// What was found at a size of about one, as of the model.
+    fn of_model(mut self, scale: UnitScale) -> Self {
+        self.mesh = scale.back().moved(self.mesh, &[]);
+        self.patches.iter_mut().for_each(|patch| patch.area = scale.area(patch.area));
+        self.features = self.features.moved(scale.back());
+        self
     }
 
     /// Tracks that were taken back, over all starts: their vertices stay inside patches.
@@ -280,7 +290,14 @@ impl MotorcycleGraph {
 /// [`Error::Numeric`] where no field could be made or its tracks enclose nothing, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn motorcycle_graph(mesh: &SurfaceMesh, options: &GraphOptions, context: &Context) -> Result<MotorcycleGraph> {
     check_size(options.quads, options.edge_length)?;
-    let source = Source::new(mesh, &options.features, context)?;
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let edge_length = options.edge_length.map(|length| scale.length(length));
+        let found = motorcycle_graph(&mesh, &GraphOptions { edge_length, ..options.clone() }, context)?;
+        return Ok(found.of_model(scale));
+    }
+    let features = sized(&options.features, mesh, options.quads, options.edge_length);
+    let source = Source::new(mesh, &features, context)?;
     let length = options.edge_length.unwrap_or_else(|| (source.area / options.quads as f64).sqrt());
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
     let mut why = String::new();
