@@ -46,10 +46,11 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Chains and loops of a labelled mesh with `count` regions.
-    pub fn of(t: Triangles<'_>, label: &[u32], count: usize) -> Result<Self> {
+    /// Chains and loops of a labelled mesh with `count` regions; some vertices of boundaries are corners in any case.
+    pub fn of(t: Triangles<'_>, label: &[u32], count: usize, forced: &[u32]) -> Result<Self> {
         let walk = Walk { t, label };
-        let corner = walk.corners();
+        let mut corner = walk.corners();
+        forced.iter().for_each(|&v| corner[v as usize] = true);
         let corners = (0..corner.len() as u32).filter(|&v| corner[v as usize]).collect();
         let mut graph = Graph { corners, chains: Vec::new(), loops: vec![Vec::new(); count] };
         // The chain that each half-edge is in, as seen from its own region.
@@ -196,7 +197,7 @@ mod tests {
         let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
         let mesh = SurfaceMesh::from_triangles(points, &triangles).unwrap();
         let label: Vec<u32> = (0..12).map(|t| t / 2).collect();
-        let graph = Graph::of(Triangles::of(&mesh).unwrap(), &label, 6).unwrap();
+        let graph = Graph::of(Triangles::of(&mesh).unwrap(), &label, 6, &[]).unwrap();
         assert_eq!((graph.corners.len(), graph.chains.len()), (8, 12));
         assert!(graph.loops.iter().all(|l| l.len() == 1 && l[0].len() == 4));
         for uses in graph.loops.iter().flatten() {
@@ -206,7 +207,7 @@ mod tests {
         }
         // One region less: an edge less and, where it was, still the corners that have three edges.
         let merged: Vec<u32> = label.iter().map(|&l| l.min(4)).collect();
-        let graph = Graph::of(Triangles::of(&mesh).unwrap(), &merged, 5).unwrap();
+        let graph = Graph::of(Triangles::of(&mesh).unwrap(), &merged, 5, &[]).unwrap();
         assert_eq!(graph.loops.iter().map(Vec::len).sum::<usize>(), 5);
     }
 }
