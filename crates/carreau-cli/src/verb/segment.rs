@@ -184,7 +184,7 @@ impl Segment {
 }
 
 /// Labels from a face property of the mesh, or from a text file with one integer per triangle.
-fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
+pub(super) fn read_labels(mesh: &SurfaceMesh, name: &str) -> Result<Vec<u32>, Error> {
     // Any integers do: only whether two are equal matters, and their order.
     let shift = |l: i64| (l - i64::from(i32::MIN)) as u32;
     match mesh.attributes.face.get(name) {

@@ -56,7 +56,7 @@ pub struct Piece {
 }
 
 /// Pieces and the piece of every triangle.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Map<'a> {
     /// The mesh.
     pub t: Triangles<'a>,
