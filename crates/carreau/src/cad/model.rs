@@ -80,7 +80,7 @@ pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
                 face.same_sense = piece.same_sense;
                 face.name = format!("{}_{p}", piece.surface.kind().name());
                 face.region = Some(piece.region);
-                face.trimmed = true;
+                face.trimmed = matches!(piece.surface, Surface::Spline(_));
                 faces.push((face, drafted));
             }
             Err(reason) => obstacles.push(Obstacle { pieces: vec![p as u32], reason: reason.into() }),
