@@ -43,16 +43,30 @@
 //! | `curve` | lines, conics, splines |
 //! | `surface` | planes, cylinders, cones, spheres, tori, swept surfaces, splines |
 //! | `check` | proof that references, loops and ends fit together |
+//! | `boundary` | loops of a face in the parameter plane, unrolled |
+//! | `tessellate/` | triangles, watertight |
+//! | `mass` | area, volume, centroid |
+//! | `validate/` | everything that may be wrong with a model, and its distance from a mesh |
 
+mod boundary;
 mod check;
 pub mod curve;
 pub mod frame;
+mod mass;
+#[cfg(test)]
+pub(crate) mod models;
 pub mod surface;
+pub mod tessellate;
+#[cfg(test)]
+mod tests;
+pub mod validate;
 
 pub use curve::{Curve, CurveKind};
 pub use frame::{Frame, Motion};
 use glam::DVec3;
+pub use mass::Mass;
 pub use surface::{Surface, SurfaceKind};
+use tessellate::Fineness;
 
 /// A model made of faces. All references are indices into the model's own lists.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -245,6 +259,24 @@ impl Brep {
             solid.voids.iter().chain([&solid.outer]).for_each(|&s| free[s as usize] = false);
         }
         (0..self.shells.len() as u32).filter(|&s| free[s as usize]).collect()
+    }
+
+    /// The ranges of u and v that each face covers, in one piece across the joints of periodic surfaces; on planes and
+    /// splines, whose parameters need no end, those of the surface.
+    pub fn extents(&self) -> Vec<[[f64; 2]; 2]> {
+        let samples = tessellate::sample_edges(self, &Fineness { chord: f64::INFINITY, angle: 0.2 });
+        let of_face = |face: &Face| {
+            let surface = self.surface(face);
+            if face.loops.is_empty() || matches!(surface, Surface::Plane { .. } | Surface::Spline(_)) {
+                return surface.domain();
+            }
+            let rings = boundary::unroll(self, face, &samples);
+            let uvs = rings.iter().flat_map(|r| r.samples.iter().map(|s| s.uv));
+            uvs.fold([[f64::INFINITY, f64::NEG_INFINITY]; 2], |[u, v], p| {
+                [[u[0].min(p.x), u[1].max(p.x)], [v[0].min(p.y), v[1].max(p.y)]]
+            })
+        };
+        self.faces.iter().map(of_face).collect()
     }
 
     /// The largest tolerance of a vertex or an edge.

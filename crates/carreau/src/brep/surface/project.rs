@@ -65,6 +65,17 @@ impl Surface {
         profile.x <= 1e-9 * offset.length().max(1e-3 * p.length())
     }
 
+    /// Whether a point of the surface is a pole or an apex, where u has no value.
+    pub fn is_pole(&self, p: DVec3) -> bool {
+        // The axis of these meets the surface nowhere.
+        let clear = match self {
+            Surface::Cylinder { .. } => true,
+            Surface::Torus { major_radius, minor_radius, .. } => minor_radius < major_radius,
+            _ => false,
+        };
+        !clear && self.is_on_axis(p)
+    }
+
     fn project_analytic(&self, p: DVec3) -> [f64; 2] {
         match self {
             Surface::Cylinder { frame, .. } => [frame.angle(p), frame.local(p).z],
