@@ -1,5 +1,7 @@
 //! carreau turns triangle surfaces into structured models.
 
+pub mod brep;
+pub mod cad;
 pub mod context;
 pub mod error;
 pub mod field;

@@ -1,5 +1,6 @@
 //! The verbs, one file each; `simplify` holds `enrich` as well, `features` the flags of feature edges.
 
+mod cad;
 mod compare;
 mod convert;
 mod curvature;
@@ -38,6 +39,7 @@ pub enum Verb {
     Curvature(curvature::Curvature),
     Patch(patch::Patch),
     Segment(segment::Segment),
+    Cad(cad::Cad),
     Field(field::Field),
     Motorcycle(motorcycle::Motorcycle),
     Quad(quad::Quad),
@@ -60,6 +62,7 @@ impl Verb {
             Verb::Curvature(verb) => Some(&mut verb.common),
             Verb::Patch(verb) => Some(&mut verb.common),
             Verb::Segment(verb) => Some(&mut verb.common),
+            Verb::Cad(verb) => Some(&mut verb.common),
             Verb::Field(verb) => Some(&mut verb.common),
             Verb::Motorcycle(verb) => Some(&mut verb.common),
             Verb::Quad(verb) => Some(&mut verb.common),
@@ -88,6 +91,7 @@ impl Verb {
             Verb::Curvature(verb) => verb.run(),
             Verb::Patch(verb) => verb.run(),
             Verb::Segment(verb) => verb.run(),
+            Verb::Cad(verb) => verb.run(),
             Verb::Field(verb) => verb.run(),
             Verb::Motorcycle(verb) => verb.run(),
             Verb::Quad(verb) => verb.run(),

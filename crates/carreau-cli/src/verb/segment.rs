@@ -191,7 +191,7 @@ impl Segment {
 }
 
 /// Labels from a face property of the mesh, or from a text file with one integer per triangle.
-fn read_labels(prepared: &Prepared, name: &str) -> Result<Vec<u32>, Error> {
+pub(super) fn read_labels(prepared: &Prepared, name: &str) -> Result<Vec<u32>, Error> {
     let mesh = &prepared.mesh;
     // Any integers do: only whether two are equal matters, and their order.
     let shift = |l: i64| (l - i64::from(i32::MIN)) as u32;

@@ -1,8 +1,8 @@
 //! What the two CAD writers have in common: options, units, numbers, the choice by extension.
 
 use super::{extension, iges, step};
+use crate::brep::{Brep, Face, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Brep, Face, Surface};
 use crate::geometry::bspline::BSplineSurface;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,17 @@ pub enum StepSchema {
     Ap242,
 }
 
+/// What an IGES file has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum IgesForm {
+    /// One surface for each face, trimmed where it has to be: what every reader knows.
+    #[default]
+    Surfaces,
+    /// Manifold solids with their faces, edges and vertices (186): what knows which faces meet.
+    Solids,
+}
+
 /// Choices of the CAD writers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -63,6 +74,8 @@ pub struct CadOptions {
     pub unit: Unit,
     /// The application protocol of STEP files.
     pub schema: StepSchema,
+    /// What IGES files have.
+    pub iges: IgesForm,
     /// Name of the part.
     pub name: String,
     /// Date and time in the file, `YYYY-MM-DDThh:mm:ss`. Never the clock: the same input gives the same bytes.
@@ -77,6 +90,7 @@ impl Default for CadOptions {
         CadOptions {
             unit: Unit::default(),
             schema: StepSchema::default(),
+            iges: IgesForm::default(),
             name: "carreau".into(),
             date: "1970-01-01T00:00:00".into(),
             parameter_curves: false,
@@ -103,8 +117,8 @@ const BREAK: f64 = 0.05;
 /// Whether a face is written with its border in the parameter plane: trimmed faces, and those with breaks. Readers
 /// integrate over a face between the breaks of its border curves; where these are missing, areas and volumes come out wrong
 /// by up to 1e-3 of the face in OpenCASCADE, on flat faces with cells of unequal size as on bent ones.
-pub(super) fn needs_parameter_curves(face: &Face) -> bool {
-    face.trimmed || matches!(&face.surface, Surface::Spline(surface) if has_breaks(surface))
+pub(super) fn needs_parameter_curves(brep: &Brep, face: &Face) -> bool {
+    face.trimmed || matches!(brep.surface(face), Surface::Spline(surface) if has_breaks(surface))
 }
 
 /// Whether the area vector of a surface of degree (1, 1) jumps across some grid line. It is linear along the line between
@@ -169,9 +183,9 @@ pub(super) fn push_real(out: &mut Vec<u8>, x: f64, exponent: u8) {
 /// against its shortest edge.
 pub(super) fn resolution(brep: &Brep) -> f64 {
     let [low, high] = brep.bounds();
-    let length = |[a, b]: [u32; 2]| brep.vertices[a as usize].distance(brep.vertices[b as usize]);
+    let length = |[a, b]: [u32; 2]| brep.point(a).distance(brep.point(b));
     let shortest = brep.edges.iter().map(|e| length(e.ends)).filter(|&l| l > 0.0).fold(f64::INFINITY, f64::min);
-    let wanted = (1e-7 * (high - low).length()).min(1e-2 * shortest);
+    let wanted = (1e-7 * (high - low).length()).min(1e-2 * shortest).max(brep.tolerance());
     let least = 1e-12 * low.abs().max(high.abs()).max_element();
     let exponent = wanted.max(least).log10().floor();
     if exponent.is_finite() { format!("1e{}", exponent as i32).parse().unwrap_or(1e-7) } else { 1e-7 }

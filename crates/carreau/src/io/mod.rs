@@ -38,7 +38,7 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use cad::{CAD_EXTENSIONS, CadOptions, StepSchema, Unit, write_cad};
+pub use cad::{CAD_EXTENSIONS, CadOptions, IgesForm, StepSchema, Unit, write_cad};
 pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
 /// The content of a file and where it came from.

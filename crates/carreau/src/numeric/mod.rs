@@ -5,6 +5,7 @@
 //! | `banded` | symmetric banded systems |
 //! | `eigen3` | eigenvalues and eigenvectors of symmetric 3 × 3 matrices |
 //! | `flow` | minimum cut of an undirected graph |
+//! | `gauss` | Gauss–Legendre quadrature |
 //! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
 //! | `lbfgs` | limited-memory BFGS over points in space, within a set |
 //! | `levenberg` | Levenberg–Marquardt least squares for few parameters |
@@ -14,6 +15,7 @@
 pub mod banded;
 pub mod eigen3;
 pub mod flow;
+pub mod gauss;
 pub(crate) mod hopcroft_karp;
 pub mod lbfgs;
 pub mod levenberg;

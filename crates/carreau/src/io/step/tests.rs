@@ -1,5 +1,7 @@
 use super::*;
+use crate::brep::{Curve, CurveKind, Face, Surface, SurfaceKind, models as solids};
 use crate::context::Context;
+use crate::io::cad::{StepSchema, Unit, needs_parameter_curves};
 use crate::patch::cad::models::{self, Model};
 use crate::patch::cad::{BrepOptions, Fit, to_brep};
 use std::collections::BTreeMap;
@@ -183,8 +185,9 @@ fn files_are_well_formed_and_have_every_surface_bit_for_bit() {
             let voids = brep.solids.iter().map(|s| s.voids.len()).sum::<usize>();
             assert_eq!(count("ORIENTED_CLOSED_SHELL"), voids);
             // A plane has no parameters that its edges could need.
-            let wanted =
-                |f: &Face| matches!(f.surface, Surface::Spline(_)) && (parameter_curves || needs_parameter_curves(f));
+            let wanted = |f: &Face| {
+                matches!(brep.surface(f), Surface::Spline(_)) && (parameter_curves || needs_parameter_curves(&brep, f))
+            };
             assert_eq!(count("PCURVE") > 0, brep.faces.iter().any(wanted));
             assert_surfaces(&brep, &entities);
         }
@@ -192,7 +195,7 @@ fn files_are_well_formed_and_have_every_surface_bit_for_bit() {
 }
 
 fn assert_surfaces(brep: &Brep, entities: &Entities) {
-    let splines = brep.faces.iter().filter_map(|f| if let Surface::Spline(s) = &f.surface { Some(s) } else { None });
+    let splines = brep.surfaces.iter().filter_map(|s| if let Surface::Spline(s) = s { Some(s) } else { None });
     let written = of_kind(entities, "B_SPLINE_SURFACE_WITH_KNOTS");
     assert_eq!(splines.clone().count(), written.len());
     for (s, args) in splines.zip(written) {
@@ -245,4 +248,72 @@ fn units_schemas_and_names() {
 #[test]
 fn an_empty_model_is_a_valid_file() {
     parse(&file(&Brep::default(), &CadOptions::default()));
+}
+
+/// The entity that a kind of surface or curve is written as.
+fn surface_entity(kind: SurfaceKind) -> &'static str {
+    match kind {
+        SurfaceKind::Plane => "PLANE",
+        SurfaceKind::Cylinder => "CYLINDRICAL_SURFACE",
+        SurfaceKind::Cone => "CONICAL_SURFACE",
+        SurfaceKind::Sphere => "SPHERICAL_SURFACE",
+        SurfaceKind::Torus => "TOROIDAL_SURFACE",
+        SurfaceKind::Extrusion => "SURFACE_OF_LINEAR_EXTRUSION",
+        SurfaceKind::Revolution => "SURFACE_OF_REVOLUTION",
+        SurfaceKind::Spline => "B_SPLINE_SURFACE_WITH_KNOTS",
+    }
+}
+
+fn curve_entity(kind: CurveKind) -> &'static str {
+    match kind {
+        CurveKind::Line => "LINE",
+        CurveKind::Circle => "CIRCLE",
+        CurveKind::Ellipse => "ELLIPSE",
+        CurveKind::Parabola => "PARABOLA",
+        CurveKind::Hyperbola => "HYPERBOLA",
+        CurveKind::Spline => "B_SPLINE_CURVE_WITH_KNOTS",
+    }
+}
+
+#[test]
+fn every_kind_of_surface_and_curve_is_written_with_its_numbers() {
+    for (name, brep, volume) in solids::all() {
+        let bytes = file(&brep, &CadOptions { schema: StepSchema::Ap242, ..Default::default() });
+        if let Some(folder) = std::env::var_os("CARREAU_WRITE_MODELS") {
+            // For other programs to read.
+            let folder = std::path::PathBuf::from(folder);
+            std::fs::write(folder.join(format!("{name}.step")), &bytes).unwrap();
+            let volumes = folder.join("volumes.txt");
+            let before = std::fs::read_to_string(&volumes).unwrap_or_default();
+            std::fs::write(volumes, format!("{before}{name} {volume}\n")).unwrap();
+        }
+        let entities = parse(&bytes);
+        let mut used = Vec::new();
+        entities.values().for_each(|parts| references(parts, &mut used));
+        assert!(used.iter().all(|id| entities.contains_key(id)), "{name}: an entity is missing");
+        for kind in SurfaceKind::ALL {
+            let of = brep.surfaces.iter().filter(|s| s.kind() == kind).count();
+            assert_eq!(of_kind(&entities, surface_entity(kind)).len(), of, "{name} {}", kind.name());
+        }
+        for edge in &brep.edges {
+            let kind = edge.curve.kind();
+            let of = brep.edges.iter().filter(|e| e.curve.kind() == kind).count();
+            let profiles = brep.surfaces.iter().filter(|s| {
+                matches!(s, Surface::Extrusion { profile, .. } | Surface::Revolution { profile, .. } if profile.kind() == kind)
+            });
+            assert_eq!(of_kind(&entities, curve_entity(kind)).len(), of + profiles.count(), "{name} {}", kind.name());
+            if let Curve::Circle { radius, .. } = edge.curve {
+                let radii = of_kind(&entities, "CIRCLE").iter().map(|args| args[2].clone()).collect::<Vec<_>>();
+                assert!(radii.contains(&Value::Number(radius)));
+            }
+        }
+        for face in &brep.faces {
+            let named = |args: &&[Value]| args[0] == Value::Text(face.name.clone());
+            assert!(of_kind(&entities, "ADVANCED_FACE").iter().any(named), "{name}: {}", face.name);
+        }
+        assert_eq!(of_kind(&entities, "STYLED_ITEM").len(), brep.faces.len());
+        assert_eq!(of_kind(&entities, "COLOUR_RGB").len(), 1);
+        let poles = brep.faces.iter().map(|f| f.poles.len()).sum::<usize>();
+        assert_eq!(of_kind(&entities, "VERTEX_LOOP").len(), poles);
+    }
 }

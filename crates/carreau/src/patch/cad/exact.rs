@@ -4,8 +4,8 @@ use super::chain::Chains;
 use super::piece::{Block, Piece, Source};
 use super::scene::{Scene, longest_side};
 use super::{Geometry, PieceSurface};
+use crate::brep::{Curve, Frame, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Curve, Surface};
 use crate::geometry::bspline::{BSplineCurve, BSplineSurface, Knots};
 use crate::mesh::FaceId;
 use glam::DVec3;
@@ -25,7 +25,7 @@ pub fn geometry(scene: &Scene, pieces: &[Piece], chains: &Chains) -> Result<Geom
 /// The polyline through mesh vertices.
 pub fn curve(scene: &Scene, path: &[u32]) -> Result<Curve> {
     if path.len() == 2 {
-        return Ok(Curve::Line);
+        return Ok(Curve::segment(scene.point(path[0]), scene.point(path[1])).0);
     }
     Ok(Curve::Spline(BSplineCurve::polyline(path.iter().map(|&v| scene.point(v)).collect())?))
 }
@@ -52,7 +52,7 @@ pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64) -> Option<Surf
     let [origin, end] = [0, block.size[1]].map(|c| scene.point(block.vertex(scene.patches, 0, c)));
     let axis = (end - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
     let flat = cells().flatten().all(|p| (p - origin).dot(normal).abs() <= flatness);
-    flat.then_some(Surface::Plane { origin, normal, axis })
+    flat.then_some(Surface::Plane { frame: Frame { origin, z: normal, x: axis } })
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal
@@ -65,5 +65,5 @@ fn plane(corners: [DVec3; 3]) -> Surface {
     let across = height.try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector());
     // Once more, for the rounding errors of a height that is small against the side.
     let across = (across - axis * axis.dot(across)).normalize_or(axis.any_orthonormal_vector());
-    Surface::Plane { origin: a, normal: axis.cross(across).normalize_or(DVec3::Z), axis }
+    Surface::Plane { frame: Frame { origin: a, z: axis.cross(across).normalize_or(DVec3::Z), x: axis } }
 }

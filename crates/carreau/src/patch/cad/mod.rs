@@ -26,9 +26,9 @@ mod shell;
 mod tests;
 mod trimmed;
 
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::length::Length;
 use crate::mesh::{FaceId, SurfaceMesh};
 use crate::patch::Patch;
@@ -179,11 +179,15 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
             let id = &mut vertex_of[v as usize];
             if *id == u32::MAX {
                 *id = brep.vertices.len() as u32;
-                brep.vertices.push(scene.point(v));
+                brep.vertices.push(Vertex::exact(scene.point(v)));
             }
             *id
         });
-        brep.edges.push(Edge { ends, curve });
+        let range = match &curve {
+            Curve::Spline(spline) => spline.knots().domain(),
+            _ => [0.0, brep.point(ends[0]).distance(brep.point(ends[1]))],
+        };
+        brep.edges.push(Edge { curve, range, ends, tolerance: 0.0 });
     }
     for ((piece, uses), under) in pieces.iter().zip(&chains.loops).zip(geometry.surfaces) {
         let of_loop = |(outline, uses): (&Outline, &Vec<ChainUse>)| {
@@ -195,7 +199,8 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
             uses.iter().map(edge).collect()
         };
         let loops = piece.loops.iter().zip(uses).map(of_loop).collect();
-        brep.faces.push(Face { loops, trimmed: under.trimmed, surface: under.surface });
+        brep.faces.push(Face { trimmed: under.trimmed, ..Face::new(brep.surfaces.len() as u32, loops) });
+        brep.surfaces.push(under.surface);
     }
     brep
 }

@@ -25,9 +25,9 @@ use super::chain::{ChainUse, Chains};
 use super::piece::{Block, Piece, Source};
 use super::scene::Scene;
 use super::{Geometry, PatchFit, PieceSurface, Rung, exact};
+use crate::brep::{Curve, Surface};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Curve, Surface};
 use crate::geometry::bspline::BSplineCurve;
 use curve::{ChainCurve, Shape};
 use glam::{DVec2, DVec3};
@@ -162,8 +162,8 @@ impl<'a> Ladder<'a> {
     /// Plane faces whose borders, as they stand, cross or touch themselves.
     fn crossed_planes(&self) -> Vec<u32> {
         let crossed = |k: &u32| match self.planes[*k as usize] {
-            Some(Surface::Plane { normal, axis, .. }) => {
-                let across = normal.cross(axis);
+            Some(Surface::Plane { frame }) => {
+                let (axis, across) = (frame.x, frame.y());
                 let border = self.chains.loops[*k as usize].iter().flatten().flat_map(|of| self.samples(of));
                 !is_simple(&border.map(|p| DVec2::new(p.dot(axis), p.dot(across))).collect::<Vec<_>>())
             }
@@ -318,7 +318,10 @@ impl<'a> Ladder<'a> {
         for (chain, path) in self.chains.paths.iter().enumerate() {
             let (curve, stops) = match self.curve(chain as u32).shape {
                 Shape::Spline(c) => (Curve::Spline(c), None),
-                Shape::Polyline(stops) if stops.len() == 2 => (Curve::Line, Some(stops)),
+                Shape::Polyline(stops) if stops.len() == 2 => {
+                    let [a, b] = [0, path.len() - 1].map(|k| self.scene.point(path[k]));
+                    (Curve::segment(a, b).0, Some(stops))
+                }
                 Shape::Polyline(stops) => {
                     let points = stops.iter().map(|&k| self.scene.point(path[k as usize])).collect();
                     (Curve::Spline(BSplineCurve::polyline(points)?), Some(stops))

@@ -1,0 +1,171 @@
+//! `cad`: a mesh becomes a CAD model with the faces that the part really has.
+
+use super::segment::read_labels;
+use crate::choice::choice;
+use crate::common::{Common, CommonValues};
+use crate::prepare::PrepareFlags;
+use crate::replay::options_from;
+use crate::session::{Failure, Session};
+use carreau::brep::{Brep, SurfaceKind};
+use carreau::cad::{self, CadModel, CadOptions, Style};
+use carreau::io::{self, CAD_EXTENSIONS, WriteOptions, extension};
+use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
+use carreau::report::page::Scene;
+use carreau::{Error, Length};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Makes a CAD model of a mesh: closed bodies become solids with the faces that the part really has
+///
+/// A bore is one cylinder with its radius, a fillet one cylinder or torus, a plate a plane with its holes. What lies on no
+/// such surface is written as plane facets; the summary says which regions those are. An open surface becomes a shell.
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    carreau cad part.stl -o part.step --json part.json\n  \
+    carreau cad part.ply -o part.step --labels face_id\n  \
+    carreau cad part.stl -o part.igs --unit in")]
+pub struct Cad {
+    /// The mesh; polygons are fanned
+    input: PathBuf,
+    /// The file to write: STEP, IGES, or a mesh format for the triangles with the face property face
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What kind of model is made; organic is not available yet [default: auto]
+    #[arg(long, value_name = "STYLE", value_parser = choice::<Style>(&["auto", "mechanical", "organic"]))]
+    style: Option<Style>,
+    /// Largest distance of a vertex from its face [default: from the data]
+    #[arg(long, value_name = "LENGTH")]
+    tolerance: Option<Length>,
+    /// Faces as given: a face property of the input, or a file with one integer per triangle
+    #[arg(long, value_name = "FILE|PROPERTY")]
+    labels: Option<String>,
+    /// Refuses models of more faces
+    #[arg(long, value_name = "N")]
+    max_faces: Option<u32>,
+    #[command(flatten)]
+    prepare: PrepareFlags,
+    #[command(flatten)]
+    pub(super) common: Common,
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    #[serde(flatten)]
+    cad: CadOptions,
+    labels: Option<String>,
+    tolerance: Option<Length>,
+    #[serde(flatten)]
+    prepare: PrepareOptions,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+impl Cad {
+    /// Runs the verb.
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        Session::run("cad", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
+            self.cad(session, &options)
+        })
+    }
+
+    fn options(&self) -> Result<Options, Error> {
+        let mut all = options_from(self.common.options.as_deref(), "cad", Options::default())?;
+        all.cad.style = self.style.unwrap_or(all.cad.style);
+        all.cad.max_faces = self.max_faces.or(all.cad.max_faces);
+        all.labels = self.labels.clone().or(all.labels);
+        all.tolerance = self.tolerance.or(all.tolerance);
+        all.prepare = self.prepare.over(all.prepare);
+        all.common = self.common.over(all.common);
+        Ok(all)
+    }
+
+    fn cad(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let prepared = session.read_fans(&self.input, &options.prepare)?;
+        let mesh = &prepared.mesh;
+        let context = session.context.clone();
+        let mut wanted = options.cad.clone();
+        wanted.tolerance = options.tolerance.map(|t| t.resolve(mesh.diagonal()));
+        wanted.labels = options.labels.as_deref().map(|labels| read_labels(&prepared, labels)).transpose()?;
+        let diagonal = mesh.diagonal();
+        let model = context.install(|| cad::rebuild(mesh, &wanted, &context))?;
+        tell(session, &model, options.cad.style, diagonal);
+        let out = labelled(prepared, &model);
+        session.draw(&out)?;
+        session.show_result(self.output.as_deref(), |name, context| {
+            Scene::of_mesh(name, &out)?.show("face").with_curvature(context)
+        })?;
+        let Some(file) = &self.output else { return Ok(()) };
+        if CAD_EXTENSIONS.contains(&extension(file).as_str()) {
+            self.write_cad(session, file, &model.brep, options)
+        } else {
+            session.write_mesh(file, &out, &WriteOptions::default())
+        }
+    }
+
+    fn write_cad(&self, session: &mut Session, file: &Path, brep: &Brep, options: &Options) -> Result<(), Error> {
+        let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let cad = io::CadOptions { unit: options.common.unit, name, ..io::CadOptions::default() };
+        let mut bytes = Vec::new();
+        io::write_cad(file, brep, &cad, &mut bytes)?;
+        session.write_bytes(file, &bytes)
+    }
+}
+
+/// The mesh with the face of every triangle.
+fn labelled(prepared: Prepared, model: &CadModel) -> RawMesh {
+    let face = Column::Label(prepared.labels_of_faces(&model.face_of_triangle).into_iter().map(|f| f as i32).collect());
+    let mut mesh = prepared.into_input();
+    mesh.attributes.face.insert("face".into(), face);
+    RawMesh::from(mesh)
+}
+
+/// The record and the summary.
+fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
+    let brep = &model.brep;
+    let count = |kind: SurfaceKind| brep.faces.iter().filter(|f| brep.surface(f).kind() == kind).count();
+    let kinds: Vec<(&str, usize)> =
+        SurfaceKind::ALL.into_iter().map(|k| (k.name(), count(k))).filter(|(_, n)| *n > 0).collect();
+    let words: Vec<String> = kinds.iter().map(|(name, n)| format!("{n} {name}")).collect();
+    let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
+    session.say(format!(
+        "{}, {}: {}",
+        plural(brep.solids.len(), "solid"),
+        plural(brep.faces.len(), "face"),
+        words.join(", ")
+    ));
+    for f in &model.fallback {
+        let to = serde_json::to_value(f.to).unwrap_or_default();
+        session.say(format!("region {} ({}) became {}, because {}", f.region, f.from, to.as_str().unwrap_or(""), f.reason));
+    }
+    let share = |d: f64| if diagonal > 0.0 { d / diagonal } else { 0.0 };
+    let types: serde_json::Map<String, Value> = kinds.iter().map(|(name, n)| ((*name).to_string(), json!(n))).collect();
+    let record = &mut session.record;
+    record.set("faces", brep.faces.len());
+    record.set("edges", brep.edges.len());
+    record.set("solids", brep.solids.len());
+    record.set("shells", brep.shells.len());
+    record.set("types", types);
+    record.set("style", style);
+    record.set("distance_max", share(model.distance_max));
+    record.set("distance_rms", share(model.distance_rms));
+    record.set("tolerance_max", share(brep.tolerance()));
+    record.set("fallback", &model.fallback);
+    record.set("faces_of_regions", faces_of_regions(model));
+}
+
+/// The faces of every region.
+fn faces_of_regions(model: &CadModel) -> Vec<Vec<usize>> {
+    let mut faces = vec![Vec::new(); model.segmentation.regions.len()];
+    for (f, face) in model.brep.faces.iter().enumerate() {
+        if let Some(list) = face.region.and_then(|r| faces.get_mut(r as usize)) {
+            list.push(f);
+        }
+    }
+    faces
+}

@@ -1,0 +1,130 @@
+//! Points inside a face: a grid where the surface bends both ways, then the middles of edges that are too far from it.
+
+use super::Fineness;
+use super::face::Plane;
+use crate::brep::Surface;
+use crate::brep::boundary::Ring;
+use crate::error::Result;
+use glam::DVec2;
+use spade::Triangulation;
+
+/// Rounds of refinement.
+const ROUNDS: usize = 8;
+/// Most points inside a face.
+const MAX_POINTS: usize = 20_000;
+/// Most grid lines in each direction.
+const MAX_LINES: f64 = 128.0;
+/// Where the curvature is looked at: so many places in each direction.
+const PROBES: u32 = 6;
+/// Clearance of grid points from the border, as a share of the grid's step.
+const CLEARANCE: f64 = 0.4;
+
+/// The longest chord over a curvature.
+pub(super) fn arc_step(curvature: f64, fineness: &Fineness) -> f64 {
+    let k = curvature.abs();
+    if k > 0.0 { (8.0 * fineness.chord / k).sqrt().min(fineness.angle / k) } else { f64::INFINITY }
+}
+
+/// Adds points inside the loops until the triangles follow the surface.
+pub(super) fn fill(plane: &mut Plane, rings: &[Ring], fineness: &Fineness) -> Result<()> {
+    if matches!(plane.surface, Surface::Plane { .. }) {
+        return Ok(());
+    }
+    for uv in grid(plane.surface, plane.scale, rings, fineness) {
+        plane.insert(uv, |p| p.add(p.surface.point(uv.x, uv.y)))?;
+    }
+    for _ in 0..ROUNDS {
+        let missing = missing(plane, fineness);
+        if missing.is_empty() || plane.inner.len() + missing.len() > MAX_POINTS {
+            break;
+        }
+        for uv in missing {
+            plane.insert(uv, |p| p.add(p.surface.point(uv.x, uv.y)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Middles of the edges inside that are too far from the surface, and of triangles whose middle is.
+fn missing(plane: &Plane, fineness: &Fineness) -> Vec<DVec2> {
+    let inside = plane.inside();
+    let surface = plane.surface;
+    let mut out = Vec::new();
+    let at = |uv: DVec2| surface.point(uv.x, uv.y);
+    for edge in plane.cdt.undirected_edges().filter(|e| !e.is_constraint_edge()) {
+        let directed = edge.as_directed();
+        if !directed.face().as_inner().is_some_and(|f| inside[f.fix().index()]) {
+            continue;
+        }
+        let [a, b] = edge.vertices().map(|v| plane.uv(v.position()));
+        let middle = 0.5 * (a + b);
+        let far = at(middle).distance(0.5 * (at(a) + at(b))) > fineness.chord;
+        // Normals vary along a chord by twice the tolerance at most, as between two triangles.
+        let turned = || surface.normal(a.x, a.y).angle_between(surface.normal(b.x, b.y)) > 2.0 * fineness.angle;
+        if far || turned() {
+            out.push(middle);
+        }
+    }
+    for face in plane.cdt.inner_faces().filter(|f| inside[f.fix().index()]) {
+        let corners = face.vertices().map(|v| plane.uv(v.position()));
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let flat = corners.map(at);
+        if at(middle).distance((flat[0] + flat[1] + flat[2]) / 3.0) > fineness.chord {
+            out.push(middle);
+        }
+    }
+    out
+}
+
+/// Nodes of a grid in the parameter plane inside the loops and clear of them; none where the surface is straight in some
+/// direction, because chords from border to border follow it there.
+fn grid(surface: &Surface, scale: DVec2, rings: &[Ring], fineness: &Fineness) -> Vec<DVec2> {
+    let samples = || rings.iter().flat_map(|r| r.samples.iter().map(|s| s.uv));
+    let low = samples().fold(DVec2::INFINITY, DVec2::min);
+    let high = samples().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let size = high - low;
+    let mut steps = DVec2::INFINITY;
+    for i in 0..=PROBES {
+        for j in 0..=PROBES {
+            let uv = low + size * DVec2::new(f64::from(i), f64::from(j)) / f64::from(PROBES);
+            let jet = surface.jet(uv.x, uv.y);
+            let normal = surface.normal(uv.x, uv.y);
+            let step = |first: glam::DVec3, second: glam::DVec3| {
+                let l = first.length();
+                if l > 0.0 { arc_step(second.dot(normal) / (l * l), fineness) / l } else { f64::INFINITY }
+            };
+            steps = steps.min(DVec2::new(step(jet.first[0], jet.second[0]), step(jet.first[1], jet.second[2])));
+        }
+    }
+    let lines = (size / steps).ceil().min(DVec2::splat(MAX_LINES));
+    if lines.min_element() < 2.0 {
+        return Vec::new();
+    }
+    let step = size / lines;
+    let clear = CLEARANCE * (step * scale).min_element();
+    let mut out = Vec::new();
+    for row in 1..lines.y as u32 {
+        let v = low.y + step.y * f64::from(row);
+        let crossings = crossings(rings, v);
+        let near: Vec<DVec2> = samples().filter(|s| ((s.y - v) * scale.y).abs() < clear).collect();
+        for column in 1..lines.x as u32 {
+            let uv = DVec2::new(low.x + step.x * f64::from(column), v);
+            let inside = crossings.partition_point(|&x| x < uv.x) % 2 == 1;
+            if inside && near.iter().all(|s| ((s - uv) * scale).length() > clear) {
+                out.push(uv);
+            }
+        }
+    }
+    out
+}
+
+/// Where the line of constant `v` crosses the loops, from left to right.
+fn crossings(rings: &[Ring], v: f64) -> Vec<f64> {
+    let pieces = rings.iter().flat_map(|r| r.samples.windows(2).map(|w| (w[0].uv, w[1].uv)));
+    let mut out: Vec<f64> = pieces
+        .filter(|(a, b)| (a.y <= v) != (b.y <= v))
+        .map(|(a, b)| a.x + (b.x - a.x) * (v - a.y) / (b.y - a.y))
+        .collect();
+    out.sort_unstable_by(f64::total_cmp);
+    out
+}

@@ -1,0 +1,226 @@
+//! The model against the mesh: distances both ways, normals, volume.
+//!
+//! ```text
+//!      ___----●----___     face
+//!     ●───────┬───────●    facet: its corners are on the face, its middle is not
+//!             sagitta ≈ κ l² / 8
+//! ```
+//!
+//! What facets legitimately cut off is allowed besides the limit: the sagitta of a facet, from its longest side and the
+//! curvature of the face there, and of the chords along a curved border.
+
+use super::{Fault, Finding, Limits, Reference, middles};
+use crate::brep::tessellate::Tessellation;
+use crate::brep::{Brep, Curve};
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::search_tree::TriangleTree;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// What was measured of one face.
+#[derive(Debug, Clone, Copy, Default)]
+struct Measured {
+    /// The worst, and where.
+    back: (f64, f64, DVec3),
+    area: f64,
+    turned: f64,
+    turned_at: DVec3,
+    /// The volume that facets may cut off.
+    cut_off: f64,
+}
+
+/// The triangles of a region, and those of its faces.
+struct Region {
+    triangles: Vec<[u32; 3]>,
+    faces: Vec<u32>,
+    /// The longest side of a triangle.
+    longest: f64,
+}
+
+/// Compares every region with its faces.
+pub(super) fn compare(
+    brep: &Brep,
+    tessellation: &Tessellation,
+    reference: &Reference,
+    limits: &Limits,
+    chord: f64,
+    context: &Context,
+) -> Result<Vec<Finding>> {
+    let regions = regions(brep, reference);
+    let faces_of: Vec<Vec<[u32; 3]>> = triangles_by_face(brep.faces.len(), tessellation);
+    let mut out = Vec::new();
+    let mut cut_off = 0.0;
+    let points = reference.mesh.points();
+    for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
+        context.check()?;
+        let model: Vec<[u32; 3]> = region.faces.iter().flat_map(|&f| faces_of[f as usize].iter().copied()).collect();
+        let first = points[region.triangles[0][0] as usize];
+        if model.is_empty() {
+            out.push(Finding::new(Fault::MissingFace, r as f64, 0.0, first));
+            continue;
+        }
+        let (worst, mean) = to_model(points, region, &TriangleTree::new(&tessellation.points, &model), context);
+        if worst.0 > limits.distance + chord {
+            let finding = Finding::new(Fault::MeshOffFace, worst.0, limits.distance + chord, worst.1);
+            out.push(finding.of_face(region.faces[0]));
+        }
+        let tree = TriangleTree::new(points, &region.triangles);
+        for &f in &region.faces {
+            let measured = to_mesh(brep, f, tessellation, points, region, &tree, limits);
+            let (off, bound, at) = measured.back;
+            if off > bound {
+                out.push(Finding::new(Fault::FaceOffMesh, off, bound, at).of_face(f));
+            }
+            let share = measured.turned / measured.area;
+            if share > limits.turned_share {
+                let finding = Finding::new(Fault::TurnedNormal, share, limits.turned_share, measured.turned_at);
+                out.push(finding.of_face(f));
+            }
+            cut_off += measured.cut_off + 2.0 * mean * measured.area;
+        }
+    }
+    out.sort_by(|a, b| (a.fault, a.face).cmp(&(b.fault, b.face)));
+    out.extend(volume(brep, tessellation, reference, cut_off, context)?);
+    Ok(out)
+}
+
+/// Triangles and faces of every region.
+fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
+    let faces = brep.faces.iter().filter_map(|f| f.region);
+    let count = reference.region_of.iter().copied().chain(faces).max().map_or(0, |m| m as usize + 1);
+    let mut out: Vec<Region> =
+        (0..count).map(|_| Region { triangles: Vec::new(), faces: Vec::new(), longest: 0.0 }).collect();
+    for (f, face) in brep.faces.iter().enumerate() {
+        if let Some(r) = face.region {
+            out[r as usize].faces.push(f as u32);
+        }
+    }
+    for (face, &r) in reference.mesh.faces().iter().zip(reference.region_of) {
+        let region = &mut out[r as usize];
+        let corners = face.iter().map(|&v| reference.mesh.points()[v as usize]);
+        let sides = corners.clone().zip(corners.cycle().skip(1)).map(|(a, b)| a.distance(b));
+        region.longest = sides.fold(region.longest, f64::max);
+        region.triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
+    }
+    out
+}
+
+fn triangles_by_face(faces: usize, tessellation: &Tessellation) -> Vec<Vec<[u32; 3]>> {
+    let mut out = vec![Vec::new(); faces];
+    for (t, &f) in tessellation.triangles.iter().zip(&tessellation.face_of) {
+        out[f as usize].push(*t);
+    }
+    out
+}
+
+/// The largest distance of a vertex of a region from its faces, with the vertex, and the root mean square.
+fn to_model(points: &[DVec3], region: &Region, model: &TriangleTree, context: &Context) -> ((f64, DVec3), f64) {
+    let mut vertices: Vec<u32> = region.triangles.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let far = |v: &u32| (model.distance(points[*v as usize]), points[*v as usize]);
+    let all: Vec<(f64, DVec3)> = context.install(|| vertices.par_iter().map(far).collect());
+    let square: f64 = all.iter().map(|(d, _)| d * d).sum();
+    let worst = all.iter().fold((0.0, DVec3::ZERO), |w, &d| if d.0 > w.0 { d } else { w });
+    (worst, (square / all.len().max(1) as f64).sqrt())
+}
+
+/// Middles of a face's triangles against the triangles of its region.
+fn to_mesh(
+    brep: &Brep,
+    f: u32,
+    tessellation: &Tessellation,
+    points: &[DVec3],
+    region: &Region,
+    tree: &TriangleTree,
+    limits: &Limits,
+) -> Measured {
+    let face = &brep.faces[f as usize];
+    let surface = brep.surface(face);
+    let border = border_sagitta(brep, f, region.longest);
+    let sense = if face.same_sense { 1.0 } else { -1.0 };
+    let mut out = Measured::default();
+    for (_, _, uv, area) in middles(tessellation).filter(|m| m.0 == f) {
+        let p = surface.point(uv.x, uv.y);
+        let Some(near) = tree.closest(p) else { continue };
+        let corners = region.triangles[near.triangle as usize].map(|v| points[v as usize]);
+        let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
+        let curvature = surface.principal_curvatures(uv.x, uv.y).map(f64::abs);
+        let bend = curvature[0].max(curvature[1]);
+        // No facet is farther from a round surface than its own size.
+        let sagitta = (bend * longest * longest / 8.0).min(0.5 * longest);
+        let sagitta = if sagitta.is_finite() { sagitta } else { 0.5 * longest };
+        let bound = limits.distance + 2.0 * sagitta + border;
+        if near.distance() - bound > out.back.0 - out.back.1 || out.area == 0.0 {
+            out.back = (near.distance(), bound, p);
+        }
+        let normal = sense * surface.normal(uv.x, uv.y);
+        let facet = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        out.area += area;
+        out.cut_off += area * sagitta;
+        // Facets may be tilted by what their size and the curvature make of it, too.
+        let allowed = limits.angle.max((bend * longest).min(1.5));
+        if facet.length_squared() > 0.0 && normal != DVec3::ZERO && normal.angle_between(facet) > allowed {
+            out.turned += area;
+            out.turned_at = p;
+        }
+    }
+    // The strip between chords and curved edges belongs to one face or the other.
+    out.cut_off += border * border_length(brep, f) * region.longest.min(border_length(brep, f));
+    out
+}
+
+/// How far chords of the mesh can be from the curved edges of a face.
+fn border_sagitta(brep: &Brep, f: u32, longest: f64) -> f64 {
+    let bend = |edge: u32| {
+        let edge = &brep.edges[edge as usize];
+        if let Curve::Line { .. } = edge.curve {
+            return 0.0;
+        }
+        let at = |k: u32| {
+            let [_, d, dd] = edge.curve.derivatives(edge.parameter_at((f64::from(k) + 0.5) / 8.0));
+            d.cross(dd).length() / d.length().powi(3)
+        };
+        (0..8).map(at).filter(|k| k.is_finite()).fold(0.0, f64::max)
+    };
+    let most = brep.faces[f as usize].uses().map(|of| bend(of.edge)).fold(0.0, f64::max);
+    (most * longest * longest / 8.0).min(0.5 * longest)
+}
+
+fn border_length(brep: &Brep, f: u32) -> f64 {
+    let length = |edge: u32| {
+        let edge = &brep.edges[edge as usize];
+        let points = (0..=8).map(|k| edge.point_at(f64::from(k) / 8.0)).collect::<Vec<_>>();
+        points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>()
+    };
+    brep.faces[f as usize].uses().map(|of| length(of.edge)).sum()
+}
+
+/// The volumes of closed models.
+fn volume(
+    brep: &Brep,
+    tessellation: &Tessellation,
+    reference: &Reference,
+    cut_off: f64,
+    context: &Context,
+) -> Result<Option<Finding>> {
+    if brep.solids.is_empty() || !brep.free_shells().is_empty() {
+        return Ok(None);
+    }
+    let mass = brep.mass(context)?;
+    let about = mass.about;
+    let cone = |[a, b, c]: [DVec3; 3]| (a - about).dot((b - about).cross(c - about)) / 6.0;
+    let points = reference.mesh.points();
+    let fans = reference
+        .mesh
+        .faces()
+        .iter()
+        .flat_map(|face| (2..face.len()).map(move |k| [face[0], face[k - 1], face[k]].map(|v| points[v as usize])));
+    let of_mesh: f64 = fans.map(cone).sum();
+    // A quadrature that went astray is no better than the model's own facets say.
+    let of_facets: f64 = tessellation.triangles.iter().map(|t| cone(t.map(|v| tessellation.points[v as usize]))).sum();
+    let off = (mass.volume - of_mesh).abs().max(if of_facets > 0.0 { 0.0 } else { of_facets.abs() });
+    let bound = cut_off + 1e-9 * of_mesh.abs();
+    Ok((!(off <= bound)).then(|| Finding::new(Fault::Volume, off, bound, about)))
+}

@@ -1,0 +1,187 @@
+//! Judges a model: what OpenCASCADE's checker looks at, and what it does not.
+//!
+//! A closed model of consistent topology may still be nonsense: a spline that swings between the points it was fitted to, a
+//! wrong branch of an intersection, two faces that cross. So a model that stands for a mesh is compared with it, region by region.
+//! Every finding names the face (or edge, or vertex), what was measured and what was allowed, so that the cause can be mended.
+//!
+//! | file | what is judged |
+//! |---|---|
+//! | `topology` | uses of edges, Euler characteristic |
+//! | `gaps` | edges on both surfaces, vertices at the ends of edges, sizes of tolerances |
+//! | `loops` | loops in the parameter plane: closed, simple, the outer one around the holes |
+//! | `distance` | from the mesh to the faces of its regions and back, normals, volume |
+//! | `crossing` | faces that cross |
+
+mod crossing;
+mod distance;
+mod gaps;
+mod loops;
+#[cfg(test)]
+mod tests;
+mod topology;
+
+use super::Brep;
+use super::tessellate::{Fineness, Tessellation, tessellate};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::SurfaceMesh;
+use glam::DVec3;
+
+/// What is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// In a closed shell, an edge that is not used twice, in opposite senses; measured is the number of uses.
+    EdgeUses,
+    /// V − E + F − holes is not that of the mesh.
+    EulerCharacteristic,
+    /// A loop that does not close in the parameter plane: it winds round the surface without a seam.
+    OpenLoop,
+    /// A loop that crosses itself or another.
+    CrossedLoop,
+    /// The outer loop runs the wrong way round, or a hole is outside of it.
+    InvertedLoop,
+    /// An edge is farther from the surface of a face than its tolerance says.
+    EdgeOffSurface,
+    /// A vertex is farther from the end of an edge than its tolerance says.
+    VertexOffEdge,
+    /// A tolerance is larger than allowed.
+    LargeTolerance,
+    /// An edge is not longer than the tolerances at its ends.
+    ShortEdge,
+    /// A vertex of the mesh is too far from the face of its region.
+    MeshOffFace,
+    /// A point of a face is too far from its region.
+    FaceOffMesh,
+    /// The share of a face's area whose normal is turned against that of its region by more than the limit.
+    TurnedNormal,
+    /// A region of the mesh has no face.
+    MissingFace,
+    /// The volume differs from that of the mesh by more than the facets can cut off.
+    Volume,
+    /// Two faces cross.
+    CrossingFaces,
+}
+
+impl Fault {
+    /// What is measured, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Fault::EdgeUses => "number of uses of an edge",
+            Fault::EulerCharacteristic => "Euler characteristic",
+            Fault::OpenLoop => "gap of a loop in the parameter plane",
+            Fault::CrossedLoop => "a loop that crosses itself or another",
+            Fault::InvertedLoop => "a loop that runs the wrong way round",
+            Fault::EdgeOffSurface => "distance of an edge from a surface",
+            Fault::VertexOffEdge => "distance of a vertex from the end of an edge",
+            Fault::LargeTolerance => "tolerance",
+            Fault::ShortEdge => "length of an edge",
+            Fault::MeshOffFace => "distance of the mesh from a face",
+            Fault::FaceOffMesh => "distance of a face from the mesh",
+            Fault::TurnedNormal => "share of a face with turned normals",
+            Fault::MissingFace => "a region without a face",
+            Fault::Volume => "difference of volumes",
+            Fault::CrossingFaces => "faces that cross",
+        }
+    }
+}
+
+/// Something wrong, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    /// What is wrong.
+    pub fault: Fault,
+    /// The face it is about.
+    pub face: Option<u32>,
+    /// The other face, of two that cross.
+    pub other: Option<u32>,
+    /// The edge it is about.
+    pub edge: Option<u32>,
+    /// The vertex it is about.
+    pub vertex: Option<u32>,
+    /// What was measured, in the unit of the fault.
+    pub measured: f64,
+    /// What was allowed.
+    pub bound: f64,
+    /// Where the worst of it is.
+    pub at: DVec3,
+}
+
+impl Finding {
+    fn new(fault: Fault, measured: f64, bound: f64, at: DVec3) -> Self {
+        Finding { fault, face: None, other: None, edge: None, vertex: None, measured, bound, at }
+    }
+
+    fn of_face(self, face: u32) -> Self {
+        Finding { face: Some(face), ..self }
+    }
+
+    fn of_edge(self, edge: u32) -> Self {
+        Finding { edge: Some(edge), ..self }
+    }
+
+    fn of_vertex(self, vertex: u32) -> Self {
+        Finding { vertex: Some(vertex), ..self }
+    }
+}
+
+/// The mesh that a model stands for.
+#[derive(Debug, Clone, Copy)]
+pub struct Reference<'a> {
+    /// Triangles.
+    pub mesh: &'a SurfaceMesh,
+    /// The region of each triangle; faces name theirs in [`super::Face::region`].
+    pub region_of: &'a [u32],
+}
+
+/// What is allowed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Distance between mesh and model, besides what facets cut off.
+    pub distance: f64,
+    /// Tolerance of a vertex or an edge.
+    pub tolerance: f64,
+    /// Angle between the normals of a face and its region, in radians.
+    pub angle: f64,
+    /// Share of a face where it may be larger.
+    pub turned_share: f64,
+}
+
+impl Limits {
+    /// The limits for a model of this size: tolerances of 1e-5 of the diagonal, normals within 60° on 95 % of a face.
+    pub fn new(diagonal: f64, distance: f64) -> Self {
+        Limits { distance, tolerance: 1e-5 * diagonal, angle: 60f64.to_radians(), turned_share: 0.05 }
+    }
+}
+
+/// Judges a model that [`Brep::check`] has passed. No finding means that it is valid, and near its mesh if one is given. Findings
+/// come by kind, then by the number of the face or edge.
+pub fn validate(
+    brep: &Brep,
+    reference: Option<&Reference>,
+    limits: &Limits,
+    context: &Context,
+) -> Result<Vec<Finding>> {
+    let mut findings = topology::edge_uses(brep);
+    if let Some(reference) = reference {
+        findings.extend(topology::euler_characteristic(brep, reference.mesh));
+    }
+    findings.extend(gaps::gaps(brep, limits, context)?);
+    let chord = 0.25 * limits.distance;
+    let fineness = Fineness { chord, angle: 20f64.to_radians() };
+    let tessellation = tessellate(brep, &fineness, context)?;
+    findings.extend(loops::loops(brep, &fineness, &tessellation, context)?);
+    if let Some(reference) = reference {
+        findings.extend(distance::compare(brep, &tessellation, reference, limits, chord, context)?);
+    }
+    findings.extend(crossing::crossings(brep, &tessellation, chord, context)?);
+    Ok(findings)
+}
+
+/// Points where every face is looked at: middles of its triangles, with their parameters.
+fn middles(tessellation: &Tessellation) -> impl Iterator<Item = (u32, DVec3, glam::DVec2, f64)> {
+    tessellation.triangles.iter().zip(&tessellation.places).zip(&tessellation.face_of).map(|((t, uv), &f)| {
+        let [a, b, c] = t.map(|v| tessellation.points[v as usize]);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        (f, (a + b + c) / 3.0, (uv[0] + uv[1] + uv[2]) / 3.0, area)
+    })
+}

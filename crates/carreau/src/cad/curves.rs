@@ -1,0 +1,100 @@
+//! The curve of every edge: with a name where the pair of surfaces has one, else a spline traced along the intersection.
+
+use super::conics::candidates;
+use super::regions::Piece;
+use super::trace::{gap, trace};
+use super::tuning::{BRANCH, NAMED, TRACED};
+use crate::brep::{Curve, Surface};
+use glam::DVec3;
+
+/// Samples of a candidate between two points of the polyline.
+const SAMPLES: usize = 3;
+
+/// A curve between two surfaces along a polyline of the mesh.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// The curve, run in the sense of the polyline.
+    pub curve: Curve,
+    /// Parameters at both ends, increasing.
+    pub range: [f64; 2],
+    /// Largest distance from the surfaces.
+    pub gap: f64,
+    /// Largest distance of the polyline's vertices from it.
+    pub away: f64,
+}
+
+/// The curve where two pieces meet along a polyline; a closed one repeats its first point. `room` is how far the polyline's
+/// vertices may be from it.
+pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal: f64, room: f64) -> Option<Track> {
+    let named = NAMED * diagonal;
+    let mut best: Option<Track> = None;
+    if let (Some(p), Some(q)) = (&a.primitive, &b.primitive) {
+        for curve in candidates(p, q, polyline) {
+            let Some(track) = follow(curve, polyline, closed) else { continue };
+            let track = measured(track, &a.surface, &b.surface, polyline.len());
+            if track.away <= room.min(BRANCH * diagonal) && best.as_ref().is_none_or(|b| 2.0 * track.gap < b.gap) {
+                best = Some(track);
+            }
+            if best.as_ref().is_some_and(|b| b.gap <= 1e-12 * diagonal) {
+                break;
+            }
+        }
+        if best.as_ref().is_some_and(|b| b.gap <= named) {
+            return best;
+        }
+    }
+    let (spline, gap) = trace(&a.surface, &b.surface, polyline, TRACED * diagonal)?;
+    let range = spline.knots().domain();
+    let curve = Curve::Spline(spline);
+    let away = polyline.iter().map(|&p| curve.distance(p)).fold(0.0, f64::max);
+    let traced = Track { curve, range, gap, away };
+    let good = traced.away <= room.max(BRANCH * diagonal);
+    match best {
+        Some(best) if best.gap <= traced.gap || !good => Some(best),
+        _ => good.then_some(traced),
+    }
+}
+
+/// The straight segment between the ends of a polyline, where that is what it is.
+pub fn straight(polyline: &[DVec3], room: f64) -> Option<Track> {
+    let (a, b) = (polyline[0], polyline[polyline.len() - 1]);
+    if a == b {
+        return None;
+    }
+    let (curve, range) = Curve::segment(a, b);
+    let away = polyline.iter().map(|&p| curve.distance(p)).fold(0.0, f64::max);
+    (away <= room).then_some(Track { curve, range, gap: 0.0, away })
+}
+
+/// A curve in the sense of a polyline, with the range between its ends; `None` where the polyline does not run along it.
+fn follow(curve: Curve, polyline: &[DVec3], closed: bool) -> Option<Track> {
+    let start = curve.project(polyline[0]);
+    let (mut t, mut away) = (start, 0.0f64);
+    for &p in &polyline[1..] {
+        t = curve.project_near(p, t);
+        away = away.max(curve.point(t).distance(p));
+    }
+    away = away.max(curve.point(start).distance(polyline[0]));
+    if !away.is_finite() {
+        return None;
+    }
+    let (curve, mut range) = if t < start { curve.reversed([t, start]) } else { (curve, [start, t]) };
+    if closed {
+        let period = curve.period()?;
+        if ((range[1] - range[0]) / period - 1.0).abs() > 0.01 {
+            return None;
+        }
+        range[1] = range[0] + period;
+    } else if curve.period().is_some_and(|p| range[1] - range[0] > p) || !(range[1] > range[0]) {
+        return None;
+    }
+    Some(Track { curve, range, gap: 0.0, away })
+}
+
+fn measured(mut track: Track, a: &Surface, b: &Surface, points: usize) -> Track {
+    let count = (SAMPLES * points).clamp(8, 64);
+    let [low, high] = track.range;
+    let at = |k: usize| track.curve.point(low + (high - low) * k as f64 / count as f64);
+    track.gap = (0..=count).map(|k| gap(a, b, at(k))).fold(0.0, f64::max);
+    track
+}

@@ -1,0 +1,135 @@
+//! The ladder: what cannot be a face as it is described goes down a rung, a piece at a time, until there is a valid model.
+
+use super::model::{Obstacle, attempt};
+use super::regions::{Map, Piece, Rung};
+use super::shells::enclose;
+use super::tuning::ROUNDS;
+use crate::brep::Brep;
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::primitive::Kind;
+use serde::Serialize;
+
+/// A region that fell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fallback {
+    /// The region of the segmentation.
+    pub region: u32,
+    /// Its kind of surface before: `plane`, …, `freeform`.
+    pub from: String,
+    /// The rung after.
+    pub to: Rung,
+    /// Why.
+    pub reason: String,
+}
+
+/// Goes down the ladder until there is a model.
+pub fn descend(map: &mut Map<'_>, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
+    let mut fallback = Vec::new();
+    let free = std::mem::take(&mut map.free);
+    if !free.is_empty() {
+        let reason = "it lies on no surface of a simple kind";
+        fall(map, &free, Rung::Planes, reason, &mut fallback);
+    }
+    for round in 0..ROUNDS {
+        context.check()?;
+        let tried = attempt(map, context)?;
+        let mut obstacles = tried.obstacles;
+        if obstacles.is_empty() {
+            let mut brep = tried.brep;
+            enclose(map, &mut brep)?;
+            obstacles = super::check::obstacles(map, &brep, context)?;
+            if obstacles.is_empty() {
+                return Ok((brep, fallback));
+            }
+        }
+        demote(map, &obstacles, round, &mut fallback);
+    }
+    // Nothing but triangles is left to be said.
+    let rest: Vec<u32> = (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
+    fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
+    let tried = attempt(map, context)?;
+    if let Some(obstacle) = tried.obstacles.first() {
+        return Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)));
+    }
+    let mut brep = tried.brep;
+    enclose(map, &mut brep)?;
+    Ok((brep, fallback))
+}
+
+/// Demotes the cause of every obstacle: the least certain of its pieces.
+fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mut Vec<Fallback>) {
+    let mut chosen: Vec<(u32, &str)> = Vec::new();
+    for obstacle in obstacles {
+        // One fall of a piece may clear more than one obstacle.
+        if round + 4 < ROUNDS && obstacle.pieces.iter().any(|p| chosen.iter().any(|c| c.0 == *p)) {
+            continue;
+        }
+        let movable = |p: &&u32| map.pieces[**p as usize].rung < Rung::Triangles;
+        let weakest = obstacle.pieces.iter().filter(movable).max_by(|&&a, &&b| {
+            let (x, y) = (&map.pieces[a as usize], &map.pieces[b as usize]);
+            doubt(x).total_cmp(&doubt(y)).then(y.triangles.len().cmp(&x.triangles.len())).then(b.cmp(&a))
+        });
+        if let Some(&weakest) = weakest {
+            chosen.push((weakest, &obstacle.reason));
+        } else {
+            // Triangles alone are in each other's way: their neighbours hold them there.
+            let around = neighbours(map, &obstacle.pieces);
+            let next = around.into_iter().find(|&p| map.pieces[p as usize].rung < Rung::Triangles);
+            chosen.extend(next.map(|p| (p, obstacle.reason.as_str())));
+        }
+    }
+    chosen.sort_by_key(|c| c.0);
+    chosen.dedup_by_key(|c| c.0);
+    if chosen.is_empty() {
+        chosen.extend((0..map.pieces.len() as u32).map(|p| (p, "its neighbours are not valid")));
+        chosen.retain(|c| map.pieces[c.0 as usize].rung < Rung::Triangles);
+    }
+    for (p, reason) in chosen {
+        let next = if map.pieces[p as usize].rung < Rung::Planes { Rung::Planes } else { Rung::Triangles };
+        fall_without_numbers(map, &[p], next, reason, fallback);
+    }
+    map.compact();
+}
+
+/// The less certain, the larger: distance from the vertices first, then the kind.
+fn doubt(piece: &Piece) -> f64 {
+    let kind = match piece.primitive.map(|p| p.kind()) {
+        Some(Kind::Plane) => 0.0,
+        Some(Kind::Cylinder) => 1.0,
+        Some(Kind::Sphere) => 2.0,
+        Some(Kind::Cone) => 3.0,
+        Some(Kind::Torus) => 4.0,
+        None => 5.0,
+    };
+    // A decade of distance weighs as much as a kind.
+    let residual = (piece.max.max(1e-300)).log10();
+    if piece.rung >= Rung::Planes { -1e3 } else { kind + residual.max(-30.0) }
+}
+
+fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
+    let corners = pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter()).flat_map(|&k| 3 * k..3 * k + 3);
+    let others = corners.map(|c| map.t.opposite(c)).filter(|&o| o != crate::mesh::NONE);
+    let mut found: Vec<u32> = others.map(|o| map.label[o as usize / 3]).filter(|l| !pieces.contains(l)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn fall(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str, fallback: &mut Vec<Fallback>) {
+    fall_without_numbers(map, which, to, reason, fallback);
+    map.compact();
+}
+
+fn fall_without_numbers(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str, fallback: &mut Vec<Fallback>) {
+    for &p in which {
+        let piece = &map.pieces[p as usize];
+        let from = piece.primitive.map_or("freeform", |p| p.kind().name());
+        let known = fallback.iter_mut().find(|f| f.region == piece.region);
+        match known {
+            Some(known) => known.to = known.to.max(to),
+            None => fallback.push(Fallback { region: piece.region, from: from.into(), to, reason: reason.into() }),
+        }
+    }
+    map.divide(which, to);
+}

@@ -1,0 +1,139 @@
+//! Room 6: a mesh becomes a CAD model, with the faces that the part really has.
+//!
+//! Lavoué, Dupont and Baskurt name it as the aim of their segmentation: sub-surfaces approximated by parametric surfaces.
+//! The stages are those of reverse engineering (Várady, Martin, Cox: *Reverse engineering of geometric models*, CAD 29, 1997).
+//!
+//! | stage | file |
+//! |---|---|
+//! | regions and their surfaces | [`crate::segment`] |
+//! | the map: neighbours on one surface made one, crumbs absorbed | `regions` |
+//! | corners, edges and loops of the map | `topology` |
+//! | curves of the edges: with a name | `curves`, `conics` |
+//! | curves of the edges: traced | `trace` |
+//! | corners | `corners` |
+//! | loops in parameters, seams, spheres turned | `faces` |
+//! | the model while it is made | `draft` |
+//! | one attempt, all of the above | `model` |
+//! | shells and bodies | `shells` |
+//! | what a model must pass | `check` |
+//! | pieces that are in the way go down a rung | `ladder` |
+//! | constants | `tuning` |
+
+mod check;
+mod conics;
+mod corners;
+mod curves;
+mod draft;
+mod faces;
+mod ladder;
+mod model;
+mod regions;
+mod shells;
+#[cfg(test)]
+mod tests;
+mod topology;
+mod trace;
+mod tuning;
+
+use crate::brep::Brep;
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{SurfaceMesh, Triangles};
+use crate::segment::{Rectify, SegmentOptions, Segmentation, segment};
+use regions::Map;
+use serde::{Deserialize, Serialize};
+
+pub use ladder::Fallback;
+pub use regions::Rung;
+
+/// What kind of model is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Style {
+    /// From the data.
+    #[default]
+    Auto,
+    /// Faces on the surfaces of a part.
+    Mechanical,
+    /// Spline faces over all of a free surface.
+    Organic,
+}
+
+/// Options of [`rebuild`].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CadOptions {
+    /// What kind of model is made.
+    pub style: Style,
+    /// Largest distance of a vertex from its face, in the unit of the file; from the data by default.
+    #[serde(skip)]
+    pub tolerance: Option<f64>,
+    /// Faces as given: one label per triangle.
+    #[serde(skip)]
+    pub labels: Option<Vec<u32>>,
+    /// More faces than this are refused.
+    pub max_faces: Option<u32>,
+}
+
+/// A CAD model with what is known about it.
+#[derive(Debug, Clone)]
+pub struct CadModel {
+    /// The model. The face of every piece of the mesh has its number.
+    pub brep: Brep,
+    /// Face of every triangle of the mesh.
+    pub face_of_triangle: Vec<u32>,
+    /// Regions that fell down the ladder.
+    pub fallback: Vec<Fallback>,
+    /// What the regions were.
+    pub segmentation: Segmentation,
+    /// Largest distance of a vertex of the mesh from the surface of its face.
+    pub distance_max: f64,
+    /// Root mean square of these distances.
+    pub distance_rms: f64,
+}
+
+/// Makes a CAD model of a mesh: every closed body a solid, every open one a shell.
+///
+/// # Errors
+/// Faces with more than three corners, no faces, an option without sense, or more faces than allowed.
+pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
+    if options.style == Style::Organic {
+        return Err(Error::Options("style organic is not available yet; use mechanical or auto".into()));
+    }
+    let Some(triangles) = Triangles::of(mesh) else {
+        return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));
+    };
+    let wanted = SegmentOptions {
+        labels: options.labels.clone(),
+        tolerance: options.tolerance,
+        rectify: if options.labels.is_some() { Rectify::None } else { Rectify::default() },
+        ..SegmentOptions::default()
+    };
+    let segmentation = segment(mesh, &wanted, context)?;
+    let mut map = {
+        let _stage = context.stage("map");
+        Map::new(triangles, mesh.diagonal(), &segmentation)
+    };
+    let (brep, fallback) = ladder::descend(&mut map, context)?;
+    if options.max_faces.is_some_and(|most| brep.faces.len() > most as usize) {
+        return Err(Error::Numeric(format!(
+            "the model has {} faces, more than the {} allowed; simplify the mesh first, or raise --max-faces",
+            brep.faces.len(),
+            options.max_faces.unwrap_or(0)
+        )));
+    }
+    let (distance_max, distance_rms) = distances(&map);
+    Ok(CadModel { brep, face_of_triangle: map.label, fallback, segmentation, distance_max, distance_rms })
+}
+
+/// Largest and root mean square distance of the vertices of all pieces from their surfaces.
+fn distances(map: &Map<'_>) -> (f64, f64) {
+    let (mut max, mut sum, mut count) = (0.0f64, 0.0, 0.0);
+    for piece in &map.pieces {
+        for p in regions::vertices(map.t, &piece.triangles) {
+            let d = piece.surface.distance(p);
+            (max, sum, count) = (max.max(d), sum + d * d, count + 1.0);
+        }
+    }
+    (max, (sum / f64::max(count, 1.0)).sqrt())
+}

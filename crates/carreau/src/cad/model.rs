@@ -1,0 +1,150 @@
+//! One attempt: from a map of pieces to a model, or to the pieces that are in the way.
+
+use super::corners::place;
+use super::curves::{Track, between, straight};
+use super::draft::{Draft, DraftFace};
+use super::faces::{face, turn_sphere};
+use super::regions::{Map, Piece, Rung};
+use super::topology::{Chain, Graph};
+use super::tuning::{COPLANAR_DISTANCE, GAP, SAME_POINT};
+use crate::brep::{Brep, Face, Surface};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::NONE;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Pieces of which one is in the way of a valid model, and why.
+#[derive(Debug, Clone)]
+pub struct Obstacle {
+    /// The pieces.
+    pub pieces: Vec<u32>,
+    /// What is wrong.
+    pub reason: String,
+}
+
+/// A model with the piece of every face, or obstacles.
+pub struct Attempt {
+    /// The model; faces in the order of the pieces, shells not made yet.
+    pub brep: Brep,
+    /// What is in the way; then the model is empty.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// Tries to make a model of the map.
+pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
+    let graph = graph(map)?;
+    let refused = |obstacles| Ok(Attempt { brep: Brep::default(), obstacles });
+    let tracks = {
+        let _stage = context.stage("edges");
+        let tracks: Vec<Option<Track>> = graph.chains.par_iter().map(|c| track(map, c)).collect();
+        context.check()?;
+        tracks
+    };
+    let mut obstacles = Vec::new();
+    let mut found = Vec::with_capacity(tracks.len());
+    for (track, chain) in tracks.into_iter().zip(&graph.chains) {
+        let pieces = || chain.sides.into_iter().filter(|&s| s != NONE).collect();
+        match track {
+            Some(track) if track.gap <= GAP * map.diagonal => found.push(track),
+            Some(track) => {
+                let share = track.gap / map.diagonal;
+                obstacles.push(Obstacle { pieces: pieces(), reason: format!("its edge is {share:.0e} of the size off") });
+            }
+            None => obstacles.push(Obstacle { pieces: pieces(), reason: "it does not meet its neighbour in a curve".into() }),
+        }
+    }
+    if !obstacles.is_empty() {
+        return refused(obstacles);
+    }
+    let mut draft = Draft::default();
+    obstacles.extend(place(map, &graph, &mut found, &mut draft));
+    if !obstacles.is_empty() {
+        return refused(obstacles);
+    }
+    draft.edges_of(found, &graph);
+    let _stage = context.stage("faces");
+    let mut faces: Vec<(Face, DraftFace)> = Vec::with_capacity(map.pieces.len());
+    for p in 0..map.pieces.len() {
+        context.check_every(p)?;
+        let loops: Vec<Vec<(u32, bool)>> =
+            graph.loops[p].iter().map(|l| l.iter().map(|u| (u.chain, u.reversed)).collect()).collect();
+        if matches!(map.pieces[p].surface, Surface::Sphere { .. }) {
+            let middle = middle(map, p);
+            turn_sphere(&mut map.pieces[p], &draft, &loops, middle);
+        }
+        let piece = &map.pieces[p];
+        match face(piece, &mut draft, loops, map.diagonal) {
+            Ok(drafted) => {
+                let mut face = Face::new(p as u32, Vec::new());
+                face.same_sense = piece.same_sense;
+                face.name = format!("{}_{p}", piece.surface.kind().name());
+                face.region = Some(piece.region);
+                face.trimmed = matches!(piece.surface, Surface::Spline(_));
+                faces.push((face, drafted));
+            }
+            Err(reason) => obstacles.push(Obstacle { pieces: vec![p as u32], reason: reason.into() }),
+        }
+    }
+    if !obstacles.is_empty() {
+        return refused(obstacles);
+    }
+    let surfaces = map.pieces.iter().map(|p| p.surface.clone()).collect();
+    Ok(Attempt { brep: draft.finish(surfaces, faces), obstacles })
+}
+
+/// The graph of the map, where the vertices at which boundaries of facets bend are corners as well.
+fn graph(map: &Map<'_>) -> Result<Graph> {
+    let (t, pieces) = (map.t, &map.pieces);
+    let forced = |graph: &Graph| -> Vec<u32> {
+        let facets = |c: &&Chain| c.sides.iter().all(|&s| s == NONE || pieces[s as usize].rung >= Rung::Planes);
+        let mut out = Vec::new();
+        for c in graph.chains.iter().filter(facets) {
+            let n = c.vertices.len();
+            let p = |k: usize| t.points()[c.vertices[k] as usize];
+            let bends = |a: DVec3, b: DVec3, c: DVec3| {
+                let along = (c - a).normalize_or_zero();
+                let off = (b - a) - along * (b - a).dot(along);
+                off.length() > COPLANAR_DISTANCE * map.diagonal || (b - a).dot(c - b) <= 0.0
+            };
+            out.extend((1..n - 1).filter(|&k| bends(p(k - 1), p(k), p(k + 1))).map(|k| c.vertices[k]));
+            if c.closed && n > 2 && bends(p(n - 2), p(0), p(1)) {
+                out.push(c.vertices[0]);
+            }
+        }
+        out
+    };
+    let graph = Graph::of(t, &map.label, pieces.len(), &[])?;
+    let more = forced(&graph);
+    if more.is_empty() { Ok(graph) } else { Graph::of(t, &map.label, pieces.len(), &more) }
+}
+
+fn track(map: &Map<'_>, chain: &Chain) -> Option<Track> {
+    let polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
+    let closed = chain.vertices[0] == chain.vertices[chain.vertices.len() - 1];
+    let side = |s: u32| (s != NONE).then(|| &map.pieces[s as usize]);
+    let [a, b] = chain.sides.map(side);
+    let a = a?;
+    let b = b.unwrap_or(a);
+    let facets = a.rung >= Rung::Planes && b.rung >= Rung::Planes;
+    let flat = |p: &Piece| matches!(p.surface, Surface::Plane { .. });
+    if facets || (chain.sides[1] == NONE && flat(a)) {
+        if let Some(track) = straight(&polyline, SAME_POINT * 10.0 * map.diagonal) {
+            return Some(track);
+        }
+    }
+    // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.
+    let room = 4.0 * (a.max + b.max) + super::tuning::FILE * map.diagonal;
+    between(a, b, &polyline, closed, map.diagonal, room)
+}
+
+/// The mean of a piece's vertices, weighted by area.
+fn middle(map: &Map<'_>, p: usize) -> DVec3 {
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    for &k in &map.pieces[p].triangles {
+        let area = super::regions::area_vector(map.t, k).length();
+        sum += area * map.t.triangle(k).map(|v| map.t.points()[v as usize]).iter().sum::<DVec3>() / 3.0;
+        total += area;
+    }
+    sum / f64::max(total, f64::MIN_POSITIVE)
+}

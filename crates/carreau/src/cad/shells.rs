@@ -1,0 +1,88 @@
+//! Shells and bodies: the connected parts of the mesh, and which of them are cavities of which.
+
+use super::regions::Map;
+use crate::brep::{Brep, Shell, Solid};
+use crate::error::Result;
+use crate::geometry::search_tree::TriangleTree;
+use crate::geometry::winding::WindingTree;
+use crate::mesh::{DisjointSets, NONE};
+use glam::DVec3;
+
+/// Gives the faces of a model to shells and the closed shells to solids.
+pub fn enclose(map: &Map<'_>, brep: &mut Brep) -> Result<()> {
+    let t = map.t;
+    let mut sets = DisjointSets::new(map.pieces.len());
+    let mut open = vec![false; map.pieces.len()];
+    for c in 0..3 * t.len() as u32 {
+        let (own, o) = (map.label[c as usize / 3], t.opposite(c));
+        if o == NONE {
+            open[own as usize] = true;
+        } else {
+            sets.union(own, map.label[o as usize / 3]);
+        }
+    }
+    let (of, count) = sets.labels();
+    let mut shells = vec![Shell { closed: true, ..Shell::default() }; count];
+    for (p, &s) in of.iter().enumerate() {
+        shells[s as usize].faces.push(p as u32);
+        shells[s as usize].closed &= !open[p];
+    }
+    let bodies = Bodies::new(map, &of, count);
+    let depth: Vec<usize> = (0..count).map(|s| bodies.around(s, &shells).count()).collect();
+    let mut solids: Vec<Solid> = Vec::new();
+    let mut of_shell = vec![NONE; count];
+    for s in (0..count).filter(|&s| shells[s].closed && depth[s].is_multiple_of(2)) {
+        of_shell[s] = solids.len() as u32;
+        solids.push(Solid { outer: s as u32, ..Solid::default() });
+    }
+    for s in (0..count).filter(|&s| shells[s].closed && !depth[s].is_multiple_of(2)) {
+        let parent = bodies.around(s, &shells).find(|&p| depth[p] + 1 == depth[s] && of_shell[p] != NONE);
+        if let Some(parent) = parent {
+            solids[of_shell[parent] as usize].voids.push(s as u32);
+        } else {
+            solids.push(Solid { outer: s as u32, ..Solid::default() });
+        }
+    }
+    (brep.shells, brep.solids) = (shells, solids);
+    Ok(())
+}
+
+struct Bodies {
+    trees: Vec<WindingTree>,
+    bounds: Vec<(DVec3, DVec3)>,
+    /// A vertex of each.
+    probe: Vec<DVec3>,
+}
+
+impl Bodies {
+    fn new(map: &Map<'_>, of: &[u32], count: usize) -> Self {
+        let mut triangles = vec![Vec::new(); count];
+        for (k, &l) in map.label.iter().enumerate() {
+            triangles[of[l as usize] as usize].push(map.t.triangle(k as u32));
+        }
+        let mut bounds = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); count];
+        for (b, triangles) in bounds.iter_mut().zip(&triangles) {
+            for &v in triangles.iter().flatten() {
+                let p = map.t.points()[v as usize];
+                *b = (b.0.min(p), b.1.max(p));
+            }
+        }
+        let probe = triangles.iter().map(|t| map.t.points()[t[0][0] as usize]).collect();
+        let trees = match count {
+            0 | 1 => Vec::new(),
+            _ => triangles.iter().map(|t| WindingTree::new(&TriangleTree::new(map.t.points(), t))).collect(),
+        };
+        Bodies { trees, bounds, probe }
+    }
+
+    /// The closed shells around a shell.
+    fn around<'a>(&'a self, s: usize, shells: &'a [Shell]) -> impl Iterator<Item = usize> + 'a {
+        let (low, high) = self.bounds[s];
+        (0..self.trees.len()).filter(move |&o| {
+            let (l, h) = self.bounds[o];
+            o != s && shells[o].closed && l.cmplt(low).all() && h.cmpgt(high).all() && {
+                self.trees[o].contains(self.probe[s])
+            }
+        })
+    }
+}

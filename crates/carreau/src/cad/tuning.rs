@@ -1,0 +1,44 @@
+//! The constants of the room: what each is a measure of, its unit, and why it has that value.
+
+/// Share of the diagonal: an edge's curve with a name (line, circle, ellipse …) is exact when it is as near as this to both
+/// surfaces. A tenth of the tolerance (1e-6) that other programs work with without trouble.
+pub const NAMED: f64 = 1e-7;
+/// Share of the diagonal: largest distance of a spline edge from its two surfaces; refined until it is met.
+pub const TRACED: f64 = 2e-8;
+/// Share of the diagonal: gaps above this make a model that other programs cannot work with, so that a face is demoted.
+pub const GAP: f64 = 1e-5;
+/// Share of the diagonal: the vertices of a tessellation lie this near to its surfaces where the file has their full digits
+/// (a float has 6e-8 of its own size).
+pub const FILE: f64 = 2e-6;
+/// Share of the diagonal: points nearer than this are one point.
+pub const SAME_POINT: f64 = 1e-9;
+/// Cosine: two surfaces whose normals differ by less than 10° all along an edge touch there; from there on the intersection
+/// is ill-conditioned at the accuracy of the normals of a mesh.
+pub const TANGENT: f64 = 0.9848;
+/// Radians: directions nearer than this are parallel in exact data (the axis of a fit through vertices of float precision).
+pub const PARALLEL: f64 = 1e-5;
+/// Of the largest eigenvalue of Σ n nᵀ: below it the surfaces leave a direction free. Normals that differ by 1°.
+pub const FREE: f64 = 1e-4;
+/// Number of Newton steps; convergence is quadratic but for contacts.
+pub const STEPS: usize = 20;
+/// Most points of a spline edge.
+pub const MOST_POINTS: usize = 4000;
+/// Rounds in which the points of a spline edge are doubled where it is too far from the surfaces.
+pub const DOUBLINGS: usize = 9;
+/// Samples of every edge where loops are unrolled, least number: a full turn needs several so that no step exceeds half a
+/// period.
+pub const LOOP_SAMPLES: usize = 16;
+/// Share of a period: a seam keeps this distance from other loops, so that tessellations do not run into them.
+pub const SEAM_CLEARANCE: f64 = 2e-3;
+/// Radians: a face of a sphere that is seen from its middle under less than this has both poles outside.
+pub const CAP: f64 = 1.35;
+/// Rounds of the ladder; every round demotes one face at least, from a finite number of rungs, but rounds cost time. The last
+/// ones demote everything that is still in the way at once.
+pub const ROUNDS: usize = 24;
+/// Radians: triangles of one plane facet differ by no more than this.
+pub const COPLANAR: f64 = 1e-6;
+/// Share of the diagonal: the same as a distance.
+pub const COPLANAR_DISTANCE: f64 = 1e-9;
+/// Edges may be this much of the diagonal away from the mesh's polyline even where that is straight: wrong branches are
+/// farther away by the size of the part.
+pub const BRANCH: f64 = 2e-3;
