@@ -1,5 +1,6 @@
 //! carreau turns triangle surfaces into structured models.
 
+pub mod brep;
 pub mod context;
 pub mod error;
 pub mod field;

@@ -11,18 +11,19 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("mesh", &[]),
     ("geometry", &["mesh", "numeric"]),
     ("numeric", &["mesh"]),
+    ("brep", &["mesh", "geometry", "numeric"]),
     // Cells of a surface stand about its skeleton.
     ("hex", &["mesh", "geometry", "numeric", "skeleton"]),
     ("skeleton", &["mesh", "geometry", "numeric"]),
-    ("patch", &["mesh", "geometry", "numeric"]),
+    ("patch", &["mesh", "geometry", "brep", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
     ("field", &["mesh", "geometry", "numeric"]),
     // Its rungs are made of other rooms: quads follow fields, and start from meshes of another size.
     ("quad", &["mesh", "geometry", "numeric", "field", "remesh"]),
-    ("io", &["mesh", "geometry", "patch"]),
-    ("sample", &["mesh", "geometry", "patch"]),
-    ("report", &["mesh", "geometry", "patch", "field", "quad"]),
+    ("io", &["mesh", "geometry", "brep", "patch"]),
+    ("sample", &["mesh", "geometry", "brep", "patch"]),
+    ("report", &["mesh", "geometry", "brep", "patch", "field", "quad"]),
 ];
 const GROUND: &[&str] = &["error", "context", "length"];
 /// What the crate's root re-exports from the ground floor.

@@ -7,7 +7,6 @@
 //! | `curvature` | principal curvatures and directions |
 //! | `planar` | fills a flat face with nearly equilateral triangles |
 //! | `bspline` | B-spline curves and surfaces |
-//! | `brep` | boundary representation: what CAD files hold |
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
 //! | `summary` | minimum, mean, percentiles, histogram |
 //! | `quadric` | sums of squared distances to planes |
@@ -18,7 +17,6 @@
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
-pub mod brep;
 pub mod bspline;
 pub(crate) mod closest;
 pub mod curvature;

@@ -1,8 +1,8 @@
 //! What the two CAD writers have in common: options, units, numbers, the choice by extension.
 
 use super::{extension, iges, step};
+use crate::brep::{Brep, Face, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Brep, Face, Surface};
 use crate::geometry::bspline::BSplineSurface;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -103,8 +103,8 @@ const BREAK: f64 = 0.05;
 /// Whether a face is written with its border in the parameter plane: trimmed faces, and those with breaks. Readers
 /// integrate over a face between the breaks of its border curves; where these are missing, areas and volumes come out wrong
 /// by up to 1e-3 of the face in OpenCASCADE, on flat faces with cells of unequal size as on bent ones.
-pub(super) fn needs_parameter_curves(face: &Face) -> bool {
-    face.trimmed || matches!(&face.surface, Surface::Spline(surface) if has_breaks(surface))
+pub(super) fn needs_parameter_curves(brep: &Brep, face: &Face) -> bool {
+    face.trimmed || matches!(brep.surface(face), Surface::Spline(surface) if has_breaks(surface))
 }
 
 /// Whether the area vector of a surface of degree (1, 1) jumps across some grid line. It is linear along the line between
@@ -169,7 +169,7 @@ pub(super) fn push_real(out: &mut Vec<u8>, x: f64, exponent: u8) {
 /// against its shortest edge.
 pub(super) fn resolution(brep: &Brep) -> f64 {
     let [low, high] = brep.bounds();
-    let length = |[a, b]: [u32; 2]| brep.vertices[a as usize].distance(brep.vertices[b as usize]);
+    let length = |[a, b]: [u32; 2]| brep.point(a).distance(brep.point(b));
     let shortest = brep.edges.iter().map(|e| length(e.ends)).filter(|&l| l > 0.0).fold(f64::INFINITY, f64::min);
     let wanted = (1e-7 * (high - low).length()).min(1e-2 * shortest);
     let least = 1e-12 * low.abs().max(high.abs()).max_element();

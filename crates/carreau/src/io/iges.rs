@@ -15,8 +15,8 @@
 
 use super::cad::{CadOptions, Unit, needs_parameter_curves, push_real, resolution};
 use super::text::push_integer;
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::geometry::bspline::{BSplineSurface, Knots};
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()>
     options.check()?;
     let mut writer = Writer::default();
     for face in &brep.faces {
-        writer.face(brep, face);
+        writer.face(brep, face)?;
     }
     if writer.directory_lines > MAX_LINES || writer.parameter_lines > MAX_LINES {
         return Err(Error::input(
@@ -220,14 +220,15 @@ impl Writer {
 // Entities ---------------------------------------------------------------------------------------------------------
 
 impl Writer {
-    fn face(&mut self, brep: &Brep, face: &Face) {
-        let surface = match &face.surface {
-            Surface::Spline(spline) if !needs_parameter_curves(face) => {
+    fn face(&mut self, brep: &Brep, face: &Face) -> Result<()> {
+        let surface = match brep.surface(face) {
+            Surface::Spline(spline) if !needs_parameter_curves(brep, face) => {
                 self.spline_surface(spline, INDEPENDENT);
-                return;
+                return Ok(());
             }
             Surface::Spline(spline) => self.spline_surface(spline, DEPENDENT),
-            Surface::Plane { origin, normal, .. } => self.plane(*origin, *normal),
+            Surface::Plane { frame } => self.plane(frame.origin, frame.z),
+            other => return Err(Error::Bug(format!("IGES: a {}", other.kind().name()))),
         };
         let loops: Vec<Entity> = face.loops.iter().map(|uses| self.boundary(brep, surface, uses)).collect();
         self.entity(144, INDEPENDENT, |w| {
@@ -235,6 +236,7 @@ impl Writer {
             w.integers([surface, 1, loops.len().saturating_sub(1) as u32]);
             w.integers(loops);
         });
+        Ok(())
     }
 
     /// 108: A x + B y + C z = D, unbounded.
@@ -283,8 +285,8 @@ impl Writer {
 
     fn curve(&mut self, edge: &Edge, reversed: bool, brep: &Brep) -> Entity {
         match &edge.curve {
-            Curve::Line => {
-                let [a, b] = edge.ends.map(|v| brep.vertices[v as usize]);
+            Curve::Line { .. } => {
+                let [a, b] = edge.ends.map(|v| brep.point(v));
                 self.line(if reversed { [b, a] } else { [a, b] }, DEPENDENT)
             }
             Curve::Spline(spline) if reversed => {
@@ -292,6 +294,7 @@ impl Writer {
                 self.spline_curve(back.knots(), back.points(), DEPENDENT)
             }
             Curve::Spline(spline) => self.spline_curve(spline.knots(), spline.points(), DEPENDENT),
+            _ => 0,
         }
     }
 
@@ -305,7 +308,7 @@ impl Writer {
             (&[a, b], _) => Some(self.line([a, b], PARAMETRIC)),
             (_, Curve::Spline(c)) if of.reversed => Some(self.spline_curve(c.reversed().knots(), &points, PARAMETRIC)),
             (_, Curve::Spline(c)) => Some(self.spline_curve(c.knots(), &points, PARAMETRIC)),
-            (_, Curve::Line) => None,
+            _ => None,
         }
     }
 
@@ -440,7 +443,7 @@ mod tests {
         let splines: Vec<&BSplineSurface> = brep
             .faces
             .iter()
-            .filter_map(|f| if let Surface::Spline(s) = &f.surface { Some(s) } else { None })
+            .filter_map(|f| if let Surface::Spline(s) = brep.surface(f) { Some(s) } else { None })
             .collect();
         assert_eq!(written.len(), splines.len());
         for (e, s) in written.into_iter().zip(splines) {

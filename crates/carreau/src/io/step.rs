@@ -6,8 +6,8 @@
 
 use super::cad::{CadOptions, StepSchema, Unit, needs_parameter_curves, push_real, resolution};
 use super::text::push_integer;
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Frame, Shell, Surface};
 use crate::error::Result;
-use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Shell, Surface};
 use crate::geometry::bspline::{BSplineCurve, BSplineSurface, Knots};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -258,18 +258,18 @@ impl Writer<'_> {
 impl Writer<'_> {
     /// Writes everything up to the shells; returns their ids.
     fn topology(&mut self, brep: &Brep, parameter_curves: bool) -> Vec<Id> {
-        let surfaces: Vec<Id> = brep.faces.iter().map(|f| self.surface(&f.surface)).collect();
-        let vertices: Vec<Id> = brep.vertices.iter().map(|&p| self.vertex(p)).collect();
+        let surfaces: Vec<Id> = brep.surfaces.iter().map(|s| self.surface(s)).collect();
+        let vertices: Vec<Id> = brep.vertices.iter().map(|v| self.vertex(v.point)).collect();
         let on_faces = self.curves_on_faces(brep, &surfaces, parameter_curves);
         let edges: Vec<Id> =
-            brep.edges.iter().zip(&on_faces).map(|(edge, curves)| self.edge(brep, edge, &vertices, curves)).collect();
+            brep.edges.iter().zip(&on_faces).map(|(edge, curves)| self.edge(edge, &vertices, curves)).collect();
         let mut void = vec![false; brep.shells.len()];
         brep.solids.iter().flat_map(|s| &s.voids).for_each(|&s| void[s as usize] = true);
         let shell = |(shell, turned): (&Shell, bool)| {
             let faces: Vec<Id> = shell
                 .faces
                 .iter()
-                .map(|&f| self.face(&brep.faces[f as usize], surfaces[f as usize], &edges, turned))
+                .map(|&f| self.face(&brep.faces[f as usize], &surfaces, &vertices, &edges, turned))
                 .collect();
             let id = self.begin();
             self.text(if shell.closed { "CLOSED_SHELL(''," } else { "OPEN_SHELL(''," });
@@ -289,7 +289,7 @@ impl Writer<'_> {
     /// The PCURVEs of every edge.
     fn curves_on_faces(&mut self, brep: &Brep, surfaces: &[Id], all: bool) -> Vec<Vec<Id>> {
         let mut out = vec![Vec::new(); brep.edges.len()];
-        let wanted = |f: &Face| all || needs_parameter_curves(f);
+        let wanted = |f: &Face| all || needs_parameter_curves(brep, f);
         if !brep.faces.iter().any(wanted) {
             return out;
         }
@@ -297,7 +297,8 @@ impl Writer<'_> {
             "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()REPRESENTATION_CONTEXT('',''))",
             &[],
         );
-        for (face, &surface) in brep.faces.iter().zip(surfaces).filter(|(f, _)| wanted(f)) {
+        for face in brep.faces.iter().filter(|f| wanted(f)) {
+            let surface = surfaces[face.surface as usize];
             for of in face.loops.iter().flatten().filter(|u| !u.parameters.is_empty()) {
                 let curve = self.parameter_curve(brep, of);
                 let representation = self.entity("DEFINITIONAL_REPRESENTATION('',(#),#)", &[curve, plane]);
@@ -314,8 +315,7 @@ impl Writer<'_> {
         let edge = &brep.edges[of.edge as usize];
         let breaks = match &edge.curve {
             Curve::Spline(c) if points.len() > 2 => c.knots().breaks(),
-            Curve::Spline(c) => c.knots().domain().to_vec(),
-            Curve::Line => vec![0.0, length(brep, edge)],
+            _ => edge.range.to_vec(),
         };
         let id = self.begin();
         self.text("B_SPLINE_CURVE_WITH_KNOTS('',1,");
@@ -330,11 +330,8 @@ impl Writer<'_> {
         id
     }
 
-    fn edge(&mut self, brep: &Brep, edge: &Edge, vertices: &[Id], on_faces: &[Id]) -> Id {
-        let mut curve = match &edge.curve {
-            Curve::Line => self.line(brep, edge),
-            Curve::Spline(spline) => self.spline_curve(spline),
-        };
+    fn edge(&mut self, edge: &Edge, vertices: &[Id], on_faces: &[Id]) -> Id {
+        let mut curve = self.curve(&edge.curve);
         if !on_faces.is_empty() {
             let id = self.begin();
             self.text("SURFACE_CURVE('',");
@@ -350,7 +347,7 @@ impl Writer<'_> {
     }
 
     /// `turned` writes the face with the opposite normal: its loops, too, then run the other way round.
-    fn face(&mut self, face: &Face, surface: Id, edges: &[Id], turned: bool) -> Id {
+    fn face(&mut self, face: &Face, surfaces: &[Id], vertices: &[Id], edges: &[Id], turned: bool) -> Id {
         let sense = if turned { ".F.)" } else { ".T.)" };
         let mut bounds = Vec::with_capacity(face.loops.len());
         for (k, uses) in face.loops.iter().enumerate() {
@@ -369,13 +366,19 @@ impl Writer<'_> {
             let kind = if k == 0 { "FACE_OUTER_BOUND('',#," } else { "FACE_BOUND('',#," };
             bounds.push(self.entity(&format!("{kind}{sense}"), &[border]));
         }
+        for &pole in &face.poles {
+            let border = self.entity("VERTEX_LOOP('',#)", &[vertices[pole as usize]]);
+            bounds.push(self.entity(&format!("FACE_BOUND('',#,{sense}"), &[border]));
+        }
         let id = self.begin();
-        self.text("ADVANCED_FACE('',");
+        self.text("ADVANCED_FACE(");
+        self.string(&face.name);
+        self.out.push(b',');
         self.ids(bounds);
         self.out.push(b',');
-        self.id(surface);
+        self.id(surfaces[face.surface as usize]);
         self.out.push(b',');
-        self.text(sense);
+        self.text(if face.same_sense != turned { ".T.)" } else { ".F.)" });
         self.end();
         id
     }
@@ -419,16 +422,46 @@ impl Writer<'_> {
         self.coordinates("DIRECTION", &d.to_array())
     }
 
-    fn line(&mut self, brep: &Brep, edge: &Edge) -> Id {
-        let [a, b] = edge.ends.map(|v| brep.vertices[v as usize]);
-        let origin = self.point(a);
-        let direction = self.direction((b - a).normalize_or(DVec3::X));
-        let vector = self.begin();
-        self.text("VECTOR('',");
-        self.id(direction);
-        self.text(",1.)");
+    fn placement(&mut self, frame: &Frame) -> Id {
+        let origin = self.point(frame.origin);
+        let (z, x) = (self.direction(frame.z), self.direction(frame.x));
+        self.entity("AXIS2_PLACEMENT_3D('',#,#,#)", &[origin, z, x])
+    }
+
+    /// `KIND('',#placement,number,…)`
+    fn placed(&mut self, kind: &str, frame: &Frame, numbers: &[f64]) -> Id {
+        let placement = self.placement(frame);
+        let id = self.begin();
+        self.text(kind);
+        self.text("('',");
+        self.id(placement);
+        for &x in numbers {
+            self.out.push(b',');
+            self.real(x);
+        }
+        self.out.push(b')');
         self.end();
-        self.entity("LINE('',#,#)", &[origin, vector])
+        id
+    }
+
+    fn curve(&mut self, curve: &Curve) -> Id {
+        match curve {
+            Curve::Line { origin, direction } => {
+                let origin = self.point(*origin);
+                let vector = self.vector(*direction);
+                self.entity("LINE('',#,#)", &[origin, vector])
+            }
+            Curve::Circle { frame, radius } => self.placed("CIRCLE", frame, &[*radius]),
+            Curve::Ellipse { frame, radii } => self.placed("ELLIPSE", frame, radii),
+            Curve::Parabola { frame, focal } => self.placed("PARABOLA", frame, &[*focal]),
+            Curve::Hyperbola { frame, radii } => self.placed("HYPERBOLA", frame, radii),
+            Curve::Spline(spline) => self.spline_curve(spline),
+        }
+    }
+
+    fn vector(&mut self, direction: DVec3) -> Id {
+        let direction = self.direction(direction);
+        self.entity("VECTOR('',#,1.)", &[direction])
     }
 
     fn spline_curve(&mut self, curve: &BSplineCurve) -> Id {
@@ -451,11 +484,25 @@ impl Writer<'_> {
     fn surface(&mut self, surface: &Surface) -> Id {
         match surface {
             Surface::Spline(spline) => self.spline_surface(spline),
-            Surface::Plane { origin, normal, axis } => {
-                let origin = self.point(*origin);
-                let (z, x) = (self.direction(*normal), self.direction(*axis));
-                let axes = self.entity("AXIS2_PLACEMENT_3D('',#,#,#)", &[origin, z, x]);
-                self.entity("PLANE('',#)", &[axes])
+            Surface::Plane { frame } => self.placed("PLANE", frame, &[]),
+            Surface::Cylinder { frame, radius } => self.placed("CYLINDRICAL_SURFACE", frame, &[*radius]),
+            Surface::Cone { frame, radius, half_angle } => {
+                self.placed("CONICAL_SURFACE", frame, &[*radius, *half_angle])
+            }
+            Surface::Sphere { frame, radius } => self.placed("SPHERICAL_SURFACE", frame, &[*radius]),
+            Surface::Torus { frame, major_radius, minor_radius } => {
+                self.placed("TOROIDAL_SURFACE", frame, &[*major_radius, *minor_radius])
+            }
+            Surface::Extrusion { profile, direction } => {
+                let profile = self.curve(profile);
+                let vector = self.vector(*direction);
+                self.entity("SURFACE_OF_LINEAR_EXTRUSION('',#,#)", &[profile, vector])
+            }
+            Surface::Revolution { profile, frame } => {
+                let profile = self.curve(profile);
+                let (origin, z) = (self.point(frame.origin), self.direction(frame.z));
+                let axis = self.entity("AXIS1_PLACEMENT('',#,#)", &[origin, z]);
+                self.entity("SURFACE_OF_REVOLUTION('',#,#)", &[profile, axis])
             }
         }
     }
@@ -494,11 +541,6 @@ impl Writer<'_> {
     fn breaks(&mut self, knots: &Knots) {
         self.list(knots.distinct(), |w, (t, _)| w.real(t));
     }
-}
-
-fn length(brep: &Brep, edge: &Edge) -> f64 {
-    let [a, b] = edge.ends.map(|v| brep.vertices[v as usize]);
-    a.distance(b)
 }
 
 #[cfg(test)]

@@ -58,6 +58,11 @@ impl BSplineCurve {
         BSplineCurve { knots: self.knots.reversed(), points: self.points.iter().rev().copied().collect() }
     }
 
+    /// The curve with every control point mapped; affine maps map all points of the curve so.
+    pub(crate) fn mapped(&self, map: impl Fn(DVec3) -> DVec3) -> Self {
+        BSplineCurve { knots: self.knots.clone(), points: self.points.iter().map(|&p| map(p)).collect() }
+    }
+
     /// The same curve over another parameter domain.
     pub fn rescaled(self, domain: [f64; 2]) -> Self {
         BSplineCurve { knots: self.knots.rescaled(domain), points: self.points }

@@ -8,4 +8,4 @@ mod surface;
 
 pub use curve::BSplineCurve;
 pub use knots::{Knots, MAX_DEGREE};
-pub use surface::BSplineSurface;
+pub use surface::{BSplineSurface, Jet};

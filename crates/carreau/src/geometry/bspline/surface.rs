@@ -68,6 +68,12 @@ impl BSplineSurface {
         sum
     }
 
+    /// The surface with every control point mapped; affine maps map all points of the surface so.
+    pub(crate) fn mapped(&self, map: impl Fn(DVec3) -> DVec3) -> Self {
+        let points = self.points.iter().map(|&p| map(p)).collect();
+        BSplineSurface { u: self.u.clone(), v: self.v.clone(), points }
+    }
+
     /// Position and derivatives.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let ((i, a), (j, b)) = (self.u.derivatives(u), self.v.derivatives(v));

@@ -61,7 +61,7 @@ fn creases_are_edges() {
     let brep = cad(&mesh, Fit::Auto).brep;
     // Every edge is straight here, so a mesh edge on it has both its ends on it.
     let on_edge = |p: DVec3, e: &Edge| {
-        let [a, b] = e.ends.map(|v| brep.vertices[v as usize]);
+        let [a, b] = e.ends.map(|v| brep.point(v));
         let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         p.distance(a.lerp(b, t)) < 1e-5 * mesh.diagonal()
     };

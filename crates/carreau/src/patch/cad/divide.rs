@@ -13,8 +13,8 @@ use super::exact;
 use super::piece::Block;
 use super::scene::Scene;
 use super::weigh;
+use crate::brep::Surface;
 use crate::error::Result;
-use crate::geometry::brep::Surface;
 use crate::geometry::bspline::{BSplineSurface, Knots};
 use glam::DVec3;
 

@@ -5,8 +5,8 @@ use super::fit::side;
 use super::piece::{Block, Piece, Source};
 use super::scene::{Scene, longest_side};
 use super::{Geometry, PieceSurface};
+use crate::brep::{Curve, Frame, Surface};
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Curve, Surface};
 use crate::geometry::bspline::{BSplineCurve, BSplineSurface, Knots};
 use crate::mesh::FaceId;
 use glam::DVec3;
@@ -24,10 +24,15 @@ pub fn geometry(scene: &Scene, pieces: &[Piece], chains: &Chains) -> Result<Geom
     Ok(Geometry { curves, stops, surfaces: pieces.iter().map(surface).collect::<Result<_>>()? })
 }
 
+/// The line from the first to the last vertex.
+pub fn segment(scene: &Scene, path: &[u32]) -> Curve {
+    Curve::segment(scene.point(path[0]), scene.point(path[path.len() - 1])).0
+}
+
 /// The polyline through mesh vertices.
 pub fn curve(scene: &Scene, path: &[u32]) -> Result<Curve> {
     if path.len() == 2 {
-        return Ok(Curve::Line);
+        return Ok(segment(scene, path));
     }
     Ok(Curve::Spline(BSplineCurve::polyline(path.iter().map(|&v| scene.point(v)).collect())?))
 }
@@ -67,24 +72,14 @@ pub fn plane_of_flat(scene: &Scene, piece: &Piece, normal: DVec3) -> PieceSurfac
     let height = all.map(|&v| (scene.point(v) - point(longest)).dot(normal)).sum::<f64>() / count;
     let axis = (point(longest + 1) - point(longest)).reject_from(normal);
     let axis = axis.try_normalize().unwrap_or(normal.any_orthonormal_vector());
-    let surface = Surface::Plane { origin: point(longest) + height * normal, normal, axis };
+    let frame = Frame { origin: point(longest) + height * normal, z: normal, x: axis };
+    let surface = Surface::Plane { frame };
     PieceSurface { surface, scale: None, trimmed: true }
 }
 
 /// The plane of a leftover triangle.
 pub fn triangle(scene: &Scene, t: FaceId) -> PieceSurface {
     PieceSurface { surface: plane(scene.corners(t)), scale: None, trimmed: true }
-}
-
-/// The plane of a block whose vertices are no farther from it than `flatness`.
-pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64) -> Option<Surface> {
-    let cells = || block.cells(scene.patches).map(|cell| cell.map(|v| scene.point(v)));
-    let vector: DVec3 = cells().map(|[a, b, c, d]| (c - a).cross(d - b)).sum();
-    let normal = vector.try_normalize()?;
-    let [origin, end] = [0, block.size[1]].map(|c| scene.point(block.vertex(scene.patches, 0, c)));
-    let axis = (end - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
-    let flat = cells().flatten().all(|p| (p - origin).dot(normal).abs() <= flatness);
-    flat.then_some(Surface::Plane { origin, normal, axis })
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal
@@ -97,5 +92,5 @@ fn plane(corners: [DVec3; 3]) -> Surface {
     let across = height.try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector());
     // Once more, for the rounding errors of a height that is small against the side.
     let across = (across - axis * axis.dot(across)).normalize_or(axis.any_orthonormal_vector());
-    Surface::Plane { origin: a, normal: axis.cross(across).normalize_or(DVec3::Z), axis }
+    Surface::Plane { frame: Frame { origin: a, z: axis.cross(across).normalize_or(DVec3::Z), x: axis } }
 }

@@ -25,7 +25,7 @@ use super::simple::are_simple;
 use super::{Geometry, PieceSurface};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::brep::{Curve, Surface};
+use crate::brep::{Curve, Surface};
 use crate::mesh::{FaceId, NONE, Triangles, VertexId};
 use crate::patch::Patch;
 use glam::{DVec2, DVec3};
@@ -394,7 +394,7 @@ impl Ladder<'_, '_> {
             let last = path.len() as u32 - 1;
             let (curve, stops) = match curves.get(path).map(|c| &c.shape) {
                 Some(Shape::Spline(c)) => (Curve::Spline(c.clone()), None),
-                _ => (Curve::Line, Some(vec![0, last])),
+                _ => (exact::segment(scene, path), Some(vec![0, last])),
             };
             geometry.curves.push(curve);
             geometry.stops.push(stops);

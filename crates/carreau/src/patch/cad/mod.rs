@@ -41,9 +41,9 @@ mod tests;
 mod trimmed;
 mod weigh;
 
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::length::Length;
 use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::patch::Patch;
@@ -200,10 +200,10 @@ impl Faces {
     fn of(brep: &Brep) -> Self {
         let mut out = Faces::default();
         for face in &brep.faces {
-            match &face.surface {
+            match brep.surface(face) {
                 Surface::Plane { .. } => out.planes += 1,
                 Surface::Spline(s) if s.knots().iter().any(|k| k.degree() > 1) => out.bicubic += 1,
-                Surface::Spline(_) => out.bilinear += 1,
+                _ => out.bilinear += 1,
             }
         }
         out
@@ -220,11 +220,15 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
             let id = &mut vertex_of[v as usize];
             if *id == u32::MAX {
                 *id = brep.vertices.len() as u32;
-                brep.vertices.push(scene.point(v));
+                brep.vertices.push(Vertex::exact(scene.point(v)));
             }
             *id
         });
-        brep.edges.push(Edge { ends, curve });
+        let range = match &curve {
+            Curve::Spline(spline) => spline.knots().domain(),
+            _ => [0.0, brep.point(ends[0]).distance(brep.point(ends[1]))],
+        };
+        brep.edges.push(Edge { curve, range, ends, tolerance: 0.0 });
     }
     for ((piece, uses), under) in pieces.iter().zip(&chains.loops).zip(geometry.surfaces) {
         let of_loop = |(outline, uses): (&Outline, &Vec<ChainUse>)| {
@@ -236,7 +240,8 @@ fn assemble(scene: &Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry
             uses.iter().map(edge).collect()
         };
         let loops = piece.loops.iter().zip(uses).map(of_loop).collect();
-        brep.faces.push(Face { loops, trimmed: under.trimmed, surface: under.surface });
+        brep.faces.push(Face { trimmed: under.trimmed, ..Face::new(brep.surfaces.len() as u32, loops) });
+        brep.surfaces.push(under.surface);
     }
     brep
 }

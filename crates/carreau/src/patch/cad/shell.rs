@@ -3,9 +3,9 @@
 use super::chain::Chains;
 use super::piece::{Piece, Source};
 use super::scene::Scene;
+use crate::brep::{Shell, Solid};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::brep::{Shell, Solid};
 use glam::DVec3;
 
 /// Shells, solids, and the closed shells that are neither an outer shell nor a void of one.
@@ -48,7 +48,7 @@ pub fn shells(scene: &Scene, pieces: &[Piece], chains: &Chains, ctx: &Context) -
             _ => {}
         }
     }
-    let mut solids: Vec<Solid> = outer.iter().map(|b| Solid { outer: b.shell, voids: Vec::new() }).collect();
+    let mut solids: Vec<Solid> = outer.iter().map(|b| Solid { outer: b.shell, ..Default::default() }).collect();
     let mut stray_voids = 0;
     for body in &inner {
         ctx.check()?;
@@ -79,7 +79,7 @@ fn connected(pieces: usize, chains: &Chains) -> Vec<Shell> {
         let root = root(&mut parent, piece) as usize;
         if shell_of[root] == u32::MAX {
             shell_of[root] = shells.len() as u32;
-            shells.push(Shell { faces: Vec::new(), closed: !open[root] });
+            shells.push(Shell { closed: !open[root], ..Default::default() });
         }
         shells[shell_of[root] as usize].faces.push(piece);
     }

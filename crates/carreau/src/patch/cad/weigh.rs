@@ -15,7 +15,7 @@
 //!     └────────────────── u
 //! ```
 
-use crate::geometry::brep::{Brep, Curve, EdgeUse, Face, Surface};
+use crate::brep::{Brep, Curve, EdgeUse, Face, Surface};
 use crate::geometry::bspline::BSplineSurface;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -63,19 +63,20 @@ pub fn weigh(brep: &Brep) -> Weighed {
 
 /// One face; its volume is that between it and the origin.
 pub fn weigh_face(brep: &Brep, face: &Face, origin: DVec3) -> Weighed {
-    match &face.surface {
-        Surface::Plane { origin: base, normal, axis } => {
-            let across = normal.cross(*axis);
-            let parts = face.loops.iter().flatten().map(|of| plane_area(brep, of, [*base, *axis, across]));
+    match brep.surface(face) {
+        Surface::Plane { frame } => {
+            let parts = face.uses().map(|of| plane_area(brep, of, [frame.origin, frame.x, frame.y()]));
             let [rule, exact] = parts.fold([0.0; 2], |s, a| [s[0] + a[0], s[1] + a[1]]);
-            let height = (base - origin).dot(*normal) / 3.0;
+            let height = (frame.origin - origin).dot(frame.z) / 3.0;
             let weight = |area: f64| Weight { area, volume: area * height };
             Weighed { rule: weight(rule), exact: weight(exact) }
         }
         Surface::Spline(surface) => {
-            let runs = face.loops.iter().flatten().map(|of| Run::new(brep, of));
+            let runs = face.uses().map(|of| Run::new(brep, of));
             runs.fold(Weighed::default(), |sum, run| sum.plus(run.weighed(surface, origin)))
         }
+        // Patches have no others.
+        _ => Weighed::default(),
     }
 }
 
@@ -97,7 +98,7 @@ fn plane_area(brep: &Brep, of: &EdgeUse, [base, x, y]: [DVec3; 3]) -> [f64; 2] {
     let flat = |p: DVec3| [(p - base).dot(x), (p - base).dot(y)];
     let sense = if of.reversed { -1.0 } else { 1.0 };
     let Curve::Spline(curve) = &edge.curve else {
-        let [a, b] = edge.ends.map(|v| flat(brep.vertices[v as usize]));
+        let [a, b] = edge.ends.map(|v| flat(brep.point(v)));
         return [sense * 0.5 * (a[0] + b[0]) * (b[1] - a[1]); 2];
     };
     let at = |t: f64| {
