@@ -195,7 +195,7 @@ impl Patch {
             limits.feature_edges = session.load_edges(file)?;
         }
         if self.is_divided(options) {
-            limits.feature_edges.extend(cad::lids(&mesh, &context)?);
+            limits.feature_edges.extend(cad::borders(&mesh, &context)?);
         }
         let result = context.install(|| patch::decompose(&mesh, &limits, &context))?;
         self.write(session, &mesh, &result, options)?;

@@ -11,7 +11,7 @@ fn cad(mesh: &SurfaceMesh, fit: Fit) -> CadModel {
     let ctx = Context::new();
     let options = PatchOptions {
         feature_angle: Some(30.0),
-        feature_edges: lids(mesh, &ctx).unwrap(),
+        feature_edges: borders(mesh, &ctx).unwrap(),
         ..PatchOptions::default()
     };
     let layout = decompose(mesh, &options, &ctx).unwrap();
@@ -120,4 +120,32 @@ fn holes_and_pinches_of_flat_regions_are_loops_and_cuts() {
         assert!(seen.errors()[0] < 1e-12);
     }
     assert!((weigh::weigh(&plate(&[(1, 1), (2, 2)])).rule.area - 14.0).abs() < 1e-12);
+}
+
+#[test]
+fn bodies_and_groups_have_their_names_and_colours() {
+    use crate::mesh::Column;
+    let mut model = Model::default();
+    model.cube(2, DVec3::ZERO, 1.0, false);
+    model.cube(2, DVec3::new(3.0, 0.0, 0.0), 1.0, false);
+    let mut mesh = model.mesh();
+    let half = mesh.face_count() / 2;
+    let bodies: Vec<i32> = (0..mesh.face_count()).map(|t| i32::from(t >= half)).collect();
+    // One triangle of the first body's first side is red and in a group of its own.
+    let red = |t: usize| t == 0;
+    let colors = (0..mesh.face_count()).map(|t| if red(t) { [255, 0, 0, 255] } else { [9, 9, 9, 255] }).collect();
+    let groups = (0..mesh.face_count()).map(|t| i32::from(red(t))).collect();
+    mesh.attributes.face.insert("object".into(), Column::Label(bodies));
+    mesh.attributes.face.insert("group".into(), Column::Label(groups));
+    mesh.attributes.face.insert("color".into(), Column::Color(colors));
+    for (column, label, word) in [("object", 0, "block"), ("object", 1, "lid"), ("group", 1, "spot")] {
+        mesh.attributes.names.insert((column.into(), label), word.into());
+    }
+    let CadModel { brep, .. } = cad(&mesh, Fit::Auto);
+    assert_eq!(brep.solids.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["block", "lid"]);
+    assert_eq!(brep.faces.len(), 13);
+    let spots: Vec<&Face> = brep.faces.iter().filter(|f| f.name == "spot").collect();
+    assert_eq!(spots.len(), 1);
+    assert_eq!(spots[0].color, Some([255, 0, 0]));
+    assert_eq!(brep.faces.iter().filter(|f| f.color == Some([9, 9, 9])).count(), 12);
 }

@@ -22,25 +22,29 @@ use glam::DVec3;
 /// [`weigh`] is checked besides.
 const BEND: f64 = 0.999_962;
 
-/// Cuts a patch into blocks of curved cells that do not bend and that weigh right.
-pub fn divide(scene: &Scene, patch: u32, curved: &dyn Fn(u32, u32) -> bool) -> Result<Vec<Block>> {
+/// Cells of a bicubic face meet at less than this, by the cosine (30°).
+const CREASE: f64 = 0.866;
+
+/// Cuts a patch into blocks of curved cells of one kind that do not bend and that weigh right; `kind` says `None` of cells
+/// that are no part of any.
+pub fn divide(scene: &Scene, patch: u32, kind: &dyn Fn(u32, u32) -> Option<u32>) -> Result<Vec<Block>> {
     let whole = &scene.patches[patch as usize];
     let mut open = vec![Block { patch, from: [0, 0], size: [whole.rows, whole.cols] }];
     let mut out = Vec::new();
     while let Some(block) = open.pop() {
         let [m, n] = block.size;
-        let is_curved = |r: u32, c: u32| curved(block.from[0] + r, block.from[1] + c);
-        let bends = |axis: usize, at: u32, along: u32| bends(scene, &block, axis, at, along);
+        let kind = |r: u32, c: u32| kind(block.from[0] + r, block.from[1] + c);
+        let bends = |axis: usize, at: u32, along: u32| bends(scene, &block, [axis as u32, at, along], BEND);
         let bad = |axis: usize, at: u32| {
             (0..block.size[1 - axis]).any(|along| {
-                let [before, behind] = [at - 1, at].map(|k| if axis == 0 { is_curved(k, along) } else { is_curved(along, k) });
-                before != behind || before && bends(axis, at, along)
+                let [before, behind] = [at - 1, at].map(|k| if axis == 0 { kind(k, along) } else { kind(along, k) });
+                before != behind || before.is_some() && bends(axis, at, along)
             })
         };
         let [rows, columns] = [0, 1].map(|axis| (1..block.size[axis]).filter(|&at| bad(axis, at)).collect::<Vec<u32>>());
         let share = |lines: &[u32], of: u32| lines.len() as f64 / f64::from(of);
         if rows.is_empty() && columns.is_empty() {
-            if !is_curved(0, 0) {
+            if kind(0, 0).is_none() {
                 continue;
             }
             if m * n == 1 || weighs_right(scene, block)? {
@@ -79,7 +83,7 @@ fn cut_at(block: Block, axis: usize, lines: &[u32]) -> Vec<Block> {
 ///   p ── q       normals of the cells at p
 ///   p₋ ─ q₋
 /// ```
-fn bends(scene: &Scene, block: &Block, axis: usize, at: u32, along: u32) -> bool {
+fn bends(scene: &Scene, block: &Block, [axis, at, along]: [u32; 3], least: f64) -> bool {
     let node = |k: u32, l: u32| {
         let (r, c) = if axis == 0 { (k, l) } else { (l, k) };
         scene.point(block.vertex(scene.patches, r, c))
@@ -88,8 +92,15 @@ fn bends(scene: &Scene, block: &Block, axis: usize, at: u32, along: u32) -> bool
     [along, along + 1].into_iter().any(|l| {
         let [low, p, high] = [at - 1, at, at + 1].map(|k| node(k, l));
         let [a, b]: [DVec3; 2] = [edge.cross(p - low), edge.cross(high - p)];
-        a.dot(b) < BEND * a.length() * b.length()
+        a.dot(b) < least * a.length() * b.length()
     })
+}
+
+/// Whether cells of a block meet at a crease.
+pub fn is_creased(scene: &Scene, block: &Block) -> bool {
+    let lines = (0..2).flat_map(|axis| (1..block.size[axis]).map(move |at| (axis, at)));
+    let mut edges = lines.flat_map(|(axis, at)| (0..block.size[1 - axis]).map(move |along| [axis as u32, at, along]));
+    edges.any(|edge| bends(scene, block, edge, CREASE))
 }
 
 fn weighs_right(scene: &Scene, block: Block) -> Result<bool> {

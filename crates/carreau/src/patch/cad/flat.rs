@@ -83,9 +83,9 @@ impl Flats {
         Ok(flats)
     }
 
-    /// Edges between a wide flat region and what is narrower beside it: where patches ought to end, so that the wide one
-    /// is a face of its own. Facets of a curved surface are as wide as their neighbours.
-    pub fn lids(&self, mesh: &SurfaceMesh) -> Vec<[VertexId; 2]> {
+    /// Edges between a wide flat region and what is narrower beside it, and between labels: where patches ought to end, so
+    /// that the wide one is a face of its own. Facets of a curved surface are as wide as their neighbours.
+    pub fn borders(&self, mesh: &SurfaceMesh, labels: &[u32]) -> Vec<[VertexId; 2]> {
         let Some(triangles) = Triangles::of(mesh) else { return Vec::new() };
         let other = |c: u32| triangles.opposite(c);
         // Of regions, then of triangles: area, length of the border.
@@ -105,8 +105,10 @@ impl Flats {
         let mut out = Vec::new();
         for c in (0..3 * triangles.len() as u32).filter(|&c| other(c) != NONE) {
             let (a, b) = (owner(c / 3), owner(other(c) / 3));
+            let label = |c: u32| labels.get((c / 3) as usize);
             // Once, from the side of the lid.
-            if a != b && a < n && width(a) > LID * width(b) {
+            let lid = a != b && a < n && width(a) > LID * width(b);
+            if lid || c < other(c) && label(c) != label(other(c)) {
                 out.push([triangles.vertex(c), triangles.vertex(triangles.next(c))].map(VertexId));
             }
         }

@@ -18,6 +18,7 @@ use super::divide;
 use super::exact;
 use super::fit::{self, ChainCurve, Shape, Smooth};
 use super::flat::Flats;
+use super::labels::Labels;
 use super::piece::{self, Block, Flat, Outline, Piece, Source};
 use super::region::Parts;
 use super::scene::Scene;
@@ -56,7 +57,7 @@ enum Cell {
     Flat,
     /// A face by itself, or a part of one.
     Curved,
-    /// Two triangles that meet at a crease, or whose bilinear surface would not weigh right.
+    /// Two triangles that meet at a crease, that are not alike, or whose bilinear surface would not weigh right.
     Split,
 }
 
@@ -64,6 +65,7 @@ enum Cell {
 struct Ladder<'a, 'b> {
     scene: &'a Scene<'b>,
     flats: &'a Flats,
+    labels: &'a Labels,
     /// Per patch, row by row.
     cells: Vec<Vec<Cell>>,
     /// Triangles that are no part of cells and of no flat region.
@@ -72,14 +74,14 @@ struct Ladder<'a, 'b> {
 }
 
 /// The faces of all patches and leftover triangles. With a tolerance, curved patches become bicubic where they can.
-pub fn build(scene: &Scene, flats: &mut Flats, tolerance: Option<f64>, ctx: &Context) -> Result<Built> {
-    let cells = cells(scene, flats)?;
+pub fn build(scene: &Scene, flats: &mut Flats, labels: &Labels, tolerance: Option<f64>, ctx: &Context) -> Result<Built> {
+    let cells = cells(scene, flats, labels)?;
     let halves = scene.patches.iter().zip(&cells).flat_map(|(p, cells)| {
         let split = (0..cells.len()).filter(|&k| cells[k] == Cell::Split);
         split.flat_map(|k| [p.triangles[2 * k], p.triangles[2 * k + 1]])
     });
     let alone = halves.chain(scene.leftover.iter().copied()).filter(|t| flats.of[t.index()] == NONE).collect();
-    let ladder = Ladder { scene, flats, cells, alone, ctx };
+    let ladder = Ladder { scene, flats, labels, cells, alone, ctx };
     let mut candidates = match tolerance {
         Some(_) => ladder.candidates(),
         None => Vec::new(),
@@ -139,7 +141,7 @@ fn straight() -> ChainCurve {
 }
 
 /// What every cell is; triangles of curved cells leave their flat regions.
-fn cells(scene: &Scene, flats: &mut Flats) -> Result<Vec<Vec<Cell>>> {
+fn cells(scene: &Scene, flats: &mut Flats, labels: &Labels) -> Result<Vec<Vec<Cell>>> {
     let vector = |t: FaceId| {
         let [a, b, c] = scene.corners(t);
         (b - a).cross(c - a)
@@ -150,6 +152,7 @@ fn cells(scene: &Scene, flats: &mut Flats) -> Result<Vec<Vec<Cell>>> {
         match () {
             () if a != NONE && a == b => Cell::Flat,
             () if x.dot(y) < CREASE * x.length() * y.length() => Cell::Split,
+            () if labels.kind(w[0].index()) != labels.kind(w[1].index()) => Cell::Split,
             () => Cell::Curved,
         }
     };
@@ -185,8 +188,15 @@ impl Ladder<'_, '_> {
             b.size != [1, 1] && (first == NONE || places.any(|(r, c)| region(b, r, c) != first))
         };
         let split = |b: &Block| self.places(b).any(|k| self.cells[b.patch as usize][k] == Cell::Split);
+        let kind = |b: &Block, k: usize| {
+            self.labels.kind(self.scene.patches[b.patch as usize].triangles[2 * k].index())
+        };
+        let alike = |b: &Block| {
+            let mut kinds = self.places(b).map(|k| kind(b, k));
+            kinds.next().is_none_or(|first| kinds.all(|k| k == first))
+        };
         let blocks = piece::blocks(self.scene).into_iter();
-        blocks.filter(|b| curved(b) && !split(b)).map(|b| (b, None)).collect()
+        blocks.filter(|b| curved(b) && !split(b) && alike(b) && !divide::is_creased(self.scene, b)).map(|b| (b, None)).collect()
     }
 
     /// Numbers of the cells of a block in its patch.
@@ -228,7 +238,7 @@ impl Ladder<'_, '_> {
                         _ => {
                             let cells = part.triangles.iter().map(|&t| triangles.triangle(t)).map(|[a, b, c]| [a, b, c, c]);
                             let cells = cells.collect();
-                            planes.push(Piece { source: Source::Flat(Flat { normal }), cells, loops: part.loops });
+                            planes.push(Piece { source: Source::Flat(Flat { normal, first: part.triangles[0] }), cells, loops: part.loops });
                         }
                     }
                 }
@@ -236,14 +246,15 @@ impl Ladder<'_, '_> {
         }
         self.mark_corners(&mut planes, &curves);
         out.extend(planes);
-        let curved = |patch: usize, r: u32, c: u32| {
+        let kind = |patch: usize, r: u32, c: u32| {
             let k = (r * patches[patch].cols + c) as usize;
-            self.cells[patch][k] == Cell::Curved && !taken[patch][k]
+            let curved = self.cells[patch][k] == Cell::Curved && !taken[patch][k];
+            curved.then(|| self.labels.kind(patches[patch].triangles[2 * k].index()))
         };
         let divided: Vec<Result<Vec<Block>>> = self.ctx.install(|| {
             let divide = |k: usize| {
                 self.ctx.check()?;
-                divide::divide(self.scene, k as u32, &|r, c| curved(k, r, c))
+                divide::divide(self.scene, k as u32, &|r, c| kind(k, r, c))
             };
             (0..patches.len()).into_par_iter().map(divide).collect()
         });
@@ -328,7 +339,7 @@ impl Ladder<'_, '_> {
             [Some(a), b].into_iter().flatten().filter(|&k| (k as usize) < candidates)
         };
         let crossed = |k: usize| {
-            let Source::Flat(Flat { normal }) = pieces[k].source else { return Vec::new() };
+            let Source::Flat(Flat { normal, .. }) = pieces[k].source else { return Vec::new() };
             let near: Vec<u32> = chains.loops[k].iter().flatten().flat_map(|of| beside(of.chain)).collect();
             if near.is_empty() {
                 return near;

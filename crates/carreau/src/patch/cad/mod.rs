@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `scene` | the input is checked; triangles without area get some |
 //! | `flat` | connected triangles in one plane |
+//! | `labels` | names of bodies and faces, colours: what no face is mixed of |
 //! | `ladder` | which face every triangle belongs to: plane → bicubic → divided → cell → triangle |
 //! | `region`, `simple` | flat regions with their holes, cut until their borders are simple |
 //! | `fit` | cubic curves and surfaces within a tolerance of the vertices |
@@ -28,6 +29,7 @@ mod divide;
 mod exact;
 mod fit;
 mod flat;
+mod labels;
 mod ladder;
 #[cfg(test)]
 pub(crate) mod models;
@@ -49,6 +51,7 @@ use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::patch::Patch;
 use chain::{ChainUse, Chains};
 use flat::Flats;
+use labels::Labels;
 use piece::{Outline, Piece};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -150,19 +153,22 @@ pub fn to_brep(
         return finish(scene, &pieces, &chains, geometry, ctx);
     }
     let _stage = ctx.stage("faces");
-    let mut flats = Flats::new(mesh, &[], ctx)?;
+    let labels = Labels::new(mesh);
+    let mut flats = Flats::new(mesh, &labels.of, ctx)?;
     let alone: Vec<FaceId> = scene.leftover.iter().copied().filter(|t| flats.of[t.index()] == NONE).collect();
     scene.nudge(&alone);
     let tolerance = (options.fit == Fit::Bicubic).then(|| options.tolerance.resolve(mesh.diagonal()));
-    let built = ladder::build(&scene, &mut flats, tolerance, ctx)?;
+    let built = ladder::build(&scene, &mut flats, &labels, tolerance, ctx)?;
     let mut model = finish(scene, &built.pieces, &built.chains, built.geometry, ctx)?;
     model.faces.deviation_max = built.deviation;
     Ok(model)
 }
 
-/// Edges of a mesh at which patches for a CAD file ought to end, besides sharp ones: the borders of wide flat regions.
-pub fn lids(mesh: &SurfaceMesh, ctx: &Context) -> Result<Vec<[VertexId; 2]>> {
-    Ok(Flats::new(mesh, &[], ctx)?.lids(mesh))
+/// Edges of a mesh at which patches for a CAD file ought to end, besides sharp ones: the borders of flat regions that are
+/// wide against what lies beside them, and between faces of different bodies, groups, materials or colours.
+pub fn borders(mesh: &SurfaceMesh, ctx: &Context) -> Result<Vec<[VertexId; 2]>> {
+    let labels = Labels::new(mesh);
+    Ok(Flats::new(mesh, &labels.of, ctx)?.borders(mesh, &labels.of))
 }
 
 /// Relative error of area and volume by the default rule from which on a user is told.
@@ -173,6 +179,12 @@ fn finish(scene: Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry, c
     let shells = shell::shells(&scene, pieces, chains, ctx)?;
     let mut brep = assemble(&scene, pieces, chains, geometry);
     (brep.shells, brep.solids) = (shells.shells, shells.solids);
+    let labels = Labels::new(scene.mesh);
+    let first: Option<Vec<usize>> = pieces.iter().map(|p| p.first(scene.patches).map(|t| t.index())).collect();
+    if let Some(first) = first {
+        brep.faces.iter_mut().zip(&first).for_each(|(face, &t)| labels.dress(face, t));
+        labels.name_bodies(&mut brep, &first);
+    }
     brep.check()?;
     ctx.check()?;
     let mut warnings = scene.warnings;

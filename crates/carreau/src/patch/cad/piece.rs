@@ -33,6 +33,8 @@ pub enum Source {
 pub struct Flat {
     /// Unit normal of its plane.
     pub normal: DVec3,
+    /// One of its triangles.
+    pub first: u32,
 }
 
 /// A rectangle of cells of a patch.
@@ -126,6 +128,16 @@ impl Outline {
 }
 
 impl Piece {
+    /// A triangle of the mesh that it stands for; of polygons it is not known.
+    pub fn first(&self, patches: &[Patch]) -> Option<FaceId> {
+        match self.source {
+            Source::Block(b) => Some(patches[b.patch as usize].cell_triangles(b.from[0], b.from[1])[0]),
+            Source::Triangle(t) => Some(t),
+            Source::Flat(flat) => Some(FaceId(flat.first)),
+            Source::Polygon => None,
+        }
+    }
+
     /// A block of a patch.
     pub fn block(patches: &[Patch], block: Block) -> Self {
         Piece { source: Source::Block(block), cells: Vec::new(), loops: vec![block.outline(patches)] }
