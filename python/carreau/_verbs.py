@@ -350,7 +350,7 @@ def patch(
     feature_angle: float | None = None,
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
-    fit: Literal["bilinear", "bicubic"] | None = None,
+    fit: Literal["auto", "bilinear", "bicubic"] | None = None,
     tolerance: Length | None = None,
     trimmed: bool = False,
     schema: Literal["ap214", "ap242"] | None = None,
@@ -358,7 +358,7 @@ def patch(
 ) -> PatchResult:
     """Decompose a triangle mesh into quad patches, on its own vertices.
 
-    With ``output="part.step"`` (or .stp, .igs, .iges) the patches are written as B-spline faces.
+    With ``output="part.step"`` (or .stp, .igs, .iges) a CAD file is written: planes, and faces without bends.
 
     Parameters
     ----------
@@ -398,8 +398,9 @@ def patch(
         Never cross these edges: pairs of vertices, or a file.
     ignore_tags : bool
         Cross marked edges, too.
-    fit : {"bilinear", "bicubic"}, optional
-        CAD faces through every vertex, or bicubic ones within a tolerance ("bilinear").
+    fit : {"auto", "bilinear", "bicubic"}, optional
+        CAD faces: planes, and patches divided at their bends; curved patches as splines within the tolerance, too; or one
+        face a patch, whose area and volume many programs get wrong ("auto").
     tolerance : float or str, optional
         Largest distance of a vertex from a bicubic face ("0.1%").
     trimmed : bool

@@ -6,11 +6,10 @@ use crate::host::Found;
 use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::geometry::features::Creases;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{FaceId, PrepareOptions, Prepared};
-use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
+use carreau::patch::cad::{self, BrepOptions, Fit};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -21,8 +20,8 @@ use std::path::{Path, PathBuf};
 
 /// Decomposes a triangle mesh into quad patches, on its own vertices
 ///
-/// The output is a mesh (one quad per cell, then the triangles left over) or, by extension, an IGES or STEP file (one
-/// B-spline face per patch).
+/// The output is a mesh (one quad per cell, then the triangles left over) or, by extension, an IGES or STEP file: flat
+/// regions as planes, the rest as faces without bends, so that every program shows the right area and volume.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau patch part.stl -o part.step\n  \
@@ -77,7 +76,7 @@ pub struct Patch {
     /// Strategy grow: rectangles end at sharper creases; merging may join them along complete sides [default: 40]
     #[arg(long, value_name = "DEG")]
     crease_angle: Option<f64>,
-    /// Never crosses edges with more than this angle between the faces [default: none; 35 for bicubic faces]
+    /// Never crosses edges with more than this angle between the faces [default: none; 30 for CAD files]
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
     /// Never crosses these edges: a file with two vertex ids per line
@@ -86,8 +85,9 @@ pub struct Patch {
     /// Crosses edges tagged in the file, too
     #[arg(long)]
     ignore_tags: bool,
-    /// CAD faces through every vertex, or bicubic ones within a tolerance, where these are smaller [default: bilinear]
-    #[arg(long, value_name = "FIT", value_parser = choice::<Fit>(&["bilinear", "bicubic"]))]
+    /// CAD faces: auto: planes, and patches divided at their bends; bicubic: curved patches as splines within the
+    /// tolerance, too; bilinear: one face a patch, whose area and volume many programs get wrong [default: auto]
+    #[arg(long, value_name = "FIT", value_parser = choice::<Fit>(&["auto", "bilinear", "bicubic"]))]
     fit: Option<Fit>,
     /// Largest distance of a vertex from a bicubic face [default: 0.1%]
     #[arg(long, value_name = "LENGTH")]
@@ -104,8 +104,8 @@ pub struct Patch {
     pub(super) common: Common,
 }
 
-/// Creases that bicubic patches do not cross unless told otherwise, in degrees.
-const SMOOTH_FEATURE_ANGLE: f64 = 35.0;
+/// Creases that no face of a CAD file crosses unless told otherwise, in degrees.
+const CREASE_ANGLE: f64 = 30.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -178,16 +178,21 @@ impl Patch {
             }
             all.patch.strategy = Strategy::Matching;
         }
-        // A smooth face cannot follow a crease: it would have to fall back to degree 1.
-        if all.brep.fit == Fit::Bicubic && all.patch.feature_angle.is_none() {
-            all.patch.feature_angle = Some(SMOOTH_FEATURE_ANGLE);
-            all.patch.creases = Creases::Auto;
+        // A face that bends weighs wrong, so faces end where the mesh bends.
+        if self.is_divided(&all) && all.patch.feature_angle.is_none() {
+            all.patch.feature_angle = Some(CREASE_ANGLE);
         }
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         Ok(all)
+    }
+
+    /// Whether the output is a CAD file whose faces end at bends.
+    fn is_divided(&self, options: &Options) -> bool {
+        let cad = |file: &PathBuf| CAD_EXTENSIONS.contains(&extension(file).as_str());
+        self.output.as_ref().is_some_and(cad) && !options.trimmed && options.brep.fit != Fit::Bilinear
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
@@ -197,6 +202,9 @@ impl Patch {
         let mut limits = options.patch.clone();
         if let Some(file) = &options.features {
             limits.feature_edges = edges_of_surface(&prepared, session.load_edges(file)?);
+        }
+        if self.is_divided(options) {
+            limits.feature_edges.extend(cad::borders(mesh, &context)?);
         }
         let result = context.install(|| patch::decompose(mesh, &limits, &context))?;
         self.write(session, &prepared, &result, options)?;
@@ -265,14 +273,12 @@ impl Patch {
         write_cad(file, &model.brep, &cad, &mut bytes)?;
         model.warnings.into_iter().for_each(|w| session.warn(w));
         session.record.set("faces", model.brep.faces.len());
-        if options.brep.fit == Fit::Bicubic {
-            let on = |rung: Rung| model.fits.iter().filter(|f| f.rung == rung).count();
-            let (bicubic, planes) = (on(Rung::Bicubic), on(Rung::Plane));
-            let worst = model.fits.iter().map(|f| f.deviation).fold(0.0, f64::max);
-            let count = model.fits.len();
-            session.say(format!("{bicubic} of {count} patches are bicubic, {planes} plane, within {worst:.3e}"));
-            let fit = json!({ "bicubic": bicubic, "planes": planes, "deviation_max": worst, "patches": model.fits });
-            session.record.set("fit", fit);
+        session.record.set("fit", model.faces);
+        session.record.set("mass_error", model.mass_error);
+        let cad::Faces { planes, bicubic, bilinear, deviation_max } = model.faces;
+        session.say(format!("{planes} plane, {bicubic} bicubic, {bilinear} bilinear faces"));
+        if bicubic > 0 {
+            session.say(format!("vertices are within {deviation_max:.3e} of bicubic faces"));
         }
         session.write_bytes(file, &bytes)?;
         session.say(format!(

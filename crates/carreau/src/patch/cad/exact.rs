@@ -1,6 +1,7 @@
 //! Curves and surfaces that are exactly the mesh: lines, polylines, planes, and surfaces of degree (1, 1).
 
 use super::chain::Chains;
+use super::fit::side;
 use super::piece::{Block, Piece, Source};
 use super::scene::{Scene, longest_side};
 use super::{Geometry, PieceSurface};
@@ -16,16 +17,22 @@ pub fn geometry(scene: &Scene, pieces: &[Piece], chains: &Chains) -> Result<Geom
     let surface = |piece: &Piece| match piece.source {
         Source::Block(b) => block(scene, b),
         Source::Triangle(t) => Ok(triangle(scene, t)),
+        Source::Flat(flat) => Ok(plane_of_flat(scene, piece, flat.normal)),
         Source::Polygon => Err(Error::Bug("a polygon has no surface of its own".into())),
     };
     let stops = vec![None; chains.paths.len()];
     Ok(Geometry { curves, stops, surfaces: pieces.iter().map(surface).collect::<Result<_>>()? })
 }
 
+/// The line from the first to the last vertex.
+pub fn segment(scene: &Scene, path: &[u32]) -> Curve {
+    Curve::segment(scene.point(path[0]), scene.point(path[path.len() - 1])).0
+}
+
 /// The polyline through mesh vertices.
 pub fn curve(scene: &Scene, path: &[u32]) -> Result<Curve> {
     if path.len() == 2 {
-        return Ok(Curve::segment(scene.point(path[0]), scene.point(path[1])).0);
+        return Ok(segment(scene, path));
     }
     Ok(Curve::Spline(BSplineCurve::polyline(path.iter().map(|&v| scene.point(v)).collect())?))
 }
@@ -39,20 +46,40 @@ pub fn block(scene: &Scene, block: Block) -> Result<PieceSurface> {
     Ok(PieceSurface { surface, scale: None, trimmed: false })
 }
 
+/// The same surface with parameters by length, so that it is as smooth as its cells.
+pub fn block_by_length(scene: &Scene, block: Block) -> Result<PieceSurface> {
+    if block.size == [1, 1] {
+        return self::block(scene, block);
+    }
+    let [m, n] = block.size;
+    let node = |r, c| scene.point(block.vertex(scene.patches, r, c));
+    let points = (0..=m).flat_map(|r| (0..=n).map(move |c| node(r, c))).collect();
+    let scale = side::scale(scene, &block);
+    let [u, v] = [&scale[0], &scale[1]].map(|at| Knots::from_breaks(1, at, 1));
+    let surface = Surface::Spline(BSplineSurface::new(u?, v?, points)?);
+    Ok(PieceSurface { surface, scale: Some(scale), trimmed: false })
+}
+
+/// The plane of a part of a flat region: through the middle of its border, an axis along its longest side.
+pub fn plane_of_flat(scene: &Scene, piece: &Piece, normal: DVec3) -> PieceSurface {
+    let border = &piece.loops[0].vertices;
+    let point = |k: usize| scene.point(border[k % border.len()]);
+    let length = |k: usize| point(k).distance_squared(point(k + 1));
+    let longest = (1..border.len()).fold(0, |best, k| if length(k) > length(best) { k } else { best });
+    let all = piece.loops.iter().flat_map(|l| &l.vertices);
+    let count = piece.loops.iter().map(|l| l.vertices.len()).sum::<usize>() as f64;
+    // Along the normal only, so that the point stays a vertex where all are exactly in the plane.
+    let height = all.map(|&v| (scene.point(v) - point(longest)).dot(normal)).sum::<f64>() / count;
+    let axis = (point(longest + 1) - point(longest)).reject_from(normal);
+    let axis = axis.try_normalize().unwrap_or(normal.any_orthonormal_vector());
+    let frame = Frame { origin: point(longest) + height * normal, z: normal, x: axis };
+    let surface = Surface::Plane { frame };
+    PieceSurface { surface, scale: None, trimmed: true }
+}
+
 /// The plane of a leftover triangle.
 pub fn triangle(scene: &Scene, t: FaceId) -> PieceSurface {
     PieceSurface { surface: plane(scene.corners(t)), scale: None, trimmed: true }
-}
-
-/// The plane of a block whose vertices are no farther from it than `flatness`.
-pub fn plane_of_block(scene: &Scene, block: Block, flatness: f64) -> Option<Surface> {
-    let cells = || block.cells(scene.patches).map(|cell| cell.map(|v| scene.point(v)));
-    let vector: DVec3 = cells().map(|[a, b, c, d]| (c - a).cross(d - b)).sum();
-    let normal = vector.try_normalize()?;
-    let [origin, end] = [0, block.size[1]].map(|c| scene.point(block.vertex(scene.patches, 0, c)));
-    let axis = (end - origin).reject_from(normal).try_normalize().unwrap_or(normal.any_orthonormal_vector());
-    let flat = cells().flatten().all(|p| (p - origin).dot(normal).abs() <= flatness);
-    flat.then_some(Surface::Plane { frame: Frame { origin, z: normal, x: axis } })
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal

@@ -1,38 +1,57 @@
-//! From quad patches to a boundary representation: one face per patch, one plane face per leftover triangle.
+//! From quad patches to a boundary representation: planes, bicubic surfaces and cells that weigh what they should.
 //!
 //! | file | stage |
 //! |---|---|
 //! | `scene` | the input is checked; triangles without area get some |
-//! | `piece` | patches are cut until none touches itself; leftovers are pieces, too |
+//! | `flat` | connected triangles in one plane |
+//! | `labels` | names of bodies and faces, colours: what no face is mixed of |
+//! | `ladder` | which face every triangle belongs to: plane → bicubic → divided → cell → triangle |
+//! | `region`, `simple` | flat regions with their holes, cut until their borders are simple |
+//! | `fit` | cubic curves and surfaces within a tolerance of the vertices |
+//! | `divide` | curved patches cut where they bend |
+//! | `piece` | or, on request: one face a patch, cut until none touches itself |
+//! | `trimmed` | or: one trimmed surface per rectilinear polygon |
 //! | `chain` | the borders of all pieces are cut at nodes into chains: the edges of the model |
-//! | `fit` | instead, on request: cubic curves and surfaces within a tolerance of the vertices |
 //! | `exact` | lines, polylines, planes and surfaces of degree (1, 1) through the mesh vertices |
-//! | `trimmed` | instead of patches: one trimmed surface per rectilinear polygon |
 //! | `shell` | pieces connected by edges are shells; closed ones bound solids, or are voids in them |
+//! | `weigh` | area and volume as other programs will show them, against the exact ones |
 //!
-//! Source: the trials behind the specification of quad patches (section 4, export). A surface of degree (1, 1) has
-//! straight isoparametric lines between its knots, so that the border of a patch is exactly the polyline of its vertices:
-//! faces that share an edge agree on it without any tolerance, and a closed mesh gives a closed solid.
+//! Source: the trials behind the specification of quad patches (section 4, export) and of CAD models (section 2, numbers
+//! that other programs show). Programs integrate over a face as if it were smooth, so a face must be: planes, splines
+//! without bends, single cells. A surface of degree (1, 1) has straight isoparametric lines between its knots, so that the
+//! border of a patch is exactly the polyline of its vertices: faces that share an edge agree on it without any tolerance, and
+//! a closed mesh gives a closed solid.
 
+#[cfg(test)]
+mod auto_tests;
 mod chain;
+mod divide;
 mod exact;
 mod fit;
+mod flat;
+mod labels;
+mod ladder;
 #[cfg(test)]
 pub(crate) mod models;
 mod piece;
+mod region;
 mod scene;
 mod shell;
+mod simple;
 #[cfg(test)]
 mod tests;
 mod trimmed;
+mod weigh;
 
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use crate::context::Context;
 use crate::error::Result;
 use crate::length::Length;
-use crate::mesh::{FaceId, SurfaceMesh};
+use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::patch::Patch;
 use chain::{ChainUse, Chains};
+use flat::Flats;
+use labels::Labels;
 use piece::{Outline, Piece};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -42,10 +61,12 @@ pub use trimmed::{QuadCell, QuadPolygon, to_trimmed_brep};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fit {
-    /// Surfaces of degree (1, 1) through every vertex.
+    /// Planes where the mesh is flat; the rest through every vertex, divided at its bends so that every face weighs right.
     #[default]
+    Auto,
+    /// One surface of degree (1, 1) a patch, through every vertex. Bends inside make programs show wrong areas and volumes.
     Bilinear,
-    /// Bicubic surfaces within a tolerance, where they are smaller; planes where the mesh is flat.
+    /// As `Auto`, but curved patches become bicubic within a tolerance of the vertices where their borders allow it.
     Bicubic,
 }
 
@@ -61,32 +82,21 @@ pub struct BrepOptions {
 
 impl Default for BrepOptions {
     fn default() -> Self {
-        BrepOptions { fit: Fit::Bilinear, tolerance: Length::OfDiagonal(0.001) }
+        BrepOptions { fit: Fit::default(), tolerance: Length::OfDiagonal(0.001) }
     }
 }
 
-/// What the face of a patch is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Rung {
-    /// Of degree (1, 1), through every vertex.
-    Bilinear,
-    /// Of degree 3, in one direction at least, within the tolerance.
-    Bicubic,
-    /// A plane; only its border is fitted.
-    #[default]
-    Plane,
-}
-
-/// What the fit of one patch came to; of the worst of its faces where it has several.
+/// How many faces are what.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct PatchFit {
-    /// The rung reached.
-    pub rung: Rung,
-    /// Largest distance of a vertex.
-    pub deviation: f64,
-    /// Number of control points.
-    pub control_points: usize,
+pub struct Faces {
+    /// Planes.
+    pub planes: usize,
+    /// Surfaces of degree 3, in one direction at least.
+    pub bicubic: usize,
+    /// Surfaces of degree (1, 1).
+    pub bilinear: usize,
+    /// Largest distance of a vertex from its bicubic surface.
+    pub deviation_max: f64,
 }
 
 /// A boundary representation of a mesh, and what is to be said about it.
@@ -94,8 +104,10 @@ pub struct PatchFit {
 pub struct CadModel {
     /// The model; `brep.faces.len()` is the number of faces of the file.
     pub brep: Brep,
-    /// Per patch, with [`Fit::Bicubic`]; else empty.
-    pub fits: Vec<PatchFit>,
+    /// How many faces are what.
+    pub faces: Faces,
+    /// Relative errors of area and volume when they are integrated by the default rule of OpenCASCADE.
+    pub mass_error: [f64; 2],
     /// What a user should know: stray voids, degenerate triangles.
     pub warnings: Vec<String>,
 }
@@ -131,33 +143,50 @@ pub fn to_brep(
     options: &BrepOptions,
     ctx: &Context,
 ) -> Result<CadModel> {
-    let scene = Scene::new(mesh, patches, leftover)?;
-    let pieces = piece::pieces(&scene);
-    let chains = chain::chains(&pieces, mesh.vertex_count());
-    ctx.check()?;
-    let (geometry, fits) = match options.fit {
-        Fit::Bilinear => (exact::geometry(&scene, &pieces, &chains)?, Vec::new()),
-        Fit::Bicubic => {
-            let _stage = ctx.stage("fit");
-            fit::geometry(&scene, &pieces, &chains, options.tolerance.resolve(mesh.diagonal()), ctx)?
-        }
-    };
-    finish(scene, &pieces, &chains, geometry, fits, ctx)
+    let mut scene = Scene::new(mesh, patches, leftover)?;
+    if options.fit == Fit::Bilinear {
+        scene.nudge(&scene.leftover.clone());
+        let pieces = piece::pieces(&scene);
+        let chains = chain::chains(&pieces, mesh.vertex_count());
+        ctx.check()?;
+        let geometry = exact::geometry(&scene, &pieces, &chains)?;
+        return finish(scene, &pieces, &chains, geometry, ctx);
+    }
+    let _stage = ctx.stage("faces");
+    let labels = Labels::new(mesh);
+    let mut flats = Flats::new(mesh, &labels.of, ctx)?;
+    let alone: Vec<FaceId> = scene.leftover.iter().copied().filter(|t| flats.of[t.index()] == NONE).collect();
+    scene.nudge(&alone);
+    let tolerance = (options.fit == Fit::Bicubic).then(|| options.tolerance.resolve(mesh.diagonal()));
+    let built = ladder::build(&scene, &mut flats, &labels, tolerance, ctx)?;
+    let mut model = finish(scene, &built.pieces, &built.chains, built.geometry, ctx)?;
+    model.faces.deviation_max = built.deviation;
+    Ok(model)
 }
 
+/// Edges of a mesh at which patches for a CAD file ought to end, besides sharp ones: the borders of flat regions that are
+/// wide against what lies beside them, and between faces of different bodies, groups, materials or colours.
+pub fn borders(mesh: &SurfaceMesh, ctx: &Context) -> Result<Vec<[VertexId; 2]>> {
+    let labels = Labels::new(mesh);
+    Ok(Flats::new(mesh, &labels.of, ctx)?.borders(mesh, &labels.of))
+}
+
+/// Relative error of area and volume by the default rule from which on a user is told.
+const MASS_ERROR: f64 = 1e-4;
+
 /// Puts everything together and proves it.
-fn finish(
-    scene: Scene,
-    pieces: &[Piece],
-    chains: &Chains,
-    geometry: Geometry,
-    fits: Vec<PatchFit>,
-    ctx: &Context,
-) -> Result<CadModel> {
+fn finish(scene: Scene, pieces: &[Piece], chains: &Chains, geometry: Geometry, ctx: &Context) -> Result<CadModel> {
     let shells = shell::shells(&scene, pieces, chains, ctx)?;
     let mut brep = assemble(&scene, pieces, chains, geometry);
     (brep.shells, brep.solids) = (shells.shells, shells.solids);
+    let labels = Labels::new(scene.mesh);
+    let first: Option<Vec<usize>> = pieces.iter().map(|p| p.first(scene.patches).map(|t| t.index())).collect();
+    if let Some(first) = first {
+        brep.faces.iter_mut().zip(&first).for_each(|(face, &t)| labels.dress(face, t));
+        labels.name_bodies(&mut brep, &first);
+    }
     brep.check()?;
+    ctx.check()?;
     let mut warnings = scene.warnings;
     if shells.stray_voids > 0 {
         warnings.push(format!(
@@ -166,7 +195,31 @@ fn finish(
             shells.stray_voids
         ));
     }
-    Ok(CadModel { brep, fits, warnings })
+    let [area, volume] = ctx.install(|| weigh::weigh(&brep)).errors();
+    // An open surface has no volume.
+    let mass_error = [area, if brep.solids.is_empty() { 0.0 } else { volume }];
+    if mass_error.iter().any(|&e| e > MASS_ERROR) {
+        warnings.push(format!(
+            "programs that integrate by the default rule of OpenCASCADE will show an area that is off by {:.1e} and a volume \
+             that is off by {:.1e} of it, because faces bend inside; `--fit auto` divides them there",
+            mass_error[0], mass_error[1]
+        ));
+    }
+    Ok(CadModel { faces: Faces::of(&brep), brep, mass_error, warnings })
+}
+
+impl Faces {
+    fn of(brep: &Brep) -> Self {
+        let mut out = Faces::default();
+        for face in &brep.faces {
+            match brep.surface(face) {
+                Surface::Plane { .. } => out.planes += 1,
+                Surface::Spline(s) if s.knots().iter().any(|k| k.degree() > 1) => out.bicubic += 1,
+                _ => out.bilinear += 1,
+            }
+        }
+        out
+    }
 }
 
 /// Puts vertices, edges and faces together.

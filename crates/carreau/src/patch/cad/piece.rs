@@ -3,26 +3,38 @@
 use super::scene::Scene;
 use crate::mesh::FaceId;
 use crate::patch::Patch;
+use glam::DVec3;
 
 /// One face to be.
 pub struct Piece {
     /// Where it comes from.
     pub source: Source,
-    /// The corners of the cells of a polygon; empty for others.
+    /// The corners of the cells of a polygon, or of the triangles of a flat region (the last one twice); else empty.
     pub cells: Vec<[u32; 4]>,
     /// Its border: the outer loop counter-clockwise, then holes clockwise.
     pub loops: Vec<Outline>,
 }
 
 /// What a piece is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Source {
     /// A rectangle of cells of a patch.
     Block(Block),
     /// A leftover triangle.
     Triangle(FaceId),
+    /// A part of a flat region.
+    Flat(Flat),
     /// A rectilinear polygon of cells.
     Polygon,
+}
+
+/// A part of a flat region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flat {
+    /// Unit normal of its plane.
+    pub normal: DVec3,
+    /// One of its triangles.
+    pub first: u32,
 }
 
 /// A rectangle of cells of a patch.
@@ -82,7 +94,7 @@ impl Block {
     }
 
     /// The two halves before and behind a line of nodes; `axis` 0 cuts between rows, 1 between columns.
-    fn cut(&self, axis: usize, at: u32) -> [Block; 2] {
+    pub fn cut(&self, axis: usize, at: u32) -> [Block; 2] {
         let (mut low, mut high) = (*self, *self);
         low.size[axis] = at;
         high.from[axis] += at;
@@ -93,17 +105,44 @@ impl Block {
 
 /// All patches, cut where they touch themselves, and all leftover triangles.
 pub fn pieces(scene: &Scene) -> Vec<Piece> {
+    let blocks = blocks(scene).into_iter().map(|b| Piece::block(scene.patches, b));
+    blocks.chain(scene.leftover.iter().map(|&t| Piece::triangle(scene, t))).collect()
+}
+
+/// All patches, cut where they touch themselves.
+pub fn blocks(scene: &Scene) -> Vec<Block> {
     let patches = scene.patches;
     let mut cutter = Cutter { patches, seen: vec![0; scene.points.len()], round: 0 };
     let mut blocks = Vec::with_capacity(patches.len());
     for (k, patch) in patches.iter().enumerate() {
         cutter.cut(Block { patch: k as u32, from: [0, 0], size: [patch.rows, patch.cols] }, &mut blocks);
     }
-    let block = |b: Block| Piece { source: Source::Block(b), cells: Vec::new(), loops: vec![b.outline(patches)] };
-    blocks.into_iter().map(block).chain(scene.leftover.iter().map(|&t| Piece::triangle(scene, t))).collect()
+    blocks
+}
+
+impl Outline {
+    /// The border of a plane face, without corners.
+    pub fn of_plane(vertices: Vec<u32>) -> Self {
+        Outline { corner: vec![false; vertices.len()], vertices, at: Vec::new() }
+    }
 }
 
 impl Piece {
+    /// A triangle of the mesh that it stands for; of polygons it is not known.
+    pub fn first(&self, patches: &[Patch]) -> Option<FaceId> {
+        match self.source {
+            Source::Block(b) => Some(patches[b.patch as usize].cell_triangles(b.from[0], b.from[1])[0]),
+            Source::Triangle(t) => Some(t),
+            Source::Flat(flat) => Some(FaceId(flat.first)),
+            Source::Polygon => None,
+        }
+    }
+
+    /// A block of a patch.
+    pub fn block(patches: &[Patch], block: Block) -> Self {
+        Piece { source: Source::Block(block), cells: Vec::new(), loops: vec![block.outline(patches)] }
+    }
+
     /// A leftover triangle.
     pub fn triangle(scene: &Scene, t: FaceId) -> Self {
         let border = Outline { vertices: scene.mesh.face(t).to_vec(), corner: vec![true; 3], at: Vec::new() };

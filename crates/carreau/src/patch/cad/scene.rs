@@ -40,8 +40,7 @@ impl<'a> Scene<'a> {
             // Both its real sides join the same two vertices, so their neighbours meet without it.
             warnings.push(format!("{dropped} leftover triangle(s) with a repeated vertex have no face"));
         }
-        let mut scene = Scene { mesh, points: Cow::Borrowed(mesh.points()), patches, leftover: kept, warnings };
-        scene.nudge();
+        let scene = Scene { mesh, points: Cow::Borrowed(mesh.points()), patches, leftover: kept, warnings };
         Ok(scene)
     }
 
@@ -56,7 +55,7 @@ impl<'a> Scene<'a> {
         [0, 1, 2].map(|k| self.point(face[k]))
     }
 
-    /// Moves the apex of every leftover triangle without area by a trifle, square to the longest side.
+    /// Moves the apex of every triangle without area among these by a trifle, square to the longest side.
     ///
     /// Such a triangle has no plane, and modellers refuse a face on a line. Without it, however, the model would be open
     /// along its sides. The move is far below the resolution that the file states, yet enough for a plane.
@@ -65,8 +64,8 @@ impl<'a> Scene<'a> {
     ///                          b'
     ///   a ──── b ──── c   →   a ═══════ c     b' is 1e-9 diagonals beside the line
     /// ```
-    fn nudge(&mut self) {
-        let flat: Vec<FaceId> = self.leftover.iter().copied().filter(|&t| is_flat(self.corners(t))).collect();
+    pub fn nudge(&mut self, triangles: &[FaceId]) {
+        let flat: Vec<FaceId> = triangles.iter().copied().filter(|&t| is_flat(self.corners(t))).collect();
         if flat.is_empty() {
             return;
         }

@@ -102,7 +102,7 @@ fn corners<'a>(scene: &'a Scene, piece: &'a Piece) -> Box<dyn Iterator<Item = [u
             let face = scene.mesh.face(t);
             Box::new(std::iter::once([face[0], face[1], face[2], face[2]]))
         }
-        Source::Polygon => Box::new(piece.cells.iter().copied()),
+        Source::Polygon | Source::Flat(_) => Box::new(piece.cells.iter().copied()),
     }
 }
 

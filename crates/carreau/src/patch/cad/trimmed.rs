@@ -62,7 +62,8 @@ pub fn to_trimmed_brep(
     leftover: &[FaceId],
     ctx: &Context,
 ) -> Result<CadModel> {
-    let scene = Scene::new(mesh, &[], leftover)?;
+    let mut scene = Scene::new(mesh, &[], leftover)?;
+    scene.nudge(&scene.leftover.clone());
     let mut pieces = Vec::new();
     let mut surfaces = Vec::new();
     for (k, polygon) in polygons.iter().enumerate() {
@@ -80,7 +81,7 @@ pub fn to_trimmed_brep(
     let chains = chain::chains(&pieces, mesh.vertex_count());
     let curves = chains.paths.iter().map(|path| exact::curve(&scene, path)).collect::<Result<_>>()?;
     let geometry = Geometry { curves, stops: vec![None; chains.paths.len()], surfaces };
-    finish(scene, &pieces, &chains, geometry, Vec::new(), ctx)
+    finish(scene, &pieces, &chains, geometry, ctx)
 }
 
 /// Fails where a polygon does not fit the mesh or contradicts itself.

@@ -1,23 +1,34 @@
-//! Whether a closed polygon in the plane is simple: the border of a plane face may not cross or touch itself.
+//! Whether closed polygons in the plane are simple: the border of a plane face may not cross or touch itself.
 
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
 /// Whether no two sides of a closed polygon have more in common than the corner between them.
 pub fn is_simple(polygon: &[DVec2]) -> bool {
-    let n = polygon.len();
-    let side = |k: usize| [polygon[k], polygon[(k + 1) % n]];
+    are_simple(&[polygon])
+}
+
+/// The same for several polygons at once, which may not touch each other either.
+pub fn are_simple<P: AsRef<[DVec2]>>(polygons: &[P]) -> bool {
+    // Ends of every side, and the sides before and behind it.
+    let mut sides: Vec<([DVec2; 2], [usize; 2])> = Vec::new();
+    for polygon in polygons.iter().map(AsRef::as_ref) {
+        let (first, n) = (sides.len(), polygon.len());
+        let side = |k: usize| ([polygon[k], polygon[(k + 1) % n]], [(k + n - 1) % n, (k + 1) % n].map(|j| first + j));
+        sides.extend((0..n).map(side));
+    }
     // By their left ends, so that only sides above each other meet.
-    let mut order: Vec<usize> = (0..n).collect();
-    let left = |k: usize| side(k)[0].x.min(side(k)[1].x);
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    let left = |k: usize| sides[k].0[0].x.min(sides[k].0[1].x);
     order.sort_unstable_by(|&a, &b| left(a).total_cmp(&left(b)).then(a.cmp(&b)));
     order.iter().enumerate().all(|(place, &k)| {
-        let right = side(k)[0].x.max(side(k)[1].x);
+        let ([a, b], [before, behind]) = sides[k];
+        let right = a.x.max(b.x);
         let later = order[place + 1..].iter().take_while(|&&l| left(l) <= right);
-        later.copied().all(|l| match (l + n - k) % n {
-            1 => !folds(side(k)[0], side(k)[1], side(l)[1]),
-            d if d == n - 1 => !folds(side(l)[0], side(l)[1], side(k)[1]),
-            _ => !touch(side(k), side(l)),
+        later.copied().all(|l| match l {
+            _ if l == behind => !folds(a, b, sides[l].0[1]),
+            _ if l == before => !folds(sides[l].0[0], a, b),
+            _ => !touch([a, b], sides[l].0),
         })
     })
 }
