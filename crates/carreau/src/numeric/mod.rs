@@ -3,6 +3,7 @@
 //! | module | method |
 //! |---|---|
 //! | `banded` | symmetric banded systems |
+//! | `dense` | dense symmetric matrices: factors and inverses |
 //! | `eigen3` | eigenvalues and eigenvectors of symmetric 3 × 3 matrices |
 //! | `flow` | minimum cut of an undirected graph |
 //! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
@@ -12,6 +13,7 @@
 //! | `sparse` | sparse positive definite systems, real and complex |
 
 pub mod banded;
+pub(crate) mod dense;
 pub mod eigen3;
 pub mod flow;
 pub(crate) mod hopcroft_karp;

@@ -56,7 +56,7 @@ pub fn draw(
     Ok(Ok(Drawn { coarse, sheet, singular, traced, cuts }))
 }
 
-fn frames(coarse: &Coarse, context: &Context) -> Result<Field> {
+pub fn frames(coarse: &Coarse, context: &Context) -> Result<Field> {
     let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
     let features = FeatureOptions { angle_deg: None, borders: true, tags: false, edges };
     field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
