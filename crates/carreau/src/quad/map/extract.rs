@@ -10,14 +10,14 @@
 //! ```
 
 use super::super::work::{Place, Work};
-use super::flat::{Flat, cells_turned};
+use super::cell::Cell;
+use super::flat::Flat;
 use super::framed::{Framed, next};
 use super::locate::{Locator, share_of_edge};
 use super::tuning::{MOST_CELLS, STEPS};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
-use glam::I64Vec2;
 use rustc_hash::FxHashMap;
 
 /// Where a vertex of quads is.
@@ -27,7 +27,7 @@ enum Spot {
     /// So many of the whole steps along a half-edge, the one with the smaller number.
     Edge(u32, i64),
     /// In a face, in half cells from its first corner.
-    Face(u32, I64Vec2),
+    Face(u32, Cell),
 }
 
 /// The quads; or why there are none.
@@ -56,30 +56,19 @@ struct Extraction<'a> {
     work: Work,
 }
 
-fn cross(a: I64Vec2, b: I64Vec2) -> i64 {
-    a.x * b.y - a.y * b.x
-}
-
-/// Steps of a whole vector from one whole point to the next.
-fn steps(v: I64Vec2) -> i64 {
-    let (mut a, mut b) = (v.x.abs(), v.y.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
-}
-
 impl Extraction<'_> {
     /// Corners of a face in half cells, the first at the origin.
-    fn corners(&self, f: u32) -> [I64Vec2; 3] {
+    fn corners(&self, f: u32) -> [Cell; 3] {
         let (a, b) = (self.flat.side(3 * f).cells, self.flat.side(3 * f + 1).cells);
-        [I64Vec2::ZERO, 2 * a, 2 * (a + b)]
+        [Cell::ZERO, 2 * a, 2 * (a + b)]
     }
 
     /// The cells whose centre is in a face; of those on an edge, the face of the smaller half-edge has it.
     fn add_face(&mut self, f: u32, context: &Context) -> Result<std::result::Result<(), &'static str>> {
         let p = self.corners(f);
-        let (low, high) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
+        let (x, y) = (p.map(|p| p.x), p.map(|p| p.y));
+        let low = Cell::new(x[0].min(x[1]).min(x[2]), y[0].min(y[1]).min(y[2]));
+        let high = Cell::new(x[0].max(x[1]).max(x[2]), y[0].max(y[1]).max(y[2]));
         let size = high - low;
         if size.x.saturating_mul(size.y) / 4 > MOST_CELLS {
             return Ok(Err("a face has too many cells"));
@@ -88,8 +77,8 @@ impl Extraction<'_> {
         for y in (odd(low.y)..=high.y).step_by(2) {
             context.check()?;
             for x in (odd(low.x)..=high.x).step_by(2) {
-                let centre = I64Vec2::new(x, y);
-                let side = [0, 1, 2].map(|k| cross(p[(k + 1) % 3] - p[k], centre - p[k]));
+                let centre = Cell::new(x, y);
+                let side = [0, 1, 2].map(|k| (p[(k + 1) % 3] - p[k]).cross(centre - p[k]));
                 if side.iter().any(|&s| s < 0) {
                     continue;
                 }
@@ -99,7 +88,7 @@ impl Extraction<'_> {
                 }
                 let mut quad = [0; 4];
                 for (corner, step) in quad.iter_mut().zip([(-1, -1), (1, -1), (1, 1), (-1, 1)]) {
-                    let Some(spot) = self.walk(f, centre, I64Vec2::new(step.0, step.1)) else {
+                    let Some(spot) = self.walk(f, centre, Cell::new(step.0, step.1)) else {
                         return Ok(Err("a cell has no corner"));
                     };
                     *corner = self.vertex(spot);
@@ -112,31 +101,31 @@ impl Extraction<'_> {
     }
 
     /// The corner of a cell, in a direction from its centre.
-    fn walk(&self, mut f: u32, mut from: I64Vec2, mut way: I64Vec2) -> Option<Spot> {
+    fn walk(&self, mut f: u32, mut from: Cell, mut way: Cell) -> Option<Spot> {
         for _ in 0..STEPS {
             let (p, to) = (self.corners(f), from + way);
-            let side = [0, 1, 2].map(|k| cross(p[(k + 1) % 3] - p[k], to - p[k]));
+            let side = [0, 1, 2].map(|k| (p[(k + 1) % 3] - p[k]).cross(to - p[k]));
             if side.iter().all(|&s| s >= 0) {
                 return Some(self.spot(f, to, side));
             }
             // A whole point is never between: the line passes beside all corners.
             let k = (0..3)
-                .find(|&k| side[k] < 0 && cross(way, p[k] - from) <= 0 && cross(way, p[(k + 1) % 3] - from) >= 0)?;
+                .find(|&k| side[k] < 0 && way.cross(p[k] - from) <= 0 && way.cross(p[(k + 1) % 3] - from) >= 0)?;
             let h = 3 * f + k as u32;
             let (o, turn) = (self.flat.side(h).opposite, self.flat.side(h).turn);
             if o == NONE {
                 return None;
             }
             let across = self.corners(o / 3)[next(o) as usize % 3];
-            from = cells_turned(from - p[k], turn) + across;
-            way = cells_turned(way, turn);
+            from = (from - p[k]).turned(turn) + across;
+            way = way.turned(turn);
             f = o / 3;
         }
         None
     }
 
     /// What a point of a face is, by which of its sides it is on.
-    fn spot(&self, f: u32, at: I64Vec2, side: [i64; 3]) -> Spot {
+    fn spot(&self, f: u32, at: Cell, side: [i64; 3]) -> Spot {
         let p = self.corners(f);
         if let Some(k) = (0..3).find(|&k| p[k] == at) {
             return Spot::Vertex(self.flat.side(3 * f + k as u32).vertex);
@@ -145,8 +134,8 @@ impl Extraction<'_> {
             None => Spot::Face(f, at),
             Some(k) => {
                 let h = 3 * f + k as u32;
-                let whole = steps(self.flat.side(h).cells);
-                self.edge_spot(h, whole * steps(at - p[k]) / steps(p[(k + 1) % 3] - p[k]))
+                let whole = self.flat.side(h).cells.steps();
+                self.edge_spot(h, whole * (at - p[k]).steps() / (p[(k + 1) % 3] - p[k]).steps())
             }
         }
     }
@@ -154,7 +143,7 @@ impl Extraction<'_> {
     fn edge_spot(&self, h: u32, step: i64) -> Spot {
         let side = self.flat.side(h);
         match side.opposite < h {
-            true => Spot::Edge(side.opposite, steps(side.cells) - step),
+            true => Spot::Edge(side.opposite, side.cells.steps() - step),
             false => Spot::Edge(h, step),
         }
     }
@@ -171,7 +160,7 @@ impl Extraction<'_> {
                 (self.framed.points[v as usize], place)
             }
             Spot::Edge(h, step) => {
-                let share = step as f64 / steps(flat.side(h).cells) as f64;
+                let share = step as f64 / flat.side(h).cells.steps() as f64;
                 match flat.side(h).curve {
                     NONE => {
                         let point = self.locator.in_face(flat, h / 3, share_of_edge(h, share));
@@ -182,8 +171,8 @@ impl Extraction<'_> {
             }
             Spot::Face(f, at) => {
                 let p = self.corners(f);
-                let whole = cross(p[1] - p[0], p[2] - p[0]) as f64;
-                let shares = [1, 2, 0].map(|k: usize| cross(p[(k + 1) % 3] - p[k], at - p[k]) as f64 / whole);
+                let whole = (p[1] - p[0]).cross(p[2] - p[0]) as f64;
+                let shares = [1, 2, 0].map(|k: usize| (p[(k + 1) % 3] - p[k]).cross(at - p[k]) as f64 / whole);
                 (self.locator.in_face(flat, f, shares), Place::Region(flat.region[f as usize]))
             }
         };
@@ -202,7 +191,7 @@ impl Extraction<'_> {
                 if side.curve == NONE || side.opposite < h {
                     continue;
                 }
-                let whole = steps(side.cells);
+                let whole = side.cells.steps();
                 let spot = |step: i64| match step {
                     0 => Spot::Vertex(side.vertex),
                     _ if step == whole => Spot::Vertex(self.flat.side(next(h)).vertex),

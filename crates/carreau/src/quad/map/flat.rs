@@ -2,10 +2,11 @@
 //! turn across edges, and at every corner the direction of its edge in the star of the working mesh (signposts; Sharp, Soliman,
 //! Crane: *Navigating intrinsic triangulations*, 2019). Once numbers are chosen, every edge has an integer vector, too.
 
+use super::cell::Cell;
 use super::framed::{Framed, next, previous, turned};
 use super::seamless::Map;
 use crate::mesh::NONE;
-use glam::{DVec2, I64Vec2};
+use glam::DVec2;
 
 /// A half-edge with what belongs to it.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +16,7 @@ pub struct Side {
     /// In the frame of its face.
     pub vector: DVec2,
     /// The same as a number of cells.
-    pub cells: I64Vec2,
+    pub cells: Cell,
     /// Its angle at the vertex, in the star of the working mesh.
     pub post: f64,
     /// Curve of features, or [`NONE`].
@@ -36,20 +37,10 @@ pub struct Flat {
     pub at: Vec<u32>,
 }
 
-/// An integer vector turned by right angles.
-pub fn cells_turned(v: I64Vec2, turn: i32) -> I64Vec2 {
-    match turn.rem_euclid(4) {
-        0 => v,
-        1 => I64Vec2::new(-v.y, v.x),
-        2 => -v,
-        _ => I64Vec2::new(v.y, -v.x),
-    }
-}
-
 impl Side {
     /// The same in another frame.
     pub fn turned(self, by: i32) -> Self {
-        Side { vector: turned(self.vector, by), cells: cells_turned(self.cells, by), ..self }
+        Side { vector: turned(self.vector, by), cells: self.cells.turned(by), ..self }
     }
 }
 
@@ -62,7 +53,7 @@ impl Flat {
         let side = |h: u32| Side {
             vertex: framed.tail(h),
             vector: map.along(h),
-            cells: I64Vec2::ZERO,
+            cells: Cell::ZERO,
             post: 0.0,
             curve: framed.curve[h as usize],
             opposite: framed.opposite[h as usize],
@@ -111,8 +102,7 @@ impl Flat {
 
     /// Twice its number of cells.
     pub fn cells(&self, f: u32) -> i64 {
-        let (a, b) = (self.side(3 * f).cells, self.side(3 * f + 1).cells);
-        a.x * b.y - a.y * b.x
+        self.side(3 * f).cells.cross(self.side(3 * f + 1).cells)
     }
 
     /// The half-edges that leave a vertex, counter-clockwise, and whether they go all around; from border to border else.

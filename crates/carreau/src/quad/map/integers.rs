@@ -197,7 +197,7 @@ fn repair(flat: &mut Flat) -> usize {
             }
             let gain = |&h: &u32| {
                 let [a, b] = flat.flipped(h)?;
-                let cells = |s: &[super::flat::Side; 3]| s[0].cells.x * s[1].cells.y - s[0].cells.y * s[1].cells.x;
+                let cells = |s: &[super::flat::Side; 3]| s[0].cells.cross(s[1].cells);
                 let area = |s: &[super::flat::Side; 3]| s[0].vector.perp_dot(s[1].vector);
                 let before = flat.cells(f).min(flat.cells(flat.side(h).opposite / 3));
                 let after = cells(&a).min(cells(&b));

@@ -4,11 +4,12 @@
 //! Around every face the edges add up to nothing. Elimination leaves as many free components as there are degrees of freedom;
 //! the others are sums of these with halves (around a cone, I − R is singular modulo 2), which gives relations over GF(2).
 
+use super::cell::Cell;
 use super::flat::Flat;
 use super::framed::turned;
 use super::tuning::MOST_UNKNOWNS;
 use crate::mesh::NONE;
-use glam::{DVec2, I64Vec2};
+use glam::DVec2;
 
 /// A component of an edge of a face: plus or minus an unknown, or a number.
 #[derive(Debug, Clone, Copy)]
@@ -45,8 +46,9 @@ impl Unknowns {
         ids.iter().for_each(|&f| is_in[f as usize] = true);
         let is_all = ids.len() == flat.faces().count();
         let mut of = vec![None; flat.sides.len()];
-        let mut unknowns = Unknowns { edges: Vec::new(), real: Vec::new(), faces: Vec::new(), ids, zero: Vec::new() };
-        for &f in &unknowns.ids {
+        let mut unknowns =
+            Unknowns { edges: Vec::new(), real: Vec::new(), faces: Vec::new(), ids: Vec::new(), zero: Vec::new() };
+        for &f in &ids {
             let forms = [0, 1, 2].map(|k| {
                 let h = 3 * f + k;
                 let side = flat.side(h);
@@ -73,6 +75,7 @@ impl Unknowns {
             });
             unknowns.faces.push(forms);
         }
+        unknowns.ids = ids;
         unknowns
     }
 
@@ -83,9 +86,9 @@ impl Unknowns {
     }
 
     /// The integer vector of an edge of a face.
-    pub fn cells(&self, face: usize, k: usize, q: &[f64]) -> I64Vec2 {
+    pub fn cells(&self, face: usize, k: usize, q: &[f64]) -> Cell {
         let [x, y] = self.faces[face][k].map(|form| form.of(q).round() as i64);
-        I64Vec2::new(x, y)
+        Cell::new(x, y)
     }
 }
 

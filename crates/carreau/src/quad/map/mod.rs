@@ -16,9 +16,10 @@
 //! | closed assignments and their parities; whole numbers | `lattice`; `integers` |
 //! | quads of the integer triangles | `extract` |
 //! | back to the surface | `locate` |
-//! | constants | `tuning` |
+//! | whole vectors; constants | `cell`; `tuning` |
 
 mod cancel;
+mod cell;
 mod cut;
 mod decimate;
 mod extract;
@@ -30,8 +31,7 @@ mod locate;
 mod seamless;
 mod tuning;
 
-use super::draw::frames;
-use super::pair::coarse;
+use super::pair::{coarse, field_of};
 use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
@@ -66,7 +66,7 @@ pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<s
         let Some(coarse) = coarse(source, edges, wish.loose, wish.feature_deg, context)? else {
             return Ok(Err("its features were not found again".into()));
         };
-        let field = frames(&coarse, context)?;
+        let field = field_of(&coarse, context)?;
         if !field.repaired.is_empty() {
             return Ok(Err("its working mesh is not sound".into()));
         }
