@@ -3,6 +3,7 @@
 //! | module | method |
 //! |---|---|
 //! | `banded` | symmetric banded systems |
+//! | `dense` | dense symmetric matrices: factors and inverses |
 //! | `eigen3` | eigenvalues and eigenvectors of symmetric 3 × 3 matrices |
 //! | `flow` | minimum cut of an undirected graph |
 //! | `gauss` | Gauss–Legendre quadrature |
@@ -13,6 +14,7 @@
 //! | `sparse` | sparse positive definite systems, real and complex |
 
 pub mod banded;
+pub(crate) mod dense;
 pub mod eigen3;
 pub mod flow;
 pub mod gauss;

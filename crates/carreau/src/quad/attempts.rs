@@ -41,12 +41,12 @@ const EVEN: Way = Way { deals: false, graft: None };
 
 /// What is wanted.
 pub struct Attempts<'a> {
-    source: &'a Source,
-    length: f64,
-    quads: Option<usize>,
+    pub source: &'a Source,
+    pub length: f64,
+    pub quads: Option<usize>,
     /// Rung 1 may do.
     first: bool,
-    feature_deg: f64,
+    pub feature_deg: f64,
     context: &'a Context,
 }
 
@@ -224,7 +224,7 @@ impl<'a> Attempts<'a> {
 }
 
 /// What a rung cannot do is for the next one.
-fn or_why<T>(result: Result<std::result::Result<T, Refusal>>) -> Result<std::result::Result<T, Refusal>> {
+pub fn or_why<T, W: From<String>>(result: Result<std::result::Result<T, W>>) -> Result<std::result::Result<T, W>> {
     match result {
         Err(Error::Numeric(why)) => Ok(Err(why.into())),
         other => other,

@@ -3,16 +3,13 @@
 
 use super::cut::open_holes;
 use super::layout::{Fault, audit};
-use super::pair::{Coarse, coarse};
+use super::pair::{Coarse, coarse, field_of};
 use super::sheet::Sheet;
 use super::source::Source;
 use super::trace::{Traced, cut, trace};
 use super::work::Place;
 use crate::context::Context;
 use crate::error::Result;
-use crate::field::{Field, FieldOptions, field};
-use crate::geometry::features::FeatureOptions;
-use crate::mesh::VertexId;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Edges of the triangles that carry the field, over those of the quads: the next one where one is no good.
@@ -42,7 +39,7 @@ pub fn draw(
     let Some(coarse) = coarse(source, edges, 1.0, feature_deg, context)? else {
         return Ok(Err("its features were not found again".into()));
     };
-    let field = frames(&coarse, context)?;
+    let field = field_of(&coarse, context)?;
     let curve: FxHashMap<[u32; 2], u32> =
         coarse.features.iter().map(|([a, b], c)| ([*a.min(b), *a.max(b)], *c)).collect();
     let sheet = match field.repaired.is_empty() {
@@ -54,12 +51,6 @@ pub fn draw(
     let traced = trace(&mut sheet, &singular, source.diagonal, context)?;
     let cuts = mend(&mut sheet, source.diagonal, context)?;
     Ok(Ok(Drawn { coarse, sheet, singular, traced, cuts }))
-}
-
-fn frames(coarse: &Coarse, context: &Context) -> Result<Field> {
-    let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
-    let features = FeatureOptions { angle_deg: None, tags: false, edges, ..FeatureOptions::default() };
-    field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
 }
 
 /// Cuts patches that are no discs; returns the vertices of the cuts.

@@ -48,6 +48,8 @@ mod halve;
 mod junction;
 mod layout;
 mod lift;
+mod map;
+mod mapped;
 mod nudge;
 mod pair;
 mod pattern;
@@ -205,7 +207,10 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
     let mut warnings = source.surface.repaired.clone();
     let attempts = Attempts::new(source, options, context);
     let mut tried = attempts.none();
-    if options.rung <= 2 {
+    if options.rung == 1 {
+        attempts.map(&mut tried, context)?;
+    }
+    if options.rung <= 2 && !tried.is_useful() {
         attempts.run(&mut tried)?;
     }
     if !tried.is_useful()

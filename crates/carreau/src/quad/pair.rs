@@ -4,7 +4,7 @@ use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
-use crate::field::{self, FieldOptions};
+use crate::field::{self, Field, FieldOptions};
 use crate::geometry::features::FeatureOptions;
 use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::{Column, CornerId, DisjointSets, NONE, Polygons, SurfaceMesh, TaggedEdge, Triangles, VertexId};
@@ -270,11 +270,16 @@ fn from_corner_to_corner(found: &mut [([u32; 2], u32)], points: &[DVec3], source
     }
 }
 
-/// The frames of the coarse triangles.
-fn frames(coarse: &Coarse, context: &Context) -> Result<Vec<[DVec3; 2]>> {
+/// The frame field of the coarse triangles.
+pub fn field_of(coarse: &Coarse, context: &Context) -> Result<Field> {
     let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
     let features = FeatureOptions { angle_deg: None, tags: false, edges, ..FeatureOptions::default() };
-    let field = field::field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)?;
+    field::field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
+}
+
+/// The frames of the coarse triangles.
+fn frames(coarse: &Coarse, context: &Context) -> Result<Vec<[DVec3; 2]>> {
+    let field = field_of(coarse, context)?;
     let mut frames = vec![[DVec3::ZERO; 2]; coarse.mesh.face_count()];
     // Parts of a triangle come in any order: the last one decides.
     for (k, &t) in field.source.iter().enumerate() {

@@ -1,0 +1,139 @@
+//! Quads by global parametrisation: a seamless map of the frame field, whose flat metric is decimated to its cones and made whole.
+//!
+//! Protais and others (as in room `field`), section 3, make their meshes by global parametrisation in the manner of Campen,
+//! Bommes, Kobbelt: *Quantized global parametrization*, 2015. Here whole numbers are chosen without a T-mesh: Coudert-Osmont,
+//! Desobry, Heistermann, Bommes, Ray, Sokolov: *Quad mesh quantization without a T-mesh*, 2023. Both metrics are positive on the
+//! same triangulation, so that quads are one-to-one on the surface by construction.
+//!
+//! | stage, in the order of the calls | file |
+//! |---|---|
+//! | working mesh at the size of the quads, with its field (rooms `remesh`, `field`) | `framed` |
+//! | opposite singularities nearer than quads can show are cancelled | `cancel` |
+//! | the surface is cut to a disc | `cut` |
+//! | the seamless map: one sparse symmetric solve | `seamless` |
+//! | its flat metric, an intrinsic triangulation with signposts | `flat` |
+//! | decimation to the cones | `decimate` |
+//! | closed assignments and their parities; whole numbers | `lattice`; `integers` |
+//! | quads of the integer triangles | `extract` |
+//! | back to the surface | `locate` |
+//! | whole vectors; constants | `cell`; `tuning` |
+
+mod cancel;
+mod cell;
+mod cut;
+mod decimate;
+mod extract;
+mod flat;
+mod framed;
+mod integers;
+mod lattice;
+mod locate;
+mod seamless;
+mod tuning;
+
+use super::pair::{coarse, field_of};
+use super::source::Source;
+use super::work::Work;
+use crate::context::Context;
+use crate::error::Result;
+use flat::Flat;
+use framed::Framed;
+use locate::Locator;
+use seamless::Map;
+use tuning::{CANCELLED, NUMBER, SIZES};
+
+pub use tuning::WORKING_EDGES;
+
+/// What is wanted.
+pub struct Wish {
+    /// Length of the quads.
+    pub length: f64,
+    /// Their number; `None`: the length is what counts.
+    pub quads: Option<usize>,
+    /// Edges of the working mesh over those of the quads.
+    pub working: f64,
+    /// How much less closely than it should the working mesh follows the surface.
+    pub loose: f64,
+    /// Smallest angle of features.
+    pub feature_deg: f64,
+}
+
+/// Quads before their vertices are moved; or why there are none.
+pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+    let framed = {
+        let _stage = context.stage("working mesh");
+        let edges = wish.working * wish.length;
+        let Some(coarse) = coarse(source, edges, wish.loose, wish.feature_deg, context)? else {
+            return Ok(Err("its features were not found again".into()));
+        };
+        let field = field_of(&coarse, context)?;
+        if !field.repaired.is_empty() {
+            return Ok(Err("its working mesh is not sound".into()));
+        }
+        tracing::debug!(target: "carreau::quad", triangles = field.mesh.face_count(), singular = field.singularities(), "working mesh");
+        match Framed::new(&coarse, &field) {
+            Ok(framed) => framed,
+            Err(why) => return Ok(Err(why)),
+        }
+    };
+    of_frames(framed, wish, context)
+}
+
+fn of_frames(mut framed: Framed, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+    let _stage = context.stage("map");
+    let cancelled = cancel::cancel(&mut framed, CANCELLED * wish.length, context)?;
+    let cut = match cut::cut(&framed) {
+        Ok(cut) => cut,
+        Err(why) => return Ok(Err(why)),
+    };
+    let map = match seamless::seamless(&framed, cut, wish.length, context)? {
+        Ok(map) => map,
+        Err(why) => return Ok(Err(why)),
+    };
+    let mut flat = Flat::new(&framed, &map);
+    let left = decimate::decimate(&mut flat, &framed.is_kept, context)?;
+    let faces = flat.faces().count();
+    tracing::debug!(target: "carreau::quad", cancelled, left, faces, "decimated");
+    drop(_stage);
+    sized(&flat, &framed, &map, wish, context)
+}
+
+/// Whole numbers in the size that gives the number of quads that is wanted, and these quads.
+fn sized(
+    flat: &Flat,
+    framed: &Framed,
+    map: &Map,
+    wish: &Wish,
+    context: &Context,
+) -> Result<std::result::Result<Work, String>> {
+    let _stage = context.stage("numbers");
+    let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
+    let mut scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
+    let mut best: Option<(f64, f64, Flat)> = None;
+    for _ in 0..SIZES {
+        let mut tried = flat.clone();
+        tried.sides.iter_mut().for_each(|side| side.vector *= scale);
+        let holds = integers::choose(&mut tried, context)?;
+        let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
+        let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
+        tracing::debug!(target: "carreau::quad", scale, holds, count, "whole");
+        if holds {
+            let off = ratio.ln().abs();
+            if best.as_ref().is_none_or(|b| off < b.0) {
+                best = Some((off, scale, tried));
+            }
+            if off < NUMBER {
+                break;
+            }
+            scale /= ratio.sqrt();
+        } else {
+            // Another size, other numbers.
+            scale *= 1.01;
+        }
+    }
+    drop(_stage);
+    let Some((_, scale, whole)) = best else { return Ok(Err("a part of the map has no room for a cell".into())) };
+    let _stage = context.stage("quads");
+    let locator = Locator::new(framed, map, scale);
+    Ok(extract::extract(&whole, framed, &locator, context)?.map_err(String::from))
+}

@@ -1,0 +1,54 @@
+//! The constants of the map: what each one measures, in which unit, and why.
+
+/// Edges of the working mesh over those of the quads: 2 to 3 triangles a quad carry as many singularities as the quads can show.
+/// The others are for where nothing comes of the first.
+pub const WORKING_EDGES: [f64; 3] = [0.95, 0.75, 0.6];
+/// Singularities of opposite sign nearer than so many edges of quads are cancelled: they are noise at this size.
+pub const CANCELLED: f64 = 1.2;
+/// What holds frames that no feature and no neighbour gives a direction, relative to the weight of an edge.
+pub const HOLD: f64 = 1e-9;
+
+/// Weight of the constraints of the map over its stiffness, which has no unit: as large as leaves ten digits to the solution.
+pub const STIFFNESS: f64 = 1e5;
+/// Edges on both sides of a cut differ by less than this, in edges of quads.
+pub const SEAMLESS: f64 = 1e-9;
+/// Solves with the same factor at most until they do: each gains about five digits.
+pub const MULTIPLIERS: usize = 12;
+/// A triangle whose area in the map is less than this share of the wanted one counts as turned over.
+pub const TURNED: f64 = 0.02;
+/// Rounds in which triangles that are turned over are made stiffer, and by which factor.
+pub const STIFFER_ROUNDS: usize = 12;
+pub const STIFFER: f64 = 2.0;
+/// Angles in the map are multiples of a right angle within this (radians): far from the next, far above rounding.
+pub const ANGLE: f64 = 0.1;
+
+/// Least area of triangles in the flat metric, in quads: above rounding of a map some hundred quads wide.
+pub const LEAST_AREA: f64 = 1e-7;
+/// Passes over the vertices that could not be removed yet.
+pub const REMOVAL_PASSES: usize = 20;
+/// Flips at one vertex, and flips towards Delaunay for each face, at most.
+pub const FLIPS: usize = 400;
+pub const DELAUNAY_FLIPS: usize = 40;
+
+/// While numbers are rounded one after the other, the mean of the rest leaves every face this area (twice, in quads), if it can.
+pub const ROOM: f64 = 0.6;
+/// Rounded values that are looked at for each edge, the nearest first.
+pub const CANDIDATES: usize = 14;
+/// Orders in which edges are rounded, one after the other until all faces are positive; lengths are shaken by this share.
+pub const ORDERS: usize = 10;
+pub const SHAKE: f64 = 0.4;
+/// Orders around faces that stay negative, and rings of faces around them.
+pub const LOCAL_ORDERS: usize = 40;
+pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];
+/// Rounds of flips of faces that are not positive.
+pub const REPAIRS: usize = 40;
+/// More unknowns than this are too many for dense factors (memory grows with the square, time with the cube).
+pub const MOST_UNKNOWNS: usize = 5_000;
+
+/// Numbers of quads are met within this share; sizes that are tried for that.
+pub const NUMBER: f64 = 0.02;
+pub const SIZES: usize = 6;
+/// Cells that are looked at in the box of one face at most.
+pub const MOST_CELLS: i64 = 100_000_000;
+/// Triangles that a straight line crosses at most.
+pub const STEPS: usize = 100_000;
