@@ -5,7 +5,8 @@ use crate::random::Random;
 use carreau::geometry::curvature::{CurvatureOptions, curvature};
 use carreau::geometry::distance::{DistanceOptions, compare};
 use carreau::io::{self, WriteOptions};
-use carreau::mesh::{RepairOptions, SurfaceMesh, Triangles, repair};
+use carreau::geometry::intersections::Intersections;
+use carreau::mesh::{Polygons, PrepareOptions, RepairOptions, SurfaceMesh, Takes, Triangles, prepare, repair};
 use carreau::{Context, DVec3, Error, field, hex, patch, quad, remesh, segment, skeleton};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -21,6 +22,7 @@ type Try = fn(&Rooms, &SurfaceMesh, &mut Random, &Context) -> carreau::Result<He
 /// Every room, the quick ones more often.
 const ROOMS: &[(&str, usize, Try)] = &[
     ("repair", 24, |_, mesh, _, context| repaired(mesh, context)),
+    ("prepare", 24, |_, mesh, rng, context| prepared(mesh, rng, context)),
     ("curvature", 20, |_, mesh, _, context| curvatures(mesh, context)),
     ("compare", 8, |_, mesh, _, context| compared(mesh, context)),
     ("segment", 20, |_, mesh, _, context| segmented(mesh, context)),
@@ -106,6 +108,37 @@ fn repaired(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {
         .and_then(|()| after.require_manifold().map_err(|e| e.to_string()))
         // One side only is what a surface may have been given: the report says so.
         .and_then(|()| holds(after.consistently_oriented || !after.orientable, "neighbours disagree")))
+}
+
+/// A surface as a soup, or twice in one, and what becomes of it.
+fn prepared(mesh: &SurfaceMesh, rng: &mut Random, context: &Context) -> carreau::Result<Held> {
+    let all = mesh.faces().fan().0;
+    let twice = rng.one_in(2);
+    let listed: Vec<[u32; 3]> = if twice { all.iter().chain(&all).copied().collect() } else { all };
+    let listed: Vec<[u32; 3]> = listed.into_iter().map(|[a, b, c]| if rng.one_in(9) { [a, c, b] } else { [a, b, c] }).collect();
+    let soup = match rng.below(3) {
+        0 => SurfaceMesh::new(mesh.points().to_vec(), Polygons::from_triangles(&listed))?,
+        _ => {
+            let points = listed.iter().flatten().map(|&v| mesh.points()[v as usize]).collect();
+            let faces: Vec<[u32; 3]> = (0..listed.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+            SurfaceMesh::new(points, Polygons::from_triangles(&faces))?
+        }
+    };
+    let takes = if rng.one_in(4) { Takes::OneBody } else { Takes::Bodies };
+    let done = prepare(soup.clone(), &PrepareOptions::default(), takes, context)?;
+    let faces = done.mesh.face_count() as u32;
+    let leads_back = (0..done.mesh.vertex_count() as u32).all(|v| {
+        soup.points().get(done.vertex(v) as usize) == Some(&done.mesh.points()[v as usize])
+    });
+    let labels = done.labels_of_faces(&(0..faces).collect::<Vec<_>>());
+    let again = prepare(done.mesh.clone(), &PrepareOptions::default(), Takes::Bodies, context)?;
+    let crossed = Intersections::of(&done.mesh, context)?;
+    Ok(holds(leads_back, "a vertex does not lead back")
+        .and(holds(labels.len() == soup.face_count(), "a face of the file has no label"))
+        .and(holds(labels.iter().all(|&l| l < faces.max(1)), "a label of no face"))
+        .and(holds(done.bodies.of_face.len() == faces as usize, "a face without a body"))
+        .and(holds(again.report.turned_components == 0, "a second preparation turns something"))
+        .and(holds(crossed.places.len() <= crossed.pairs, "more places than pairs")))
 }
 
 fn curvatures(mesh: &SurfaceMesh, context: &Context) -> carreau::Result<Held> {

@@ -18,7 +18,7 @@ fn column(mesh: &SurfaceMesh) -> Option<(&'static str, &[i32])> {
 }
 
 /// The label that names the body of every face.
-pub(super) fn labels(mesh: &SurfaceMesh) -> Option<&[i32]> {
+pub(in crate::mesh) fn labels(mesh: &SurfaceMesh) -> Option<&[i32]> {
     column(mesh).map(|(_, labels)| labels)
 }
 
@@ -67,7 +67,7 @@ impl Bodies {
             of_face.push(b as u32);
         }
         for (body, label) in list.iter_mut().zip(label) {
-            let word = names.zip(label).and_then(|((name, _), label)| mesh.attributes.names.get(&(name.into(), label)));
+            let word = names.zip(label).and_then(|((name, _), label)| mesh.attributes.names.get(&(name.to_string(), label)));
             body.name = word.filter(|word| !word.is_empty()).cloned();
         }
         Bodies { list, of_face }

@@ -73,7 +73,7 @@ fn is_flawed(mesh: &SurfaceMesh) -> bool {
     let mut seen = vec![false; mesh.vertex_count()];
     let umbrella = umbrellas(mesh.faces(), &mesh.half_edges(), &repeats, |_, _| true);
     let mut bow_tie = false;
-    for (c, &v) in mesh.faces().corners().iter().enumerate().filter(|(c, _)| umbrella[*c] as usize == *c) {
+    for (_, &v) in mesh.faces().corners().iter().enumerate().filter(|(c, _)| umbrella[*c] as usize == *c) {
         bow_tie |= std::mem::replace(&mut seen[v as usize], true);
     }
     bow_tie || repeats.contains(&true) || first.iter().enumerate().any(|(f, &l)| f != l as usize)

@@ -37,8 +37,8 @@ pub(super) struct Trace {
 impl Trace {
     pub fn of(soup: &Soup, input: &SurfaceMesh, doubles: &[[u32; 2]]) -> Self {
         let mut face_image = vec![NONE; input.face_count()];
-        for (f, &source) in (0u32..).zip(&soup.face_source).rev() {
-            face_image[source as usize] = f;
+        for (f, &source) in soup.face_source.iter().enumerate().rev() {
+            face_image[source as usize] = f as u32;
         }
         doubles.iter().for_each(|&[gone, stays]| face_image[gone as usize] = face_image[stays as usize]);
         Trace {
@@ -149,7 +149,7 @@ impl Prepared {
         if let Some(trace) = &mut self.trace {
             trace.face_source = parent.iter().map(|&f| trace.face_source[f]).collect();
             let mut first = vec![NONE; parent.iter().max().map_or(0, |&f| f + 1)];
-            (0u32..).zip(&parent).rev().for_each(|(t, &f)| first[f] = t);
+            parent.iter().enumerate().rev().for_each(|(t, &f)| first[f] = t as u32);
             for image in trace.face_image.iter_mut().filter(|image| **image != NONE) {
                 *image = first.get(*image as usize).copied().unwrap_or(NONE);
             }
