@@ -23,9 +23,10 @@ pub fn obstacles(map: &Map<'_>, mesh: &SurfaceMesh, brep: &Brep, context: &Conte
     let findings = validate(brep, Some(&reference), &limits, context)?;
     // Polygons of thin faces may cross where their curves do not, and what was measured on their triangles means nothing.
     let crossed: Vec<u32> = findings.iter().filter(|f| f.fault == Fault::CrossedLoop).filter_map(|f| f.face).collect();
-    let doubtful = |f: &&Finding| {
-        f.face.or(f.other).is_some_and(|face| crossed.contains(&face))
-            || f.fault == Fault::Volume && !crossed.is_empty()
+    let doubtful = |f: &&Finding| match f.fault {
+        Fault::MissingFace => true,
+        Fault::Volume => findings.iter().any(|f| matches!(f.fault, Fault::CrossedLoop | Fault::MissingFace)),
+        _ => f.face.or(f.other).is_some_and(|face| crossed.contains(&face)),
     };
     Ok(findings.iter().filter(|f| !doubtful(f)).map(|f| obstacle(brep, f)).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::curves::Track;
 use super::topology::Graph;
-use super::tuning::{SAME_POINT, STATED};
+use super::tuning::{NEAR_VERTEX, SAME_POINT, STATED};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use glam::DVec3;
 
@@ -101,8 +101,14 @@ impl Draft {
                 t -= period;
             }
         }
-        let near = |v: u32| self.vertices[v as usize].point.distance(point) <= SAME_POINT * diagonal;
+        let near = |v: u32| {
+            let vertex = &self.vertices[v as usize];
+            vertex.point.distance(point) <= (SAME_POINT * diagonal).max(NEAR_VERTEX * vertex.tolerance)
+        };
+        let inside = e.range[0] < t && t < e.range[1];
+        let nearest = ends[usize::from(t - e.range[0] > e.range[1] - t)];
         let known = ends.into_iter().chain(e.splits.iter().map(|s| s.1)).find(|&v| near(v));
+        let known = known.or((!inside).then_some(nearest));
         known.unwrap_or_else(|| {
             let v = self.vertex(point, 0.0);
             let splits = &mut self.edges[edge as usize].splits;

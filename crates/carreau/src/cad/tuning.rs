@@ -47,3 +47,5 @@ pub const BRANCH: f64 = 2e-3;
 pub const NEAR: f64 = 1e-3;
 /// Gaps are sampled, here and in the validator, at different places: what is stated exceeds what was measured by this factor.
 pub const STATED: f64 = 1.5;
+/// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
+pub const NEAR_VERTEX: f64 = 12.0;
