@@ -20,6 +20,9 @@ pub(super) struct FaceTriangles {
     pub crossed: bool,
 }
 
+/// Coordinates below this are none: spade refuses what is below 2^−142.
+const SMALLEST: f64 = 1e-40;
+
 /// The triangulation of the parameter plane under construction.
 pub(super) struct Plane<'a> {
     pub surface: &'a Surface,
@@ -113,8 +116,8 @@ impl Plane<'_> {
     /// The vertex at a place of the parameter plane; a new one gets the id that `id` makes.
     pub fn insert(&mut self, uv: DVec2, id: impl FnOnce(&mut Self) -> u32) -> Result<FixedVertexHandle> {
         let at = self.chart.place(uv);
-        // Subnormal coordinates are refused.
-        let clean = |x: f64| if x.abs() < 1e-100 { 0.0 } else { x };
+        // Smaller numbers are refused, because their products are out of range.
+        let clean = |x: f64| if x.abs() < SMALLEST { 0.0 } else { x };
         let handle = self
             .cdt
             .insert(Point2::new(clean(at.x), clean(at.y)))
