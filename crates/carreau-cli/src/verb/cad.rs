@@ -141,7 +141,13 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
     ));
     for f in &model.fallback {
         let to = serde_json::to_value(f.to).unwrap_or_default();
-        session.say(format!("region {} ({}) became {}, because {}", f.region, f.from, to.as_str().unwrap_or(""), f.reason));
+        session.say(format!(
+            "region {} ({}) became {}, because {}",
+            f.region,
+            f.from,
+            to.as_str().unwrap_or(""),
+            f.reason
+        ));
     }
     let share = |d: f64| if diagonal > 0.0 { d / diagonal } else { 0.0 };
     let types: serde_json::Map<String, Value> = kinds.iter().map(|(name, n)| ((*name).to_string(), json!(n))).collect();
@@ -151,6 +157,8 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
     record.set("solids", brep.solids.len());
     record.set("shells", brep.shells.len());
     record.set("types", types);
+    record.set("volume", model.volume);
+    record.set("area", model.area);
     record.set("style", style);
     record.set("distance_max", share(model.distance_max));
     record.set("distance_rms", share(model.distance_rms));

@@ -78,6 +78,7 @@ fn points_of_curves_and_surfaces_project_to_themselves() {
         for surface in &brep.surfaces {
             for (u, v) in [(0.3, 0.2), (-0.7, 0.9), (0.8, 0.5)] {
                 let v = if let Surface::Cone { .. } = surface { v + 0.1 } else { v };
+                let u = if let Surface::Extrusion { .. } = surface { 0.5 + 0.3 * u } else { u };
                 let jet = surface.jet(u, v);
                 let kind = surface.kind().name();
                 assert!(surface.point(u, v).distance(jet.point) < 1e-12, "{kind}");

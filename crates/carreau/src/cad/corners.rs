@@ -47,7 +47,10 @@ pub fn place(map: &Map<'_>, graph: &Graph, tracks: &mut [Track], draft: &mut Dra
         let room = map.tolerance.max(GAP * map.diagonal) * 10.0;
         if !(off <= GAP * map.diagonal) {
             let share = off / map.diagonal;
-            obstacles.push(Obstacle { pieces: around, reason: format!("its edges miss a corner by {share:.0e} of the size") });
+            obstacles.push(Obstacle {
+                pieces: around,
+                reason: format!("its edges miss a corner by {share:.0e} of the size"),
+            });
         } else if !(point.distance(start) <= room) {
             obstacles.push(Obstacle { pieces: around, reason: "a corner is far from the mesh".into() });
         }

@@ -2,7 +2,7 @@
 
 use super::curves::Track;
 use super::topology::Graph;
-use super::tuning::SAME_POINT;
+use super::tuning::{NEAR_VERTEX, SAME_POINT, STATED};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use glam::DVec3;
 
@@ -75,8 +75,8 @@ impl Draft {
     pub fn edges_of(&mut self, tracks: Vec<Track>, graph: &Graph) {
         for (track, chain) in tracks.into_iter().zip(&graph.chains) {
             let corner = |v: u32| graph.corners.binary_search(&v).map_or(0, |k| k as u32);
-            let ends = (!chain.closed)
-                .then(|| [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]].map(corner));
+            let ends =
+                (!chain.closed).then(|| [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]].map(corner));
             let Track { curve, range, gap, .. } = track;
             self.edges.push(DraftEdge { curve, range, ends, gap, splits: Vec::new() });
         }
@@ -101,8 +101,14 @@ impl Draft {
                 t -= period;
             }
         }
-        let near = |v: u32| self.vertices[v as usize].point.distance(point) <= SAME_POINT * diagonal;
+        let near = |v: u32| {
+            let vertex = &self.vertices[v as usize];
+            vertex.point.distance(point) <= (SAME_POINT * diagonal).max(NEAR_VERTEX * vertex.tolerance)
+        };
+        let inside = e.range[0] < t && t < e.range[1];
+        let nearest = ends[usize::from(t - e.range[0] > e.range[1] - t)];
         let known = ends.into_iter().chain(e.splits.iter().map(|s| s.1)).find(|&v| near(v));
+        let known = known.or((!inside).then_some(nearest));
         known.unwrap_or_else(|| {
             let v = self.vertex(point, 0.0);
             let splits = &mut self.edges[edge as usize].splits;
@@ -132,7 +138,7 @@ impl Draft {
             cuts.push((e.range[1], ends[1]));
             for w in cuts.windows(2) {
                 let (range, ends) = ([w[0].0, w[1].0], [w[0].1, w[1].1]);
-                brep.edges.push(Edge { curve: e.curve.clone(), range, ends, tolerance: e.gap });
+                brep.edges.push(Edge { curve: e.curve.clone(), range, ends, tolerance: STATED * e.gap });
             }
             pieces.push((first, cuts.len() as u32 - 1));
         }
@@ -140,9 +146,8 @@ impl Draft {
             let expand = |uses: &Vec<(u32, bool)>| -> Vec<EdgeUse> {
                 let all = uses.iter().flat_map(|&(edge, reversed)| {
                     let (first, count) = pieces[edge as usize];
-                    (0..count).map(move |k| {
-                        EdgeUse::new(if reversed { first + count - 1 - k } else { first + k }, reversed)
-                    })
+                    (0..count)
+                        .map(move |k| EdgeUse::new(if reversed { first + count - 1 - k } else { first + k }, reversed))
                 });
                 all.collect()
             };

@@ -50,7 +50,8 @@ pub fn turn_sphere(piece: &mut Piece, draft: &Draft, loops: &[Vec<(u32, bool)>],
         // Among the directions across, the one that boundaries lean to: corners of boxes have their axes.
         let area = rims.iter().map(|r| area_vector(r)).sum::<DVec3>();
         let aside = rims.iter().flatten().copied().fold(DVec3::ZERO, |a, p| if a == DVec3::ZERO { p } else { a });
-        let z = towards.cross(if aside.cross(towards).length() > 1e-3 { aside } else { towards.any_orthonormal_vector() });
+        let z =
+            towards.cross(if aside.cross(towards).length() > 1e-3 { aside } else { towards.any_orthonormal_vector() });
         let _ = area;
         *frame = Frame::new(center, z, towards);
         return;
@@ -65,7 +66,7 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
     (0..rim.len()).map(|k| rim[k].cross(rim[(k + 1) % rim.len()])).sum()
 }
 
-/// Points along an edge in the sense of a use, with their parameters; the last one, where the next edge begins, left out.
+/// Points along an edge in the sense of a use, both ends included, with their parameters.
 fn points(draft: &Draft, edge: u32, reversed: bool) -> impl Iterator<Item = (DVec3, f64)> + '_ {
     let e = &draft.edges[edge as usize];
     let count = match &e.curve {
@@ -73,7 +74,7 @@ fn points(draft: &Draft, edge: u32, reversed: bool) -> impl Iterator<Item = (DVe
         Curve::Spline(s) => (2 * s.points().len()).clamp(LOOP_SAMPLES, 16 * LOOP_SAMPLES),
         _ => 2 * LOOP_SAMPLES,
     };
-    (0..count).map(move |k| {
+    (0..=count).map(move |k| {
         let s = k as f64 / count as f64;
         let s = if reversed { 1.0 - s } else { s };
         let t = e.range[0] + s * (e.range[1] - e.range[0]);
@@ -82,11 +83,8 @@ fn points(draft: &Draft, edge: u32, reversed: bool) -> impl Iterator<Item = (DVe
 }
 
 fn unroll(surface: &Surface, draft: &Draft, uses: &[(u32, bool)]) -> Unrolled {
-    let all: Vec<(DVec3, usize, f64)> = uses
-        .iter()
-        .enumerate()
-        .flat_map(|(k, &(e, r))| points(draft, e, r).map(move |(p, t)| (p, k, t)))
-        .collect();
+    let all: Vec<(DVec3, usize, f64)> =
+        uses.iter().enumerate().flat_map(|(k, &(e, r))| points(draft, e, r).map(move |(p, t)| (p, k, t))).collect();
     // Not from an apex or a pole, whose angle means nothing.
     let first = all.iter().position(|s| !surface.is_on_axis(s.0)).unwrap_or(0);
     let mut samples: Vec<([f64; 2], usize, f64)> = Vec::with_capacity(all.len() + 1);
@@ -103,7 +101,8 @@ fn unroll(surface: &Surface, draft: &Draft, uses: &[(u32, bool)]) -> Unrolled {
             winding[k] = ((last[k] - samples[0].0[k]) / period).round() as i32;
         }
     }
-    samples.push((last, samples[0].1, samples[0].2));
+    let (_, u, t) = samples[samples.len() - 1];
+    samples.push((last, u, t));
     Unrolled { samples, winding }
 }
 
@@ -120,7 +119,7 @@ impl Unrolled {
             let mut x = at + period * ((low - at) / period).ceil();
             while x < high || (x == low && a != b) {
                 let s = if a == b { 0.0 } else { (x - a) / (b - a) };
-                // On the closing step between two edges the parameter belongs to the first.
+                // Between two edges nothing lies but rounding.
                 let t = if w[0].1 == w[1].1 { w[0].2 + s * (w[1].2 - w[0].2) } else { w[0].2 };
                 out.push(Crossing { at: w[0].0[1 - k] + s * (w[1].0[1 - k] - w[0].0[1 - k]), of, use_: w[0].1, t });
                 x += period;
@@ -148,9 +147,8 @@ pub fn face(
         if matches!(surface, Surface::Torus { .. }) && unrolled.iter().all(|u| sense * u.area() < 0.0) {
             return Err("a torus with holes has no border");
         }
-        let outer = (0..unrolled.len()).max_by(|&a, &b| {
-            (unrolled[a].area() * sense).total_cmp(&(unrolled[b].area() * sense)).then(b.cmp(&a))
-        });
+        let outer = (0..unrolled.len())
+            .max_by(|&a, &b| (unrolled[a].area() * sense).total_cmp(&(unrolled[b].area() * sense)).then(b.cmp(&a)));
         face.outer = outer.unwrap_or(0);
         let is_wrong = |(k, u): (usize, &Unrolled)| (u.area() * sense > 0.0) != (k == face.outer);
         if unrolled.iter().enumerate().any(is_wrong) {
@@ -268,7 +266,14 @@ impl Seams<'_> {
     }
 
     /// The best place for a seam: through vertices that are there, far from other loops. Returns the crossing of ring `a`.
-    fn best(&self, draft: &Draft, face: &DraftFace, a: usize, b: Option<usize>, upward: bool) -> Option<(Crossing, f64)> {
+    fn best(
+        &self,
+        draft: &Draft,
+        face: &DraftFace,
+        a: usize,
+        b: Option<usize>,
+        upward: bool,
+    ) -> Option<(Crossing, f64)> {
         let surface = &self.piece.surface;
         let period = self.period();
         let mut places: Vec<(f64, u32)> = Vec::new();
@@ -303,7 +308,8 @@ impl Seams<'_> {
                 continue;
             }
             // Vertices of both rings at one place are worth most, then one, then room.
-            let both = known.iter().filter(|y| ((y.0 - x) / period - ((y.0 - x) / period).round()).abs() < 1e-9).count();
+            let both =
+                known.iter().filter(|y| ((y.0 - x) / period - ((y.0 - x) / period).round()).abs() < 1e-9).count();
             let score = 10.0 * f64::from(fixed) + 10.0 * both.min(2) as f64 + clear.min(0.25);
             if best.as_ref().is_none_or(|b| score > b.0 + 1e-9) {
                 best = Some((score, crossing, x));
@@ -361,7 +367,8 @@ impl Seams<'_> {
         };
         let [s, t] = ends.map(at);
         let against = t < s;
-        let (range, vertices) = if against { ([t, s], [ends[1].0, ends[0].0]) } else { ([s, t], [ends[0].0, ends[1].0]) };
+        let (range, vertices) =
+            if against { ([t, s], [ends[1].0, ends[0].0]) } else { ([s, t], [ends[0].0, ends[1].0]) };
         (range[1] > range[0]).then(|| (draft.seam(curve, range, vertices), against))
     }
 }

@@ -8,6 +8,7 @@ use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::primitive::Kind;
+use crate::mesh::SurfaceMesh;
 use serde::Serialize;
 
 /// A region that fell.
@@ -24,7 +25,7 @@ pub struct Fallback {
 }
 
 /// Goes down the ladder until there is a model.
-pub fn descend(map: &mut Map<'_>, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
+pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
     let mut fallback = Vec::new();
     let free = std::mem::take(&mut map.free);
     if !free.is_empty() {
@@ -38,7 +39,7 @@ pub fn descend(map: &mut Map<'_>, context: &Context) -> Result<(Brep, Vec<Fallba
         if obstacles.is_empty() {
             let mut brep = tried.brep;
             enclose(map, &mut brep)?;
-            obstacles = super::check::obstacles(map, &brep, context)?;
+            obstacles = super::check::obstacles(map, mesh, &brep, context)?;
             if obstacles.is_empty() {
                 return Ok((brep, fallback));
             }
@@ -46,7 +47,8 @@ pub fn descend(map: &mut Map<'_>, context: &Context) -> Result<(Brep, Vec<Fallba
         demote(map, &obstacles, round, &mut fallback);
     }
     // Nothing but triangles is left to be said.
-    let rest: Vec<u32> = (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
+    let rest: Vec<u32> =
+        (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
     fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
     let tried = attempt(map, context)?;
     if let Some(obstacle) = tried.obstacles.first() {

@@ -86,6 +86,10 @@ pub struct CadModel {
     pub fallback: Vec<Fallback>,
     /// What the regions were.
     pub segmentation: Segmentation,
+    /// Area of the model.
+    pub area: f64,
+    /// Volume of its solids.
+    pub volume: f64,
     /// Largest distance of a vertex of the mesh from the surface of its face.
     pub distance_max: f64,
     /// Root mean square of these distances.
@@ -114,7 +118,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         let _stage = context.stage("map");
         Map::new(triangles, mesh.diagonal(), &segmentation)
     };
-    let (brep, fallback) = ladder::descend(&mut map, context)?;
+    let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
     if options.max_faces.is_some_and(|most| brep.faces.len() > most as usize) {
         return Err(Error::Numeric(format!(
             "the model has {} faces, more than the {} allowed; simplify the mesh first, or raise --max-faces",
@@ -123,7 +127,11 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         )));
     }
     let (distance_max, distance_rms) = distances(&map);
-    Ok(CadModel { brep, face_of_triangle: map.label, fallback, segmentation, distance_max, distance_rms })
+    let masses = brep.face_masses(context)?;
+    let area = masses.iter().map(|m| m.area).sum();
+    let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
+    let face_of_triangle = map.label;
+    Ok(CadModel { brep, face_of_triangle, fallback, segmentation, area, volume, distance_max, distance_rms })
 }
 
 /// Largest and root mean square distance of the vertices of all pieces from their surfaces.

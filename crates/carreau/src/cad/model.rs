@@ -49,9 +49,11 @@ pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
             Some(track) if track.gap <= GAP * map.diagonal => found.push(track),
             Some(track) => {
                 let share = track.gap / map.diagonal;
-                obstacles.push(Obstacle { pieces: pieces(), reason: format!("its edge is {share:.0e} of the size off") });
+                obstacles
+                    .push(Obstacle { pieces: pieces(), reason: format!("its edge is {share:.0e} of the size off") });
             }
-            None => obstacles.push(Obstacle { pieces: pieces(), reason: "it does not meet its neighbour in a curve".into() }),
+            None => obstacles
+                .push(Obstacle { pieces: pieces(), reason: "it does not meet its neighbour in a curve".into() }),
         }
     }
     if !obstacles.is_empty() {

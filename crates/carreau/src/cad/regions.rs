@@ -3,10 +3,10 @@
 //! Regions come from [`crate::segment`]. Before any topology, neighbours on one surface become one piece, and crumbs go to
 //! the neighbour that they lie on.
 
-use super::tuning::{COPLANAR, COPLANAR_DISTANCE};
+use super::tuning::{COPLANAR, COPLANAR_DISTANCE, FILE};
 use crate::brep::Surface;
 use crate::geometry::normals::{angle_between, unit};
-use crate::geometry::primitive::{Primitive, refine};
+use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_within, refine};
 use crate::mesh::{NONE, Triangles};
 use crate::segment::Segmentation;
 use glam::DVec3;
@@ -110,6 +110,7 @@ impl<'a> Map<'a> {
                     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive);
                     Some(again.filter(|q| far(q) <= 2.0 * far(&p)).map_or((p, far(&p)), |q| (q, far(&q))))
                 });
+                let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));
                 let (primitive, max) = (fit.map(|f| f.0), fit.map_or(0.0, |f| f.1));
                 let surface = primitive.map_or(
                     Surface::Plane { frame: crate::brep::Frame::along(t.point(3 * triangles[0]), DVec3::Z) },
@@ -244,6 +245,32 @@ fn connected(t: Triangles<'_>, label: &[u32]) -> (Vec<u32>, Vec<u32>) {
     (part, of)
 }
 
+/// The cone or cylinder through the vertices of what was taken for a sphere, where its facets follow that better: two rings of
+/// vertices, as of a chamfer, lie on a sphere as well, but a sphere's triangles do not have straight generators.
+fn straighter(t: Triangles<'_>, triangles: &[u32], p: Primitive, far: f64, diagonal: f64) -> Primitive {
+    if p.kind() != Kind::Sphere {
+        return p;
+    }
+    let points = vertices(t, triangles);
+    let normals = vec![DVec3::ZERO; points.len()];
+    let mut scratch = Scratch::default();
+    let room = (2.0 * far).max(1e-2 * FILE * diagonal);
+    let of = |p: &Primitive| -> f64 {
+        let side = |c: u32| p.distance(0.5 * (t.point(c) + t.point(t.next(c)))).powi(2);
+        triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(side).sum()
+    };
+    let mut best = (p, 0.9 * of(&p));
+    for kind in [Kind::Cylinder, Kind::Cone] {
+        if points.len() > kind.parameters()
+            && let Some(found) = fit_within(kind, &points, &normals, room, &mut scratch)
+            && of(&found.primitive) < best.1
+        {
+            best = (found.primitive, of(&found.primitive));
+        }
+    }
+    if best.0 == p { p } else { refine(best.0, &points, None, REFINE_STEPS).map_or(best.0, |f| f.primitive) }
+}
+
 struct Shared<'a, 'b> {
     t: Triangles<'a>,
     tolerance: f64,
@@ -300,7 +327,9 @@ impl Shared<'_, '_> {
         for &(a, b) in neighbours {
             let (a, b) = (root(&home, a), root(&home, b));
             let (large, small) = if area[a as usize] >= area[b as usize] { (a, b) } else { (b, a) };
-            let (Some(p), Some(q)) = (self.primitives[large as usize], self.primitives[small as usize]) else { continue };
+            let (Some(p), Some(q)) = (self.primitives[large as usize], self.primitives[small as usize]) else {
+                continue;
+            };
             if a == b || p.kind() != q.kind() {
                 continue;
             }

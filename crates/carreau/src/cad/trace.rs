@@ -95,7 +95,12 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
         let (spline, times) = interpolate(&points, closed)?;
         let error: Vec<f64> = times
             .windows(2)
-            .map(|w| [0.25, 0.5, 0.75].map(|s| gap(a, b, spline.point(w[0] + s * (w[1] - w[0])))).into_iter().fold(0.0, f64::max))
+            .map(|w| {
+                [0.25, 0.5, 0.75]
+                    .map(|s| gap(a, b, spline.point(w[0] + s * (w[1] - w[0]))))
+                    .into_iter()
+                    .fold(0.0, f64::max)
+            })
             .collect();
         let worst = error.iter().copied().fold(0.0, f64::max);
         if !worst.is_finite() {

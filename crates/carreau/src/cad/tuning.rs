@@ -42,3 +42,10 @@ pub const COPLANAR_DISTANCE: f64 = 1e-9;
 /// Edges may be this much of the diagonal away from the mesh's polyline even where that is straight: wrong branches are
 /// farther away by the size of the part.
 pub const BRANCH: f64 = 2e-3;
+/// Share of the diagonal: how far, besides what facets cut off, mesh and model may be apart. It also is four times the chord of
+/// the polygons in which the validator looks for loops that cross, so that thin faces need it small.
+pub const NEAR: f64 = 1e-3;
+/// Gaps are sampled, here and in the validator, at different places: what is stated exceeds what was measured by this factor.
+pub const STATED: f64 = 1.5;
+/// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
+pub const NEAR_VERTEX: f64 = 12.0;

@@ -1,5 +1,6 @@
 //! Triangles of one face, in the parameter plane of its surface.
 
+use super::chart::Chart;
 use super::{Fineness, refine};
 use crate::brep::boundary::{EdgeSamples, Ring, unroll};
 use crate::brep::{Brep, Face, Surface};
@@ -19,11 +20,13 @@ pub(super) struct FaceTriangles {
     pub crossed: bool,
 }
 
+/// Coordinates below this are none: spade refuses what is below 2^−142.
+const SMALLEST: f64 = 1e-40;
+
 /// The triangulation of the parameter plane under construction.
 pub(super) struct Plane<'a> {
     pub surface: &'a Surface,
-    /// Lengths of a unit of u and of v.
-    pub scale: DVec2,
+    pub chart: Chart,
     pub cdt: ConstrainedDelaunayTriangulation<Point2<f64>>,
     /// By vertex of the triangulation.
     pub ids: Vec<u32>,
@@ -45,7 +48,7 @@ pub(super) fn triangulate(
     let shared = (brep.vertices.len() + inner_samples) as u32;
     let mut plane = Plane {
         surface,
-        scale: DVec2::ONE,
+        chart: Chart::Stretched(DVec2::ONE),
         cdt: ConstrainedDelaunayTriangulation::new(),
         ids: Vec::new(),
         inner: Vec::new(),
@@ -66,7 +69,7 @@ pub(super) fn triangulate(
     if rings.iter().any(open) || rings.iter().flat_map(|r| &r.samples).any(|s| !s.uv.is_finite()) {
         return Ok(FaceTriangles { crossed: true, ..Default::default() });
     }
-    plane.scale = scale(surface, &rings);
+    plane.chart = Chart::new(surface, &rings);
     let mut crossed = false;
     for ring in &rings {
         crossed |= !plane.constrain(ring, fineness)?;
@@ -103,19 +106,6 @@ fn whole_sphere(brep: &Brep, face: &Face, fineness: &Fineness, plane: &mut Plane
     Some(Ring { samples: up.chain(down).chain([sample(TAU, 0)]).collect() })
 }
 
-/// Mean lengths of a unit of u and of v along the border.
-fn scale(surface: &Surface, rings: &[Ring]) -> DVec2 {
-    let mut sum = DVec2::ZERO;
-    let mut count = 0.0;
-    for s in rings.iter().flat_map(|r| &r.samples) {
-        let [a, b] = surface.jet(s.uv.x, s.uv.y).first;
-        sum += DVec2::new(a.length(), b.length());
-        count += 1.0;
-    }
-    let mean = sum / f64::max(count, 1.0);
-    DVec2::new(if mean.x > 0.0 { mean.x } else { 1.0 }, if mean.y > 0.0 { mean.y } else { 1.0 })
-}
-
 impl Plane<'_> {
     /// A new inner point; returns its id.
     pub fn add(&mut self, p: DVec3) -> u32 {
@@ -125,9 +115,9 @@ impl Plane<'_> {
 
     /// The vertex at a place of the parameter plane; a new one gets the id that `id` makes.
     pub fn insert(&mut self, uv: DVec2, id: impl FnOnce(&mut Self) -> u32) -> Result<FixedVertexHandle> {
-        let at = uv * self.scale;
-        // Subnormal coordinates are refused.
-        let clean = |x: f64| if x.abs() < 1e-100 { 0.0 } else { x };
+        let at = self.chart.place(uv);
+        // Smaller numbers are refused, because their products are out of range.
+        let clean = |x: f64| if x.abs() < SMALLEST { 0.0 } else { x };
         let handle = self
             .cdt
             .insert(Point2::new(clean(at.x), clean(at.y)))
@@ -139,9 +129,10 @@ impl Plane<'_> {
         Ok(handle)
     }
 
-    /// The place of a vertex.
-    pub fn uv(&self, p: Point2<f64>) -> DVec2 {
-        DVec2::new(p.x, p.y) / self.scale
+    /// Parameters of a place; those of a pole have the u of `beside`.
+    pub fn uv(&self, p: DVec2, beside: DVec2) -> DVec2 {
+        let uv = self.chart.parameters(p);
+        if self.chart.is_pole(p) { DVec2::new(self.chart.parameters(beside).x, uv.y) } else { uv }
     }
 
     /// Inserts a loop; false where it crosses itself or another.
@@ -182,7 +173,9 @@ impl Plane<'_> {
         for face in self.cdt.inner_faces().filter(|f| inside[f.fix().index()]) {
             let [a, b, c] = face.vertices().map(|v| self.ids[v.fix().index()]);
             if a != b && b != c && c != a {
-                let [p, q, r] = face.vertices().map(|v| self.uv(v.position()));
+                let at = face.vertices().map(|v| DVec2::new(v.position().x, v.position().y));
+                let middle = (at[0] + at[1] + at[2]) / 3.0;
+                let [p, q, r] = at.map(|p| self.uv(p, middle));
                 out.push(if same_sense { [a, b, c] } else { [a, c, b] });
                 places.push(if same_sense { [p, q, r] } else { [p, r, q] });
             }

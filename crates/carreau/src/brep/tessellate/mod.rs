@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `edges` | every edge is sampled until chords and angles are within the tolerances |
 //! | `../boundary` | the samples are laid out in the parameter plane of each face |
-//! | `face` | a constrained Delaunay triangulation in that plane, stretched to be nearly isometric |
+//! | `chart` | the parameter plane is stretched to be nearly isometric |
+//! | `face` | a constrained Delaunay triangulation in that plane |
 //! | `refine` | points are added inside until the triangles follow the surface |
 
+mod chart;
 mod edges;
 mod face;
 mod refine;

@@ -1,6 +1,7 @@
 //! Points inside a face: a grid where the surface bends both ways, then the middles of edges that are too far from it.
 
 use super::Fineness;
+use super::chart::mean_lengths;
 use super::face::Plane;
 use crate::brep::Surface;
 use crate::brep::boundary::Ring;
@@ -30,7 +31,7 @@ pub(super) fn fill(plane: &mut Plane, rings: &[Ring], fineness: &Fineness) -> Re
     if matches!(plane.surface, Surface::Plane { .. }) {
         return Ok(());
     }
-    for uv in grid(plane.surface, plane.scale, rings, fineness) {
+    for uv in grid(plane.surface, mean_lengths(plane.surface, rings), rings, fineness) {
         plane.insert(uv, |p| p.add(p.surface.point(uv.x, uv.y)))?;
     }
     for _ in 0..ROUNDS {
@@ -56,8 +57,10 @@ fn missing(plane: &Plane, fineness: &Fineness) -> Vec<DVec2> {
         if !directed.face().as_inner().is_some_and(|f| inside[f.fix().index()]) {
             continue;
         }
-        let [a, b] = edge.vertices().map(|v| plane.uv(v.position()));
-        let middle = 0.5 * (a + b);
+        let ends = edge.vertices().map(|v| DVec2::new(v.position().x, v.position().y));
+        let middle = 0.5 * (ends[0] + ends[1]);
+        let [a, b] = ends.map(|p| plane.uv(p, middle));
+        let middle = plane.chart.parameters(middle);
         let far = at(middle).distance(0.5 * (at(a) + at(b))) > fineness.chord;
         // Normals vary along a chord by twice the tolerance at most, as between two triangles.
         let turned = || surface.normal(a.x, a.y).angle_between(surface.normal(b.x, b.y)) > 2.0 * fineness.angle;
@@ -66,9 +69,10 @@ fn missing(plane: &Plane, fineness: &Fineness) -> Vec<DVec2> {
         }
     }
     for face in plane.cdt.inner_faces().filter(|f| inside[f.fix().index()]) {
-        let corners = face.vertices().map(|v| plane.uv(v.position()));
+        let corners = face.vertices().map(|v| DVec2::new(v.position().x, v.position().y));
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let flat = corners.map(at);
+        let flat = corners.map(|p| at(plane.uv(p, middle)));
+        let middle = plane.chart.parameters(middle);
         if at(middle).distance((flat[0] + flat[1] + flat[2]) / 3.0) > fineness.chord {
             out.push(middle);
         }

@@ -17,7 +17,7 @@ fn tessellations_are_watertight_and_near() {
                 assert!(surface.point(at.x, at.y).distance(*p) < 1e-6, "{name}: face {f}");
             }
             let middle = (uv[0] + uv[1] + uv[2]) / 3.0;
-            let off = surface.point(middle.x, middle.y).distance((a + b + c) / 3.0);
+            let off = surface.distance((a + b + c) / 3.0);
             assert!(off < 2.0 * fineness.chord, "{name}: face {f} {off}");
             let normal = surface.normal(middle.x, middle.y) * if face.same_sense { 1.0 } else { -1.0 };
             assert!((b - a).cross(c - a).dot(normal) >= -1e-12, "{name}: face {f} turned");

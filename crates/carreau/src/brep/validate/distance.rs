@@ -11,11 +11,11 @@
 
 use super::{Fault, Finding, Limits, Reference, middles};
 use crate::brep::tessellate::Tessellation;
-use crate::brep::{Brep, Curve};
+use crate::brep::{Brep, Curve, Surface};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::search_tree::TriangleTree;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// What was measured of one face.
@@ -28,14 +28,36 @@ struct Measured {
     turned_at: DVec3,
     /// The volume that facets may cut off.
     cut_off: f64,
+    /// The signed volume between the face and its region.
+    between: f64,
 }
 
 /// The triangles of a region, and those of its faces.
 struct Region {
     triangles: Vec<[u32; 3]>,
     faces: Vec<u32>,
-    /// The longest side of a triangle.
-    longest: f64,
+    /// Vertices of the region's border with the longest border side there, by vertex.
+    border: Vec<(u32, f64)>,
+}
+
+impl Region {
+    /// The longest border side at a vertex; 0 inside.
+    fn border_at(&self, v: u32) -> f64 {
+        self.border.binary_search_by_key(&v, |b| b.0).map_or(0.0, |k| self.border[k].1)
+    }
+
+    fn find_border(&mut self, points: &[DVec3]) {
+        let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
+        let mut sides: Vec<[u32; 2]> =
+            self.triangles.iter().flat_map(|t| (0..3).map(move |k| sorted(t[k], t[(k + 1) % 3]))).collect();
+        sides.sort_unstable();
+        let single = sides.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| c[0]);
+        let length = |s: [u32; 2]| points[s[0] as usize].distance(points[s[1] as usize]);
+        let mut ends: Vec<(u32, f64)> = single.flat_map(|s| s.map(|v| (v, length(s)))).collect();
+        ends.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        ends.dedup_by_key(|e| e.0);
+        self.border = ends;
+    }
 }
 
 /// Compares every region with its faces.
@@ -51,6 +73,8 @@ pub(super) fn compare(
     let faces_of: Vec<Vec<[u32; 3]>> = triangles_by_face(brep.faces.len(), tessellation);
     let mut out = Vec::new();
     let mut cut_off = 0.0;
+    // The face that most of a difference of volumes is at, and how much beyond its bound.
+    let mut blamed = (f64::NEG_INFINITY, None);
     let points = reference.mesh.points();
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
@@ -77,11 +101,16 @@ pub(super) fn compare(
                 let finding = Finding::new(Fault::TurnedNormal, share, limits.turned_share, measured.turned_at);
                 out.push(finding.of_face(f));
             }
-            cut_off += measured.cut_off + 2.0 * mean * measured.area;
+            let allowed = measured.cut_off + 2.0 * mean * measured.area;
+            cut_off += allowed;
+            if measured.between.abs() - allowed > blamed.0 {
+                blamed = (measured.between.abs() - allowed, Some(f));
+            }
         }
     }
     out.sort_by(|a, b| (a.fault, a.face).cmp(&(b.fault, b.face)));
-    out.extend(volume(brep, tessellation, reference, cut_off, context)?);
+    let of_volume = volume(brep, tessellation, reference, cut_off, context)?;
+    out.extend(of_volume.map(|finding| Finding { face: blamed.1, ..finding }));
     Ok(out)
 }
 
@@ -90,7 +119,7 @@ fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
     let faces = brep.faces.iter().filter_map(|f| f.region);
     let count = reference.region_of.iter().copied().chain(faces).max().map_or(0, |m| m as usize + 1);
     let mut out: Vec<Region> =
-        (0..count).map(|_| Region { triangles: Vec::new(), faces: Vec::new(), longest: 0.0 }).collect();
+        (0..count).map(|_| Region { triangles: Vec::new(), faces: Vec::new(), border: Vec::new() }).collect();
     for (f, face) in brep.faces.iter().enumerate() {
         if let Some(r) = face.region {
             out[r as usize].faces.push(f as u32);
@@ -98,11 +127,9 @@ fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
     }
     for (face, &r) in reference.mesh.faces().iter().zip(reference.region_of) {
         let region = &mut out[r as usize];
-        let corners = face.iter().map(|&v| reference.mesh.points()[v as usize]);
-        let sides = corners.clone().zip(corners.cycle().skip(1)).map(|(a, b)| a.distance(b));
-        region.longest = sides.fold(region.longest, f64::max);
         region.triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
     }
+    out.iter_mut().for_each(|r| r.find_border(reference.mesh.points()));
     out
 }
 
@@ -138,19 +165,17 @@ fn to_mesh(
 ) -> Measured {
     let face = &brep.faces[f as usize];
     let surface = brep.surface(face);
-    let border = border_sagitta(brep, f, region.longest);
+    let most_bent = border_curvature(brep, f);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();
     for (_, _, uv, area) in middles(tessellation).filter(|m| m.0 == f) {
         let p = surface.point(uv.x, uv.y);
         let Some(near) = tree.closest(p) else { continue };
-        let corners = region.triangles[near.triangle as usize].map(|v| points[v as usize]);
-        let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
-        let curvature = surface.principal_curvatures(uv.x, uv.y).map(f64::abs);
-        let bend = curvature[0].max(curvature[1]);
-        // No facet is farther from a round surface than its own size.
-        let sagitta = (bend * longest * longest / 8.0).min(0.5 * longest);
-        let sagitta = if sagitta.is_finite() { sagitta } else { 0.5 * longest };
+        let ids = region.triangles[near.triangle as usize];
+        let corners = ids.map(|v| points[v as usize]);
+        let (sagitta, tilt) = bend(surface, uv, corners);
+        let border = most_bent * ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max).powi(2) / 8.0;
+        let border = border.min(0.5 * ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max));
         let bound = limits.distance + 2.0 * sagitta + border;
         if near.distance() - bound > out.back.0 - out.back.1 || out.area == 0.0 {
             out.back = (near.distance(), bound, p);
@@ -159,20 +184,44 @@ fn to_mesh(
         let facet = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         out.area += area;
         out.cut_off += area * sagitta;
+        out.between += area * (p - near.point).dot(normal);
         // Facets may be tilted by what their size and the curvature make of it, too.
-        let allowed = limits.angle.max((bend * longest).min(1.5));
+        let allowed = limits.angle.max(tilt.min(1.5));
         if facet.length_squared() > 0.0 && normal != DVec3::ZERO && normal.angle_between(facet) > allowed {
             out.turned += area;
             out.turned_at = p;
         }
     }
-    // The strip between chords and curved edges belongs to one face or the other.
-    out.cut_off += border * border_length(brep, f) * region.longest.min(border_length(brep, f));
     out
 }
 
-/// How far chords of the mesh can be from the curved edges of a face.
-fn border_sagitta(brep: &Brep, f: u32, longest: f64) -> f64 {
+/// How far a facet may be from a surface over it, from the second fundamental form along its sides, and how much it may be tilted.
+///
+/// A side e lies |II(e, e)| / 8 deep under the surface, and its ends' normals differ by |II(e, e)| / |e|. No facet is farther from
+/// a round surface than its own size.
+fn bend(surface: &Surface, uv: DVec2, corners: [DVec3; 3]) -> (f64, f64) {
+    let jet = surface.jet(uv.x, uv.y);
+    let normal = surface.normal(uv.x, uv.y);
+    let [su, sv] = jet.first;
+    let (e, f, g) = (su.dot(su), su.dot(sv), sv.dot(sv));
+    let form = jet.second.map(|d| d.dot(normal));
+    let (mut sagitta, mut tilt) = (0.0f64, 0.0f64);
+    for k in 0..3 {
+        let side = corners[(k + 1) % 3] - corners[k];
+        let (p, q) = (side.dot(su), side.dot(sv));
+        let area = e * g - f * f;
+        let (a, b) = ((g * p - f * q) / area, (e * q - f * p) / area);
+        let second = (form[0] * a * a + 2.0 * form[1] * a * b + form[2] * b * b).abs();
+        let size = side.length();
+        let second = if second.is_finite() { second } else { 4.0 * size };
+        sagitta = sagitta.max((second / 8.0).min(0.5 * size));
+        tilt = tilt.max(if size > 0.0 { second / size } else { 0.0 });
+    }
+    (sagitta, tilt)
+}
+
+/// The largest curvature of the edges of a face.
+fn border_curvature(brep: &Brep, f: u32) -> f64 {
     let bend = |edge: u32| {
         let edge = &brep.edges[edge as usize];
         if let Curve::Line { .. } = edge.curve {
@@ -184,17 +233,7 @@ fn border_sagitta(brep: &Brep, f: u32, longest: f64) -> f64 {
         };
         (0..8).map(at).filter(|k| k.is_finite()).fold(0.0, f64::max)
     };
-    let most = brep.faces[f as usize].uses().map(|of| bend(of.edge)).fold(0.0, f64::max);
-    (most * longest * longest / 8.0).min(0.5 * longest)
-}
-
-fn border_length(brep: &Brep, f: u32) -> f64 {
-    let length = |edge: u32| {
-        let edge = &brep.edges[edge as usize];
-        let points = (0..=8).map(|k| edge.point_at(f64::from(k) / 8.0)).collect::<Vec<_>>();
-        points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>()
-    };
-    brep.faces[f as usize].uses().map(|of| length(of.edge)).sum()
+    brep.faces[f as usize].uses().map(|of| bend(of.edge)).fold(0.0, f64::max)
 }
 
 /// The volumes of closed models.

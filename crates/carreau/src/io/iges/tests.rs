@@ -239,7 +239,8 @@ fn solids_have_their_topology_names_and_colors() {
             let text = String::from_utf8(file.clone()).unwrap();
             assert_eq!(count(314), 1, "{name}");
             if iges == IgesForm::Surfaces {
-                assert_eq!(count(144) + count(128), brep.faces.len() + count_splines(&brep), "{name}");
+                // A spline surface that its loop does not cut is a face by itself.
+                assert_eq!(count(144) + count(128), brep.faces.len(), "{name}");
                 continue;
             }
             assert_eq!((count(186), count(514), count(510)), (1, 1, brep.faces.len()), "{name}");
@@ -250,8 +251,4 @@ fn solids_have_their_topology_names_and_colors() {
             assert!(brep.faces.iter().all(|f| text.contains(&format!("{}H{}", f.name.len(), f.name))), "{name}");
         }
     }
-}
-
-fn count_splines(brep: &Brep) -> usize {
-    brep.surfaces.iter().filter(|s| matches!(s, Surface::Spline(_))).count()
 }
