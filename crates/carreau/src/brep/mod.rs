@@ -173,7 +173,7 @@ pub struct EdgeUse {
     /// Whether the loop runs against the edge.
     pub reversed: bool,
     /// The edge in the (u, v) plane of a spline surface, in the sense of the *edge*: two points (then parameters are in
-    /// proportion to those of the edge's curve), or one for each control point of an edge of degree 1. Empty where readers
+    /// proportion to those of the edge's curve), or one for each knot of the edge's spline. Empty where readers
     /// are to find it by projection, as they do well on everything but splines.
     pub parameters: Vec<[f64; 2]>,
 }

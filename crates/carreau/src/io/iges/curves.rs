@@ -88,8 +88,12 @@ impl Writer {
         match (&points[..], &brep.edges[of.edge as usize].curve) {
             ([], _) => None,
             (&[a, b], _) => Some(self.line([a, b], PARAMETRIC)),
-            (_, Curve::Spline(c)) if of.reversed => Some(self.spline_curve(c.reversed().knots(), &points, PARAMETRIC)),
-            (_, Curve::Spline(c)) => Some(self.spline_curve(c.knots(), &points, PARAMETRIC)),
+            // A point at every knot of the edge.
+            (_, Curve::Spline(c)) => {
+                let breaks = if of.reversed { c.reversed().knots().breaks() } else { c.knots().breaks() };
+                let knots = Knots::from_breaks(1, &breaks, 1).ok()?;
+                Some(self.spline_curve(&knots, &points, PARAMETRIC))
+            }
             _ => None,
         }
     }

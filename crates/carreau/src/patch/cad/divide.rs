@@ -41,7 +41,8 @@ pub fn divide(scene: &Scene, patch: u32, kind: &dyn Fn(u32, u32) -> Option<u32>)
                 before != behind || before.is_some() && bends(axis, at, along)
             })
         };
-        let [rows, columns] = [0, 1].map(|axis| (1..block.size[axis]).filter(|&at| bad(axis, at)).collect::<Vec<u32>>());
+        let [rows, columns] =
+            [0, 1].map(|axis| (1..block.size[axis]).filter(|&at| bad(axis, at)).collect::<Vec<u32>>());
         let share = |lines: &[u32], of: u32| lines.len() as f64 / f64::from(of);
         if rows.is_empty() && columns.is_empty() {
             if kind(0, 0).is_none() {
@@ -105,7 +106,7 @@ pub fn is_creased(scene: &Scene, block: &Block) -> bool {
 
 fn weighs_right(scene: &Scene, block: Block) -> Result<bool> {
     let under = exact::block_by_length(scene, block)?;
-    let right: Vec<[f64; 2]> = under.scale.iter().flat_map(|[_, v]| v.windows(2)).map(|w| [w[0], w[1]]).collect();
+    let right: Vec<Vec<f64>> = under.scale.iter().flat_map(|[_, v]| v.windows(2)).map(<[f64]>::to_vec).collect();
     Ok(matches!(under.surface, Surface::Spline(surface) if weigh::is_right(&surface, &right)))
 }
 
@@ -119,5 +120,5 @@ pub fn cell_weighs_right(corners: [DVec3; 4]) -> Result<bool> {
     }
     let [a, b, c, d] = corners;
     let surface = BSplineSurface::new(Knots::index(1), Knots::index(1), vec![a, b, d, c])?;
-    Ok(weigh::is_right(&surface, &[[0.0, 1.0]]))
+    Ok(weigh::is_right(&surface, &[vec![0.0, 1.0]]))
 }

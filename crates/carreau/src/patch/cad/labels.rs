@@ -29,7 +29,7 @@ impl Labels {
     /// Reads bodies, groups, materials and colours.
     pub fn new(mesh: &SurfaceMesh) -> Self {
         let columns = &mesh.attributes.face;
-        let label = |name: &&str| match columns.get(*name) {
+        let label = |name: &&'static str| match columns.get(*name) {
             Some(Column::Label(values)) if values.len() == mesh.face_count() => Some((*name, values)),
             _ => None,
         };

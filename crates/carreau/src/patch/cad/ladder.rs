@@ -19,14 +19,14 @@ use super::exact;
 use super::fit::{self, ChainCurve, Shape, Smooth};
 use super::flat::Flats;
 use super::labels::Labels;
-use super::piece::{self, Block, Flat, Outline, Piece, Source};
+use super::piece::{self, Block, Flat, Piece, Source};
 use super::region::Parts;
 use super::scene::Scene;
 use super::simple::are_simple;
 use super::{Geometry, PieceSurface};
+use crate::brep::{Curve, Surface};
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::brep::{Curve, Surface};
 use crate::mesh::{FaceId, NONE, Triangles, VertexId};
 use crate::patch::Patch;
 use glam::{DVec2, DVec3};
@@ -74,7 +74,13 @@ struct Ladder<'a, 'b> {
 }
 
 /// The faces of all patches and leftover triangles. With a tolerance, curved patches become bicubic where they can.
-pub fn build(scene: &Scene, flats: &mut Flats, labels: &Labels, tolerance: Option<f64>, ctx: &Context) -> Result<Built> {
+pub fn build(
+    scene: &Scene,
+    flats: &mut Flats,
+    labels: &Labels,
+    tolerance: Option<f64>,
+    ctx: &Context,
+) -> Result<Built> {
     let cells = cells(scene, flats, labels)?;
     let halves = scene.patches.iter().zip(&cells).flat_map(|(p, cells)| {
         let split = (0..cells.len()).filter(|&k| cells[k] == Cell::Split);
@@ -124,7 +130,7 @@ pub fn build(scene: &Scene, flats: &mut Flats, labels: &Labels, tolerance: Optio
         }
         let fit = |&k: &usize| {
             ctx.check()?;
-            fit::smooth(scene, candidates[k].0, (&pieces[k], k), &chains, &of_chain, tolerance)
+            fit::smooth(scene, candidates[k].0, k, &chains, &of_chain, tolerance)
         };
         let trials: Vec<Result<Option<Smooth>>> = ctx.install(|| open.par_iter().map(fit).collect());
         for (&k, trial) in open.iter().zip(trials) {
@@ -188,15 +194,17 @@ impl Ladder<'_, '_> {
             b.size != [1, 1] && (first == NONE || places.any(|(r, c)| region(b, r, c) != first))
         };
         let split = |b: &Block| self.places(b).any(|k| self.cells[b.patch as usize][k] == Cell::Split);
-        let kind = |b: &Block, k: usize| {
-            self.labels.kind(self.scene.patches[b.patch as usize].triangles[2 * k].index())
-        };
+        let kind =
+            |b: &Block, k: usize| self.labels.kind(self.scene.patches[b.patch as usize].triangles[2 * k].index());
         let alike = |b: &Block| {
             let mut kinds = self.places(b).map(|k| kind(b, k));
             kinds.next().is_none_or(|first| kinds.all(|k| k == first))
         };
         let blocks = piece::blocks(self.scene).into_iter();
-        blocks.filter(|b| curved(b) && !split(b) && alike(b) && !divide::is_creased(self.scene, b)).map(|b| (b, None)).collect()
+        blocks
+            .filter(|b| curved(b) && !split(b) && alike(b) && !divide::is_creased(self.scene, b))
+            .map(|b| (b, None))
+            .collect()
     }
 
     /// Numbers of the cells of a block in its patch.
@@ -236,9 +244,14 @@ impl Ladder<'_, '_> {
                     match part.triangles[..] {
                         [t] => alone.push(FaceId(t)),
                         _ => {
-                            let cells = part.triangles.iter().map(|&t| triangles.triangle(t)).map(|[a, b, c]| [a, b, c, c]);
+                            let cells =
+                                part.triangles.iter().map(|&t| triangles.triangle(t)).map(|[a, b, c]| [a, b, c, c]);
                             let cells = cells.collect();
-                            planes.push(Piece { source: Source::Flat(Flat { normal, first: part.triangles[0] }), cells, loops: part.loops });
+                            planes.push(Piece {
+                                source: Source::Flat(Flat { normal, first: part.triangles[0] }),
+                                cells,
+                                loops: part.loops,
+                            });
                         }
                     }
                 }
@@ -392,7 +405,8 @@ impl Ladder<'_, '_> {
             surfaces.push(match (smooth.next(), piece.source) {
                 (Some((_, Some(fit))), _) => {
                     deviation = deviation.max(fit.deviation);
-                    PieceSurface { surface: Surface::Spline(fit.surface), scale: Some(fit.scale), trimmed: false }
+                    // With its border in the parameter plane, whose knots tell readers how closely to integrate.
+                    PieceSurface { surface: Surface::Spline(fit.surface), scale: Some(fit.scale), trimmed: true }
                 }
                 (_, Source::Flat(flat)) => exact::plane_of_flat(scene, piece, flat.normal),
                 (_, Source::Block(block)) => exact::block_by_length(scene, block)?,

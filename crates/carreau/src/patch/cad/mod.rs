@@ -283,6 +283,13 @@ fn edge_use(
             (Some(stops), _) if under.scale.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
             // A break at every row lets readers integrate the face between the kinks that it may have there.
             (None, Curve::Spline(c)) if c.knots().degree() == 1 => parameters.extend((0..=last).map(at)),
+            // A point at every knot, in proportion.
+            (None, Curve::Spline(c)) => {
+                let ([a, b], [low, high]) = ([at(0), at(last)], c.knots().domain());
+                let share = |t: f64| (t - low) / (high - low);
+                let on = |t: f64| [0, 1].map(|k| if t == high { b[k] } else { a[k] + share(t) * (b[k] - a[k]) });
+                parameters.extend(c.knots().breaks().into_iter().map(on));
+            }
             _ => parameters.extend([at(0), at(last)]),
         }
     }

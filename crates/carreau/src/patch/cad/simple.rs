@@ -3,12 +3,7 @@
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-/// Whether no two sides of a closed polygon have more in common than the corner between them.
-pub fn is_simple(polygon: &[DVec2]) -> bool {
-    are_simple(&[polygon])
-}
-
-/// The same for several polygons at once, which may not touch each other either.
+/// Whether no two sides of closed polygons have more in common than the corner between them.
 pub fn are_simple<P: AsRef<[DVec2]>>(polygons: &[P]) -> bool {
     // Ends of every side, and the sides before and behind it.
     let mut sides: Vec<([DVec2; 2], [usize; 2])> = Vec::new();
@@ -54,6 +49,10 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn is_simple(polygon: &[DVec2]) -> bool {
+        are_simple(&[polygon])
+    }
 
     fn polygon(points: &[[f64; 2]]) -> Vec<DVec2> {
         points.iter().map(|&p| DVec2::from(p)).collect()

@@ -4,8 +4,9 @@
 //! face as ∮ (∫ f du) dv along its border in the parameter plane, f from the smallest u to the border's: one set of Gauss
 //! points for every edge, one for the way across, however many knots there are. Their numbers follow from degrees and
 //! knots (`BRepGProp_Face`): a surface with s spans of degree p has max(8, 2 (p + 1) s) across, a border curve
-//! max(4, 2 (p + 1) s), volumes take the larger of the curve's and the v direction's both ways, and 61 is the most. The rule
-//! is restated here, next to the same integral from knot to knot, so that a face can be judged before it is written.
+//! max(4, 2 (p + 1) s), volumes take the larger of the curve's and the v direction's both ways, and 61 is the most. (Newer
+//! versions give straight border curves as many as the v direction has; the older ones are the stricter judge.) So knots of
+//! the border curves in the parameter plane make the rule finer. The rule is restated here, next to the same integral from knot to knot, so that a face can be judged before it is written.
 //!
 //! ```text
 //!   v │    ┌──────────•        every • one Gauss point of the right side; along the dotted
@@ -80,10 +81,11 @@ pub fn weigh_face(brep: &Brep, face: &Face, origin: DVec3) -> Weighed {
     }
 }
 
-/// Whether the rule is right on a whole surface whose right side is cut into these intervals of v.
-pub fn is_right(surface: &BSplineSurface, right: &[[f64; 2]]) -> bool {
+/// Whether the rule is right on a whole surface whose right side is cut into edges with these breaks in v.
+pub fn is_right(surface: &BSplineSurface, right: &[Vec<f64>]) -> bool {
     let u = surface.knots()[0].domain()[1];
-    let runs = right.iter().map(|w| Run { points: w.map(|v| [u, v]).to_vec(), breaks: vec![0.0, 1.0] });
+    let runs =
+        right.iter().map(|breaks| Run { points: breaks.iter().map(|&v| [u, v]).collect(), breaks: breaks.clone() });
     let points = surface.points();
     let origin = points.iter().sum::<DVec3>() / points.len() as f64;
     let size = points.iter().map(|p| p.distance(origin)).fold(0.0, f64::max);
@@ -187,7 +189,8 @@ impl Run {
         for (w, l) in self.points.windows(2).zip(self.breaks.windows(2)) {
             // Where the segment crosses the rows.
             let [a, b] = [w[0][1], w[1][1]];
-            let mut stops: Vec<f64> = v.iter().map(|&t| (t - a) / (b - a)).filter(|s| *s > 1e-12 && *s < 1.0 - 1e-12).collect();
+            let mut stops: Vec<f64> =
+                v.iter().map(|&t| (t - a) / (b - a)).filter(|s| *s > 1e-12 && *s < 1.0 - 1e-12).collect();
             stops.extend([0.0, 1.0]);
             stops.sort_unstable_by(f64::total_cmp);
             for s in stops.windows(2) {
@@ -195,7 +198,8 @@ impl Run {
                     let (p, speed) = self.at(l);
                     let mut line = [0.0; 2];
                     for span in u.windows(2).filter(|span| span[0] < p[0]) {
-                        let of = integral_of([span[0], span[1].min(p[0])], count, |x| density(surface, x, p[1], origin));
+                        let of =
+                            integral_of([span[0], span[1].min(p[0])], count, |x| density(surface, x, p[1], origin));
                         line = [line[0] + of[0], line[1] + of[1]];
                     }
                     line.map(|x| speed * x)

@@ -40,12 +40,6 @@ const CORRECTIONS: usize = 3;
 const ATTEMPTS: usize = 64;
 
 impl ChainCurve {
-    /// The chain itself.
-    pub fn exact(points: &[DVec3]) -> Self {
-        let all = (0..points.len() as u32).collect();
-        ChainCurve { shape: Shape::Polyline(all), parameters: chord_lengths(points), deviation: 0.0 }
-    }
-
     /// A curve within the tolerance.
     pub fn fit(points: &[DVec3], tolerance: f64) -> Result<Self> {
         let parameters = chord_lengths(points);

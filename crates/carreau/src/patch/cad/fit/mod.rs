@@ -16,7 +16,7 @@ mod stencil;
 mod surface;
 
 use super::chain::Chains;
-use super::piece::{Block, Piece};
+use super::piece::Block;
 use super::scene::Scene;
 use super::weigh;
 use crate::error::Result;
@@ -45,7 +45,7 @@ pub struct Smooth {
 pub fn smooth(
     scene: &Scene,
     block: Block,
-    (piece, number): (&Piece, usize),
+    number: usize,
     chains: &Chains,
     curves: &dyn Fn(u32) -> ChainCurve,
     tolerance: f64,
@@ -62,15 +62,20 @@ pub fn smooth(
     let Some(fit) = Problem::new(scene, &block, &frame, tolerance, limit.max(16)).solve()? else { return Ok(None) };
     let border = uses.iter().map(|of| curves(of.chain).deviation).fold(0.0, f64::max);
     let [m, n] = block.size;
-    // The right side, from node to node.
-    let outline = &piece.loops[0];
+    // The right side, from node to node, with the knots that its edges will have.
     let right = uses.iter().filter(|of| (n..n + m).contains(&of.start)).map(|of| {
         let from = of.start - n;
-        let to = from + chains.paths[of.chain as usize].len() as u32 - 1;
-        [from, to.min(m)].map(|r| scale[1][r as usize])
+        let to = (from + chains.paths[of.chain as usize].len() as u32 - 1).min(m);
+        let [a, b] = [from, to].map(|r| scale[1][r as usize]);
+        match curves(of.chain).shape {
+            Shape::Spline(c) => {
+                let c = if of.reversed { c.reversed() } else { c };
+                c.knots().rescaled([a, b]).breaks()
+            }
+            Shape::Polyline(_) => vec![a, b],
+        }
     });
-    let right: Vec<[f64; 2]> = right.collect();
-    debug_assert_eq!(outline.vertices.len() as u32, 2 * (m + n));
+    let right: Vec<Vec<f64>> = right.collect();
     if bends(&fit.surface) || !weigh::is_right(&fit.surface, &right) {
         return Ok(None);
     }
