@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `common` | options that every verb has |
 //! | `session` | one run: context, input, output, record |
+//! | `outputs` | what a run will write, checked before it begins |
 //! | `record` | the result record of the contract |
 //! | `replay` | options files |
 //! | `report` | the page of a run |
@@ -16,8 +17,9 @@
 
 mod choice;
 mod common;
-pub mod host;
-mod progress;
+pub pub mod host;
+mod outputs;
+mod progress;;
 mod record;
 mod replay;
 mod report;

@@ -1,5 +1,6 @@
 //! carreau turns triangle surfaces into structured models.
 
+pub mod bounds;
 pub mod context;
 pub mod error;
 pub mod field;
@@ -16,6 +17,7 @@ pub mod report;
 pub mod sample;
 pub mod segment;
 pub mod skeleton;
+pub mod words;
 
 pub use context::Context;
 pub use error::{Error, Place, Result};

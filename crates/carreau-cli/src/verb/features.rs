@@ -1,6 +1,7 @@
 //! The flags that say which edges are features, shared by `field` and `quad`, and the files that list edges.
 
 use crate::session::Session;
+use carreau::bounds::angle;
 use carreau::geometry::features::FeatureOptions;
 use carreau::mesh::VertexId;
 use carreau::{Error, Place};
@@ -38,6 +39,11 @@ impl Default for FeatureValues {
 }
 
 impl FeatureFlags {
+    /// The file that lists edges.
+    pub fn file(&self) -> Option<&Path> {
+        self.features.as_deref()
+    }
+
     /// These flags laid over values from an options file.
     pub fn over(&self, values: FeatureValues) -> FeatureValues {
         FeatureValues {
@@ -49,6 +55,11 @@ impl FeatureFlags {
 }
 
 impl FeatureValues {
+    /// Refuses an angle that is none.
+    pub fn validate(&self) -> Result<(), Error> {
+        angle("feature-angle", self.feature_angle)
+    }
+
     /// Features by angle, borders, tags and the listed edges, which are read here.
     pub fn load(&self, session: &Session) -> Result<FeatureOptions, Error> {
         let edges = self.features.as_deref().map(|file| session.load_edges(file)).transpose()?.unwrap_or_default();

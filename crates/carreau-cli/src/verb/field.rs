@@ -4,14 +4,16 @@ use super::features::{FeatureFlags, FeatureValues, warn_missing};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, RawMesh};
+use carreau::mesh::{Column, RawMesh, SurfaceMesh};
 use carreau::report::field_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -70,6 +72,12 @@ struct Options {
 }
 
 impl Field {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface).also("--layout", self.layout.as_deref(), Content::Json)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -90,6 +98,8 @@ impl Field {
         all.features = self.features.over(all.features);
         all.classic |= self.classic;
         all.common = self.common.over(all.common);
+        all.features.validate()?;
+        all.field.validate()?;
         Ok(all)
     }
 
@@ -114,10 +124,12 @@ impl Field {
             let counts = json!({ "sectors": sectors, "inner": inner, "singularities": singular });
             session.record.set("classic", counts);
         }
-        self.write(session, found)
+        self.write(session, &mesh, found)
     }
 
-    fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
+    fn write(&self, session: &mut Session, source: &SurfaceMesh, found: field::Field) -> Result<(), Error> {
+        let mut mesh = with_frames(&found);
+        session.carry(source, &mut mesh)?;
         session.draw_as(|| field_figure(&found))?;
         session.show_result(self.output.as_deref(), |name, _| Scene::of_field(name, &found))?;
         if let Some(file) = &self.layout {
@@ -131,10 +143,10 @@ impl Field {
         });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());
-            session.write_mesh(file, &with_frames(&found), &WriteOptions::default())?;
+            session.write_mesh(file, &mesh, &WriteOptions::default())?;
         }
         session.record.set("output", counts);
-        session.keep(|| Found::Field(with_frames(&found), found));
+        session.keep(|| Found::Field(mesh, found));
         Ok(())
     }
 }

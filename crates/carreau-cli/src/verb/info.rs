@@ -1,8 +1,10 @@
 //! `info`: what is in a file, and what is wrong with it.
 
 use crate::common::{Common, CommonValues};
+use crate::outputs::Outputs;
 use crate::session::{Failure, Session};
-use carreau::Error;
+use carreau::words::rounded;
+use carreau::{DVec3, Error};
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::hex::Validity;
 use carreau::mesh::{Column, Columns, HexMesh, RawMesh, SurfaceMesh, Topology};
@@ -21,6 +23,11 @@ pub struct Info {
 }
 
 impl Info {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).needs(Some(&self.input))
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let values = self.common.over(CommonValues::default());
@@ -130,9 +137,11 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
     ];
     session.say(words.map(|(holds, yes, no)| if holds { yes } else { no }).join(", "));
     let (low, high) = mesh.bounds();
-    session.say(format!("bounds ({}, {}, {}) to ({}, {}, {})", low.x, low.y, low.z, high.x, high.y, high.z));
+    let extent = (high - low).max_element();
+    let corner = |p: DVec3| p.to_array().map(|x| rounded(x, extent)).join(", ");
+    session.say(format!("bounds ({}) to ({})", corner(low), corner(high)));
     if let Some(volume) = t.volume {
-        session.say(format!("volume {volume}"));
+        session.say(format!("volume {}", rounded(volume, extent.powi(3))));
     }
     describe_defects(session, t);
     session.record.set("bounds", json!([low.to_array(), high.to_array()]));

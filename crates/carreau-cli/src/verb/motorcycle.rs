@@ -1,17 +1,19 @@
 //! `motorcycle`: the motorcycle graph of a frame field, which divides a part into patches for quads.
 
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
+use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
-use carreau::mesh::RawMesh;
+use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::quad::graph::{Track, TrackKind};
 use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 use carreau::report::graph_figure;
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -64,6 +66,12 @@ struct Options {
 }
 
 impl Motorcycle {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface).also("--layout", self.layout.as_deref(), Content::Json)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -80,6 +88,9 @@ impl Motorcycle {
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.features = self.features.over(all.features);
         all.common = self.common.over(all.common);
+        positive_length("edge-length", all.edge_length)?;
+        all.features.validate()?;
+        all.graph.validate()?;
         Ok(all)
     }
 
@@ -93,16 +104,17 @@ impl Motorcycle {
         found.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&found.missing, session);
         describe(session, &found);
-        self.write(session, found)
+        self.write(session, &mesh, found)
     }
 
-    fn write(&self, session: &mut Session, found: MotorcycleGraph) -> Result<(), Error> {
+    fn write(&self, session: &mut Session, source: &SurfaceMesh, found: MotorcycleGraph) -> Result<(), Error> {
         session.draw_as(|| graph_figure(&found))?;
         session.show_result(self.output.as_deref(), |name, _| Scene::of_graph(name, &found))?;
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }
-        let mesh = RawMesh::from(found.mesh.clone());
+        let mut mesh = RawMesh::from(found.mesh.clone());
+        session.carry(source, &mut mesh)?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());

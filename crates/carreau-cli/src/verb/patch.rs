@@ -3,6 +3,7 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
@@ -12,6 +13,7 @@ use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -127,6 +129,12 @@ struct Options {
 }
 
 impl Patch {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.as_deref());
+        files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also("--layout", self.layout.as_deref(), Content::Json)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -177,6 +185,8 @@ impl Patch {
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
         all.common = self.common.over(all.common);
+        all.patch.validate()?;
+        all.brep.validate()?;
         Ok(all)
     }
 
@@ -217,7 +227,8 @@ impl Patch {
             let layout = json!({ "patches": result.patches, "leftover": result.leftover });
             session.write_bytes(file, layout.to_string().as_bytes())?;
         }
-        let quads = quad_mesh(mesh, result);
+        let mut quads = quad_mesh(mesh, result);
+        session.carry(mesh, &mut quads)?;
         session.draw(&quads)?;
         session.keep(|| Found::Patches(quads.clone(), result.clone()));
         session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &quads))?;

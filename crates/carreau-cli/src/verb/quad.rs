@@ -1,14 +1,16 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
 use super::features::{FeatureFlags, FeatureValues, warn_missing};
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::mesh::RawMesh;
 use carreau::quad::{self, QuadOptions, Quads};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -57,6 +59,12 @@ struct Options {
 }
 
 impl Quad {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -74,6 +82,9 @@ impl Quad {
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.features = self.features.over(all.features);
         all.common = self.common.over(all.common);
+        positive_length("edge-length", all.edge_length)?;
+        all.features.validate()?;
+        all.quad.validate()?;
         Ok(all)
     }
 
@@ -87,7 +98,9 @@ impl Quad {
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
         warn_missing(&result.missing, session);
         describe(session, &result);
-        let (mesh, tracks) = (RawMesh::from(result.mesh), result.tracks);
+        let (mut quads, tracks) = (RawMesh::from(result.mesh), result.tracks);
+        session.carry(&mesh, &mut quads)?;
+        let mesh = quads;
         let scene = |name| Ok(Scene::of_mesh(name, &mesh)?.tracks(&tracks));
         session.deliver_as(&mesh, self.output.as_deref(), scene)?;
         session.keep(|| Found::Quads(mesh, tracks));

@@ -2,12 +2,14 @@
 
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, RepairOptions, repair};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -59,6 +61,11 @@ struct Options {
 }
 
 impl Repair {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -100,6 +107,7 @@ impl Repair {
         o.split &= !self.no_split;
         o.unreferenced &= !self.keep_unreferenced;
         all.common = self.common.over(all.common);
+        all.repair.validate()?;
         Ok(all)
     }
 }

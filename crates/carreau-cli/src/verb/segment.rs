@@ -1,8 +1,9 @@
 //! `segment`: the faces of a part, with clean borders, and the surface of each.
 
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
@@ -12,6 +13,7 @@ use carreau::mesh::{Column, RawMesh, SurfaceMesh};
 use carreau::report::page::Scene;
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
 use carreau::{Error, Length, Place};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -113,6 +115,13 @@ struct Options {
 }
 
 impl Segment {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let labels = self.labels.as_deref().map(Path::new).filter(|file| file.is_file());
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(labels);
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -152,6 +161,9 @@ impl Segment {
         all.radius = self.radius.or(all.radius);
         all.tolerance = self.tolerance.or(all.tolerance);
         all.common = self.common.over(all.common);
+        positive_length("radius", all.radius)?;
+        positive_length("tolerance", all.tolerance)?;
+        all.segment.validate()?;
         Ok(all)
     }
 

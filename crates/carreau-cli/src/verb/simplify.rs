@@ -1,11 +1,13 @@
 //! `simplify` and `enrich`: a graded mesh within an angle of the surface.
 
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::{Error, Length};
+use carreau::io::{ResultKind, holds_numbers};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -122,6 +124,8 @@ impl Simplify {
         o.geometric |= self.geometric;
         o.anisotropic |= self.anisotropic;
         options.distance = self.distance.or(options.distance);
+        positive_length("distance", options.distance)?;
+        options.remesh.validate()?;
         self.remesh.run("simplify", &options, remesh::simplify)
     }
 }
@@ -137,6 +141,12 @@ impl Enrich {
 type Method = fn(&SurfaceMesh, &RemeshOptions, &carreau::Context) -> Result<Remeshed, Error>;
 
 impl Remesh {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface);
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Defaults, then options file, then flags.
     fn options(&self, verb: &str, defaults: RemeshOptions) -> Result<Options, Error> {
         let base = Options { remesh: defaults, ..Options::default() };
@@ -151,6 +161,10 @@ impl Remesh {
         all.min_size = self.min_size.or(all.min_size);
         all.max_size = self.max_size.or(all.max_size);
         all.common = self.common.over(all.common);
+        for (name, length) in [("min-size", all.min_size), ("max-size", all.max_size), ("distance", all.distance)] {
+            positive_length(name, length)?;
+        }
+        all.remesh.validate()?;
         Ok(all)
     }
 
@@ -179,7 +193,15 @@ impl Remesh {
         }
         result.repaired.iter().for_each(|what| session.warn(what.clone()));
         let q = &quality;
-        session.say(format!("{} triangles, before {}", result.mesh.face_count(), source.face_count()));
+        let (before, after) = (source.faces().fan().0.len(), result.mesh.face_count());
+        session.say(format!("{after} triangles, before {before}"));
+        if session.record.verb() == "simplify" && after > before {
+            session.warn(format!(
+                "the result has {after} triangles, more than the {before} of the input, because the size map asks for edges \
+                 shorter than the input's: even ones of the length that --deviation, --gradation and --max-size allow; a larger \
+                 --deviation or --max-size leaves fewer, --geometric keeps long thin triangles"
+            ));
+        }
         session.say(format!("shape: min {:.3}, mean {:.3}", q.shape_min, q.shape_mean));
         session.say(format!(
             "edges in the metric: {:.2} to {:.2}, mean {:.3}; {:.2} % in [0.6, 1.7]",
@@ -193,6 +215,14 @@ impl Remesh {
             q.deviation_mean_deg, q.deviation_area_mean_deg, q.deviation_max_deg
         ));
         session.record.set("quality", quality);
-        session.deliver(&RawMesh::from(result.mesh), self.output.as_deref())
+        let mut mesh = RawMesh::from(result.mesh);
+        session.carry(source, &mut mesh)?;
+        // Sizes are a help for the eye: formats without numbers on vertices go without, and without a word.
+        if self.output.as_deref().is_some_and(|file| !holds_numbers(file)) {
+            for name in ["size", "stretch"].into_iter().filter(|name| !source.attributes.vertex.contains_key(*name)) {
+                mesh.attributes.vertex.remove(name);
+            }
+        }
+        session.deliver(&mesh, self.output.as_deref())
     }
 }

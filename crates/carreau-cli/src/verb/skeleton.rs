@@ -2,12 +2,14 @@
 
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
 use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};
+use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -54,6 +56,11 @@ struct Options {
 }
 
 impl Skeleton {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).needs(Some(&self.input)).writes(self.output.as_deref(), ResultKind::Skeleton)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -70,6 +77,7 @@ impl Skeleton {
         all.skeleton.detail = self.detail.unwrap_or(all.skeleton.detail);
         all.skeleton.prune &= !self.no_prune;
         all.common = self.common.over(all.common);
+        all.skeleton.validate()?;
         Ok(all)
     }
 
@@ -77,6 +85,7 @@ impl Skeleton {
         let mesh = session.read_triangles(&self.input)?;
         let found = extract(&mesh, &options.skeleton, &session.context.clone())?;
         found.warnings.iter().for_each(|w| session.warn(w));
+        session.leave_behind(&mesh, "a skeleton", |_| false);
         session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
         session.show_result(self.output.as_deref(), |name, _| {
             Ok(Scene::of_surface(name, &found.closed.mesh)?.net("skeleton", &found.net).show("plain"))

@@ -5,7 +5,8 @@
 
 use super::normals::{AngleLimit, angle_between, face_normals};
 use crate::context::Context;
-use crate::error::{Error, Result};
+use crate::bounds::angle;
+use crate::error::Result;
 use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,16 @@ pub struct FeatureOptions {
     pub tags: bool,
     /// Further edges, by their end points.
     pub edges: Vec<[VertexId; 2]>,
+}
+
+impl FeatureOptions {
+    /// Refuses an angle that is none.
+    ///
+    /// # Errors
+    /// [`Error::Options`](crate::Error::Options).
+    pub fn validate(&self) -> Result<()> {
+        self.angle_deg.map_or(Ok(()), |degrees| angle("feature-angle", degrees))
+    }
 }
 
 impl Default for FeatureOptions {
@@ -64,9 +75,7 @@ impl Features {
 /// # Errors
 /// [`Error::Options`] for an angle outside 0 to 180.
 pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Features> {
-    if let Some(angle) = options.angle_deg.filter(|a| !(0.0..=180.0).contains(a)) {
-        return Err(Error::Options(format!("the feature angle must be between 0 and 180 degrees, not {angle}")));
-    }
+    options.validate()?;
     let normals = face_normals(mesh);
     let limit = options.angle_deg.map(|a| AngleLimit::new((a + MARGIN_DEG).to_radians()));
     let is_feature = |c: CornerId| match mesh.side(c) {

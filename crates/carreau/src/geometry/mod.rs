@@ -15,6 +15,7 @@
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
 //! | `closest`, `ray` | the same for one triangle |
+//! | `transfer` | what a mesh has on its elements, carried to another mesh of the same surface |
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
@@ -35,4 +36,5 @@ pub mod search_tree;
 mod slabs;
 mod slices;
 pub mod summary;
+pub mod transfer;
 pub mod winding;

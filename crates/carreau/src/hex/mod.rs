@@ -154,7 +154,11 @@ const NODE: f64 = 0.3;
 const WEAK: f64 = 0.02;
 
 impl HexOptions {
-    fn check(&self) -> Result<()> {
+    /// Refuses values out of range, and those that contradict each other.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
         if self.refine_across() > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
             return Err(Error::Options(format!("at most {MOST_HALVINGS} halvings are accepted")));
         }
@@ -258,7 +262,7 @@ impl HexResult {
 /// [`Error::Input`] for a net without any segment of positive length, [`Error::Options`] for options that make no sense,
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
-    options.check()?;
+    options.validate()?;
     let scale = UnitScale::of_net(net);
     if let Some(net) = scale.net(net) {
         return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));

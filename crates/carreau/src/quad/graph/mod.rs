@@ -48,6 +48,17 @@ pub struct GraphOptions {
     pub edge_length: Option<f64>,
 }
 
+impl GraphOptions {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.features.validate()?;
+        check_size(self.quads, self.edge_length)
+    }
+}
+
 impl Default for GraphOptions {
     fn default() -> Self {
         GraphOptions { features: FeatureOptions::default(), quads: 3000, edge_length: None }
@@ -279,7 +290,7 @@ impl MotorcycleGraph {
 /// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces or with one side only,
 /// [`Error::Numeric`] where no field could be made or its tracks enclose nothing, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn motorcycle_graph(mesh: &SurfaceMesh, options: &GraphOptions, context: &Context) -> Result<MotorcycleGraph> {
-    check_size(options.quads, options.edge_length)?;
+    options.validate()?;
     let source = Source::new(mesh, &options.features, context)?;
     let length = options.edge_length.unwrap_or_else(|| (source.area / options.quads as f64).sqrt());
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
