@@ -276,6 +276,12 @@ impl Session {
             transfer(source, mesh, &context)
         })?;
         said.into_iter().for_each(|what| self.warn(what));
+        if !matches!(self.record.verb(), "simplify" | "enrich") {
+            // Columns that the methods make themselves.
+            for name in ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name)) {
+                self.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+            }
+        }
         Ok(())
     }
 

@@ -105,8 +105,11 @@ fn check(line: &str, file: &Path, found: &Value) {
     let is_deck = matches!(extension, "inp" | "bdf");
     let there = if is_deck { BTreeSet::new() } else { columns(file) };
     let text = names_in(file);
-    let says = |name: &str| warnings.contains(&format!("'{name}'")) || warnings.contains(&format!("attributes: {name}"))
-        || warnings.split([',', ':', ';']).any(|part| part.trim().trim_end_matches(['"', ']']) == name);
+    let says = |name: &str| {
+        warnings.contains(&format!("'{name}'"))
+            || warnings.contains(&format!("attributes: {name}"))
+            || warnings.split([',', ':', ';']).any(|part| part.trim().trim_end_matches(['"', ']']) == name)
+    };
     for &name in ATTRIBUTES {
         // One label column becomes the reference number of formats that have no other.
         let as_reference = matches!(extension, "mesh" | "meshb" | "msh") && name == "group" && there.contains("ref");
@@ -120,7 +123,10 @@ fn check(line: &str, file: &Path, found: &Value) {
         assert!(named || said, "{line}: the names of '{name}' vanished silently; warnings {warnings}");
     }
     let library = warnings.contains("textures") || warnings.contains("colours of labels") || says("material");
-    assert!(library || file.with_extension("mtl").is_file(), "{line}: the library vanished silently; warnings {warnings}");
+    assert!(
+        library || file.with_extension("mtl").is_file(),
+        "{line}: the library vanished silently; warnings {warnings}"
+    );
 }
 
 #[test]

@@ -142,6 +142,9 @@ fn files_that_are_not_read_say_what_to_do() {
 fn devices_are_written_to() {
     let folder = TempDir::new().unwrap();
     let model = folder.path().join("m.ply");
-    carreau().args(["sample", "torus", "-o", text(&model), "--picture", "/dev/null", "--json", "/dev/null"]).assert().success();
+    carreau()
+        .args(["sample", "torus", "-o", text(&model), "--picture", "/dev/null", "--json", "/dev/null"])
+        .assert()
+        .success();
     assert!(Path::new("/dev/null").exists());
 }

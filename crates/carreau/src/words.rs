@@ -145,14 +145,14 @@ pub fn agreed(text: &str) -> String {
         });
         let Some((n, plain, one)) = noun else { continue };
         words[n] = words[n].replacen(&plain, one, 1);
-        // Clauses end where another number or noun begins to be counted.
-        for word in words.iter_mut().skip(n + 1).take(BEFORE_VERB) {
-            if word.ends_with(';') || word.chars().next().is_some_and(|c| c.is_ascii_digit()) {
-                break;
-            }
+        for word in words.iter_mut().skip(n).take(1 + BEFORE_VERB) {
             let plain = bare(word);
             if let Some((_, verb)) = VERBS.iter().find(|(many, _)| *many == plain) {
                 *word = word.replacen(&plain, verb, 1);
+            }
+            // Here the clause ends.
+            if word.ends_with([',', ';', ':', '.']) {
+                break;
             }
         }
     }
@@ -168,7 +168,10 @@ mod tests {
         for (many, one) in [
             ("1 limbs had no branch and were given one", "1 limb had no branch and was given one"),
             ("1 quads, 1 regions, rung 1", "1 quad, 1 region, rung 1"),
-            ("the file: 1 faces of fewer than 3 corners were left out", "the file: 1 face of fewer than 3 corners was left out"),
+            (
+                "the file: 1 faces of fewer than 3 corners were left out",
+                "the file: 1 face of fewer than 3 corners was left out",
+            ),
             ("11 faces were left out", "11 faces were left out"),
             ("rung 1 edges", "rung 1 edges"),
             ("2 of 1 faces", "2 of 1 faces"),

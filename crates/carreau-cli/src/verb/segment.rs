@@ -176,6 +176,9 @@ impl Segment {
         wanted.labels = options.labels.as_deref().map(|labels| read_labels(&mesh, labels)).transpose()?;
         let result = context.install(|| segment::segment(&mesh, &wanted, &context))?;
         tell(session, &result);
+        for name in ["region", "primitive", "fit_error"].into_iter().filter(|n| mesh.attributes.face.contains_key(*n)) {
+            session.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+        }
         let mut out = labelled(mesh, &result);
         session.draw(&out)?;
         session.keep(|| Found::Mesh(out.clone()));
@@ -184,6 +187,9 @@ impl Segment {
         })?;
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
+                if out.attributes.face.contains_key("group") {
+                    session.warn("the method: the face values 'group' of the input give way to the regions, as groups of the OBJ file");
+                }
                 group(&mut out, &result);
             }
             session.write_mesh(file, &out, &WriteOptions::default())?;

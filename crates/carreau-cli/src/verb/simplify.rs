@@ -114,6 +114,20 @@ struct Options {
     common: CommonValues,
 }
 
+impl Options {
+    /// Refuses a smallest size above the largest, as far as that is known without the model.
+    fn check_sizes(&self) -> Result<(), Error> {
+        let base = &self.remesh;
+        let low = self.min_size.unwrap_or(Length::OfDiagonal(base.min_size));
+        let high = self.max_size.unwrap_or(Length::OfDiagonal(base.max_size));
+        let turned = match (low, high) {
+            (Length::Absolute(low), Length::Absolute(high)) | (Length::OfDiagonal(low), Length::OfDiagonal(high)) => low > high,
+            _ => false,
+        };
+        if turned { Err(Error::Options(format!("min-size {low} is above max-size {high}"))) } else { Ok(()) }
+    }
+}
+
 impl Simplify {
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
@@ -164,6 +178,7 @@ impl Remesh {
         for (name, length) in [("min-size", all.min_size), ("max-size", all.max_size), ("distance", all.distance)] {
             positive_length(name, length)?;
         }
+        all.check_sizes()?;
         all.remesh.validate()?;
         Ok(all)
     }

@@ -4,8 +4,8 @@
 //! regular neighbour on the other side (non-manifold, inconsistently oriented) always count.
 
 use super::normals::{AngleLimit, angle_between, face_normals};
-use crate::context::Context;
 use crate::bounds::angle;
+use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
 use glam::DVec3;

@@ -26,7 +26,8 @@ use super::search_tree::{Closest, TriangleTree};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{
-    Attributes, Column, Columns, CornerId, DisjointSets, RawMesh, Side, SurfaceMesh, area_vector, blend_columns, gather_columns,
+    Attributes, Column, Columns, CornerId, DisjointSets, RawMesh, Side, SurfaceMesh, area_vector, blend_columns,
+    gather_columns,
 };
 use crate::words::counted;
 use glam::DVec3;
@@ -85,6 +86,7 @@ pub fn transfer(source: &SurfaceMesh, target: &mut RawMesh, context: &Context) -
             }
         }
     }
+    add_normals(source, target, &own, &mut all)?;
     all.vertex.extend(own.vertex);
     all.face.extend(own.face);
     all.corner.extend(own.corner);
@@ -92,7 +94,6 @@ pub fn transfer(source: &SurfaceMesh, target: &mut RawMesh, context: &Context) -
     if target.edges.is_empty() && !source.tagged_edges.is_empty() {
         said.extend(carry_edges(source, target));
     }
-    add_normals(source, target, &mut all)?;
     target.attributes = all;
     Ok(said)
 }
@@ -101,7 +102,7 @@ pub fn transfer(source: &SurfaceMesh, target: &mut RawMesh, context: &Context) -
 fn mapped<T: Sync, R: Send>(items: &[T], context: &Context, f: impl Fn(&T) -> R + Sync) -> Result<Vec<R>> {
     let pieces: Vec<Vec<R>> = items
         .par_chunks(PIECE)
-        .map(|piece| {
+        .map(|piece| -> Result<Vec<R>> {
             context.check()?;
             Ok(piece.iter().map(&f).collect())
         })
@@ -231,9 +232,10 @@ fn same(column: &Column, a: usize, b: usize) -> bool {
 }
 
 /// Normals of the target, where the source has some: of its vertices, of its corners (one for each side of a feature).
-fn add_normals(source: &SurfaceMesh, target: &RawMesh, all: &mut Attributes) -> Result<()> {
+fn add_normals(source: &SurfaceMesh, target: &RawMesh, own: &Attributes, all: &mut Attributes) -> Result<()> {
     let has = |columns: &Columns| matches!(columns.get(NORMAL), Some(Column::Vector3(_)));
-    let (vertex, corner) = (has(&source.attributes.vertex), has(&source.attributes.corner));
+    let vertex = has(&source.attributes.vertex) && !own.vertex.contains_key(NORMAL);
+    let corner = has(&source.attributes.corner) && !own.corner.contains_key(NORMAL);
     if !(vertex || corner) || target.faces.is_empty() {
         return Ok(());
     }
@@ -281,7 +283,10 @@ fn carry_edges(source: &SurfaceMesh, target: &mut RawMesh) -> Option<String> {
     let after: f64 = found.iter().map(|(e, _)| length(e.map(|v| target.points[v as usize]))).sum();
     (after < 0.99 * before).then(|| {
         let count = counted(tagged.len(), "tagged edge", "tagged edges");
-        format!("the method: {:.1} % of the length of {count} of the input is edges of the result", 100.0 * after / before)
+        format!(
+            "the method: {:.1} % of the length of {count} of the input is edges of the result",
+            100.0 * after / before
+        )
     })
 }
 

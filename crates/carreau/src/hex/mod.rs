@@ -63,6 +63,7 @@ pub use figures::{Figures, HexQuality};
 pub use surface::from_surface;
 pub use validate::Validity;
 
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
@@ -159,9 +160,8 @@ impl HexOptions {
     /// # Errors
     /// [`Error::Options`].
     pub fn validate(&self) -> Result<()> {
-        if self.refine_across() > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
-            return Err(Error::Options(format!("at most {MOST_HALVINGS} halvings are accepted")));
-        }
+        within("refine-across", self.refine_across(), 0..=MOST_HALVINGS, "")?;
+        within("refine-along", self.refine_along, 0..=MOST_HALVINGS, "")?;
         if self.hexes.is_some() && self.edge_length.is_some() {
             return Err(Error::Options("give a number of hexes or an edge length, not both".into()));
         }

@@ -64,8 +64,9 @@ pub(super) fn words_left_out(
     let of_names = lost(attributes.names.keys().map(|(column, _)| column.as_str()).collect(), &names);
     let of_colors = lost(attributes.colors.keys().map(|(column, _)| column.as_str()).collect(), &colors);
     let said = |what: &str, columns: Vec<String>| {
-        (!columns.is_empty())
-            .then(|| format!("{format} has no place for the {what} of labels: left out those of {}", columns.join(", ")))
+        (!columns.is_empty()).then(|| {
+            format!("{format} has no place for the {what} of labels: left out those of {}", columns.join(", "))
+        })
     };
     [said("names", of_names), said("colours", of_colors)].into_iter().flatten().collect()
 }
@@ -89,11 +90,16 @@ pub(super) fn note_higher_order(mesh: &mut RawMesh, elements: usize) {
     }
     let mut used = vec![false; mesh.points.len()];
     let cells = &mesh.cells;
-    let corners = [mesh.edges.as_flattened(), mesh.faces.corners(), cells.tets.as_flattened(), cells.hexes.as_flattened()];
+    let corners =
+        [mesh.edges.as_flattened(), mesh.faces.corners(), cells.tets.as_flattened(), cells.hexes.as_flattened()];
     let further = [cells.wedges.as_flattened(), cells.pyramids.as_flattened()];
     corners.into_iter().chain(further).flatten().for_each(|&v| used[v as usize] = true);
     let between = used.iter().filter(|&&u| !u).count();
-    let elements = counted(elements, "element of higher order: only its corners are", "elements of higher order: only their corners are");
+    let elements = counted(
+        elements,
+        "element of higher order: only its corners are",
+        "elements of higher order: only their corners are",
+    );
     let between = counted(between, "node between them stays as a vertex", "nodes between them stay as vertices");
     mesh.notes.push(format!("{elements} kept; {between} that no element uses"));
 }

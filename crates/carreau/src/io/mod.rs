@@ -42,8 +42,8 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
 pub use cad::{CAD_EXTENSIONS, CadOptions, StepSchema, Unit, write_cad};
+pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
 pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
 /// The content of a file and where it came from.
@@ -137,7 +137,9 @@ fn known_format(path: &Path) -> Result<&'static Format> {
         let known = known.join(", ");
         let found = extension(path);
         let what = match outputs::advice(&found) {
-            Some(advice) => format!("a '.{found}' file cannot be read as a mesh: {advice}. Formats that are read: {known}"),
+            Some(advice) => {
+                format!("a '.{found}' file cannot be read as a mesh: {advice}. Formats that are read: {known}")
+            }
             None if found.is_empty() => format!("the name has no extension; known are: {known}"),
             None => format!("unknown extension '.{found}'; known are: {known}"),
         };

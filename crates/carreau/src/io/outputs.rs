@@ -24,7 +24,7 @@ pub enum ResultKind {
 }
 
 /// Extensions of mesh files whose lines may be a skeleton.
-const POLYLINES: [&str; 4] = ["vtp", "vtk", "vtu", "obj"];
+const POLYLINES: &[&str] = &["vtp", "vtk", "vtu", "obj"];
 
 /// Refuses a file name whose extension names no format for this kind of result.
 ///
@@ -55,7 +55,9 @@ pub fn check_format(path: &Path, kind: ResultKind) -> Result<()> {
         ResultKind::Surface | ResultKind::SurfaceOrCad if is_skeleton => {
             format!("'.{ending}' holds skeletons and this is a surface; take one of: {known}")
         }
-        ResultKind::Hexes if is_cad => format!("'.{ending}' is a CAD format and this is a volume mesh; take one of: {known}"),
+        ResultKind::Hexes if is_cad => {
+            format!("'.{ending}' is a CAD format and this is a volume mesh; take one of: {known}")
+        }
         ResultKind::Hexes if format_of(path).is_some() => {
             format!("'.{ending}' holds surfaces and this is a volume mesh; take one of: {known}")
         }
@@ -80,7 +82,7 @@ fn known(kind: ResultKind) -> String {
         ResultKind::SurfaceOrCad => [meshes(|_| true), CAD_EXTENSIONS.to_vec()].concat(),
         ResultKind::Cad => CAD_EXTENSIONS.to_vec(),
         ResultKind::Hexes => meshes(|f| f.volumes),
-        ResultKind::Skeleton => [SKELETON_EXTENSIONS, &POLYLINES].concat(),
+        ResultKind::Skeleton => [SKELETON_EXTENSIONS, POLYLINES].concat(),
     };
     all.join(", ")
 }
@@ -125,7 +127,8 @@ pub(super) fn advice(extension: &str) -> Option<&'static str> {
             "it holds exact faces, not a mesh, and is written only; mesh it first, with Gmsh (`gmsh IN -2 -o OUT.stl`) or FreeCAD \
              (Mesh workbench, Create mesh from shape), and read that"
         }
-        "brep" | "x_t" | "x_b" | "xt" | "sat" | "sab" | "sldprt" | "ipt" | "prt" | "catpart" | "fcstd" | "3dm" | "jt" | "ifc" => {
+        "brep" | "x_t" | "x_b" | "xt" | "sat" | "sab" | "sldprt" | "ipt" | "prt" | "catpart" | "fcstd" | "3dm"
+        | "jt" | "ifc" => {
             "it holds a CAD model, not a mesh, and is not read; export a mesh (STL, OBJ, 3MF) from the program it comes from"
         }
         "inp" => {
@@ -137,10 +140,8 @@ pub(super) fn advice(extension: &str) -> Option<&'static str> {
         "gz" | "tgz" | "zip" | "bz2" | "xz" | "zst" | "7z" | "rar" | "tar" => {
             "it is compressed; unpack it first, as with `gunzip`, `unzip` or `tar`, and read the file in it"
         }
-        "fbx" | "dae" | "blend" | "3ds" | "usd" | "usdz" | "usda" | "usdc" | "x3d" | "wrl" | "dxf" | "max" | "ma" | "mb" | "c4d"
-        | "skp" | "ctm" | "amf" => {
-            "it is not read; export it as OBJ, glTF or PLY, from Blender for one"
-        }
+        "fbx" | "dae" | "blend" | "3ds" | "usd" | "usdz" | "usda" | "usdc" | "x3d" | "wrl" | "dxf" | "max" | "ma"
+        | "mb" | "c4d" | "skp" | "ctm" | "amf" => "it is not read; export it as OBJ, glTF or PLY, from Blender for one",
         "xyz" | "pts" | "pcd" | "las" | "laz" | "e57" | "asc" => {
             "it holds points without faces; make a surface of them first, as with MeshLab (Screened Poisson) or CloudCompare"
         }

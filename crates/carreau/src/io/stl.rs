@@ -11,7 +11,7 @@
 
 use super::binary::{Cursor, Endian};
 use super::limits::{columns_left_out, edges_left_out, moved_by_single_precision, require_surface, words_left_out};
-use super::names::{plain_name, FaceNames, labels, written_name};
+use super::names::{FaceNames, labels, plain_name, written_name};
 use super::text::{Scanner, push_float};
 use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};

@@ -163,6 +163,10 @@ impl CellReader {
     }
 
     fn push(&mut self, kind: u8, corners: &[u32]) -> std::result::Result<(), String> {
+        if let Some((linear, corners)) = corners_of_higher_order(kind, corners) {
+            self.higher_order += 1;
+            return self.push(linear, corners);
+        }
         let cell = self.count;
         self.count = cell.checked_add(1).ok_or("there are more than 2³² cells")?;
         if self.faces.corners().len() + 3 * corners.len() > u32::MAX as usize {
@@ -184,11 +188,6 @@ impl CellReader {
             }
             (kind::WEDGE, &[a, b, c, d, e, f]) => self.wedges.push([a, b, c, d, e, f], cell),
             (kind::PYRAMID, &[a, b, c, d, e]) => self.pyramids.push([a, b, c, d, e], cell),
-            (_, corners) if let Some((linear, corners)) = corners_of_higher_order(kind, corners) => {
-                self.higher_order += 1;
-                self.count = cell;
-                return self.push(linear, corners);
-            }
             (kind::LINE..=kind::PYRAMID, _) => {
                 return Err(format!("cell {cell} (0-based) of VTK type {kind} has {} corners", corners.len()));
             }
@@ -337,7 +336,8 @@ impl CellTable {
 pub(super) fn check_writable(mesh: &RawMesh) -> Result<()> {
     mesh.check()?;
     check_columns(&mesh.attributes.vertex, mesh.points.len(), "vertices")?;
-    check_columns(&mesh.attributes.face, mesh.faces.len(), "faces")
+    check_columns(&mesh.attributes.face, mesh.faces.len(), "faces")?;
+    check_columns(&mesh.attributes.corner, mesh.faces.corners().len(), "corners")
 }
 
 fn check_columns(columns: &Columns, count: usize, of: &str) -> Result<()> {
@@ -604,7 +604,11 @@ mod tests {
         let mesh = read(&[(22, &[0, 1, 2, 3, 4, 5]), (21, &[0, 1, 3]), (69, &[2, 1, 0])], Vec::new());
         let faces: Vec<&[u32]> = mesh.faces.iter().collect();
         assert_eq!((faces, mesh.edges), (vec![&[0u32, 1, 2][..], &[2, 1, 0]], vec![[0, 1]]));
-        assert!(mesh.notes[0].starts_with("3 elements of higher order: only their corners are kept"), "{:?}", mesh.notes);
+        assert!(
+            mesh.notes[0].starts_with("3 elements of higher order: only their corners are kept"),
+            "{:?}",
+            mesh.notes
+        );
         assert_eq!(mesh.notes.len(), 1);
     }
 

@@ -153,7 +153,7 @@ impl Attributes {
     /// The name of the only body, where the mesh has no labels that tell bodies apart.
     pub fn only_body(&self) -> Option<&str> {
         let alone = |column: &&str| !self.has_labels(column);
-        BODIES.iter().filter(alone).find_map(|column| self.name(column, 0))
+        BODIES.into_iter().filter(alone).find_map(|column| self.name(column, 0))
     }
 
     /// Whether a label column with this name is on some element.

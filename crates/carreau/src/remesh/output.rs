@@ -56,6 +56,8 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
         };
         let mixtures: Vec<_> = kept.iter().map(mixture).collect();
         out.attributes.vertex = blend_columns(&source.attributes.vertex, &mixtures);
+        // Normals of another surface: whoever wants some measures them anew.
+        out.attributes.vertex.remove("normal");
     }
     let size = kept.iter().map(|&v| (made.size)(v)).collect();
     out.attributes.vertex.insert("size".into(), Column::Scalar(size));

@@ -12,7 +12,9 @@
 
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, unit};
-use crate::mesh::{Attributes, Polygons, SurfaceMesh, area_vector, blend_columns, gather_columns, triangle_area_vector};
+use crate::mesh::{
+    Attributes, Polygons, SurfaceMesh, area_vector, blend_columns, gather_columns, triangle_area_vector,
+};
 use glam::DVec3;
 
 /// Polygons that fold by less are plane, in degrees.

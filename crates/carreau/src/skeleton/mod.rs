@@ -36,8 +36,8 @@ use crate::error::{Error, Result};
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
-use std::ops::Bound;
 use serde::{Deserialize, Serialize};
+use std::ops::Bound;
 
 /// Options of [`extract`]; the defaults are the paper's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -89,7 +89,9 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
         ));
     }
     if !mesh.cells.is_empty() && !mesh.faces.is_empty() {
-        warnings.push(format!("{FORMAT}: the faces are shells with properties of their own, leave these out of the analysis"));
+        warnings.push(format!(
+            "{FORMAT}: the faces are shells with properties of their own, leave these out of the analysis"
+        ));
     }
     warnings.extend(left_out(mesh, FORMAT));
     Ok(warnings)

@@ -35,7 +35,10 @@ fn faces_of_a_surface_are_shells_in_sets() {
     mesh.faces.push(&[0, 1, 5]);
     mesh.attributes.face.insert("ref".into(), Column::Label(vec![1, 2, 2]));
     let (deck, _) = text(&mesh, "inp");
-    assert!(deck.contains("*ELEMENT, TYPE=S3\n1, 1, 2, 6\n*ELEMENT, TYPE=S4\n2, 1, 4, 3, 2\n3, 5, 6, 7, 8\n"), "{deck}");
+    assert!(
+        deck.contains("*ELEMENT, TYPE=S3\n1, 1, 2, 6\n*ELEMENT, TYPE=S4\n2, 1, 4, 3, 2\n3, 5, 6, 7, 8\n"),
+        "{deck}"
+    );
     assert!(deck.contains("*ELSET, ELSET=outlet_1\n3, 1\n"), "{deck}");
     let (deck, _) = text(&mesh, "bdf");
     assert!(deck.contains("CTRIA3  3       2       1       2       6       \n"), "{deck}");
@@ -55,7 +58,10 @@ fn nastran_lines_fit_their_fields() {
     let z: f64 = lines[at + 1][8..24].trim().parse().unwrap();
     assert!((x / mesh.points[1].x - 1.0).abs() < 1e-7, "{x}");
     assert!((z - mesh.points[1].z).abs() < 1e-7, "{z}");
-    assert!(deck.contains("CHEXA   3       3       1       2       3       4       5       6       +\n+       7       8"), "{deck}");
+    assert!(
+        deck.contains("CHEXA   3       3       1       2       3       4       5       6       +\n+       7       8"),
+        "{deck}"
+    );
 }
 
 #[test]

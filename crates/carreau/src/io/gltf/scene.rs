@@ -19,7 +19,9 @@ pub struct Instance {
 /// where there are no nodes; in the order in which a walk from each root meets them.
 pub fn instances(source: &Source, document: &Document) -> Result<Vec<Instance>> {
     if document.nodes.is_empty() {
-        return Ok((0..document.meshes.len()).map(|mesh| Instance { mesh, transform: None, skinned: false, name: None }).collect());
+        return Ok((0..document.meshes.len())
+            .map(|mesh| Instance { mesh, transform: None, skinned: false, name: None })
+            .collect());
     }
     let failed = |what: String| -> Error { source.error(Place::File, what) };
     let scene = document.scene.or((!document.scenes.is_empty()).then_some(0));

@@ -2,9 +2,9 @@
 //! are any, in one more.
 
 use super::super::WriteOptions;
-use super::super::vtk_cells::check_writable;
 use super::super::limits::{moved_by_single_precision, words_left_out};
 use super::super::small_faces::{fan_corners, label};
+use super::super::vtk_cells::check_writable;
 use super::linear_of_srgb;
 use super::vertices::{Color, FACE_COLORS, Part, Vertices, are_normals, face_colors, parts};
 use crate::error::{Error, Result};
@@ -120,7 +120,8 @@ impl Asset {
             mesh.faces.corners().iter().for_each(|&v| used[v as usize] = true);
             let used = used.iter().filter(|&&u| u).count();
             if used < mesh.points.len() {
-                let lost = counted(mesh.points.len() - used, "vertex that no face uses is", "vertices that no face uses are");
+                let lost =
+                    counted(mesh.points.len() - used, "vertex that no face uses is", "vertices that no face uses are");
                 warnings.push(format!("{lost} left out, bodies have none"));
             }
             if written - copies > used {
@@ -350,7 +351,10 @@ fn left_out(mesh: &RawMesh) -> Vec<String> {
     let held = |column: &str| Some(column) == body || column == "material";
     warnings.extend(words_left_out("glTF", mesh, held, |column| column == "material"));
     if columns.libraries.iter().any(|library| !library.bytes.is_empty()) {
-        warnings.push("of materials, glTF files get name, colour and opacity: textures and further values are left out".to_string());
+        warnings.push(
+            "of materials, glTF files get name, colour and opacity: textures and further values are left out"
+                .to_string(),
+        );
     }
     if mesh.edge_tags.iter().any(|&tag| tag != 0) {
         warnings.push("the tags of lines are left out, glTF has none".to_string());

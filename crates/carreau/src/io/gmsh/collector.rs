@@ -5,8 +5,8 @@ use super::nodes::NodeIndex;
 use crate::io::limits::note_higher_order;
 use crate::io::small_faces::keep_label;
 use crate::io::text::shown;
-use crate::words::counted;
 use crate::mesh::{Cells, Polygons, RawMesh};
+use crate::words::counted;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 

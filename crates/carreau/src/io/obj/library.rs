@@ -7,10 +7,11 @@
 //! map_Kd tex/body.png     a texture, relative to the folder of the library
 //! ```
 
+use super::super::Source;
 use super::super::names::plain_name;
 use super::super::text::{Scanner, shown};
-use super::super::Source;
 use crate::mesh::{Attributes, Column, MaterialLibrary, RawMesh};
+use crate::words::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
@@ -26,7 +27,8 @@ pub fn read_beside(mesh: &Path, names: &str, notes: &mut Vec<String>) -> Vec<Mat
     let whole = load(mesh, names);
     let several = names.split_whitespace().count() > 1;
     if whole.is_none() && several {
-        let each: Vec<(&str, Option<Vec<u8>>)> = names.split_whitespace().map(|name| (name, load(mesh, name))).collect();
+        let each: Vec<(&str, Option<Vec<u8>>)> =
+            names.split_whitespace().map(|name| (name, load(mesh, name))).collect();
         if each.iter().any(|(_, bytes)| bytes.is_some()) {
             return each.into_iter().map(|(name, bytes)| library(name, bytes, notes)).collect();
         }
@@ -143,7 +145,7 @@ pub fn library_beside(mesh: &RawMesh, path: &Path) -> LibraryFile {
     }
     let textures = bytes.split(|&b| b == b'\n').filter(|line| has_texture(line)).count();
     if textures > 0 {
-        let files = if textures == 1 { "1 texture" } else { &format!("{textures} textures") };
+        let files = counted(textures, "texture", "textures");
         out.warnings.push(format!(
             "the materials refer to {files} by paths from the folder of the input: image files are not copied, bring them along"
         ));

@@ -201,11 +201,6 @@ fn transform(text: &str) -> Option<DMat4> {
     let numbers: Vec<f64> = text.split_whitespace().map(|w| parse_float(w.as_bytes())).collect::<Option<_>>()?;
     let column = |k: usize| DVec3::from_slice(&numbers[3 * k..3 * k + 3]);
     (numbers.len() == 12 && numbers.iter().all(|x| x.is_finite())).then(|| {
-        DMat4::from_cols(
-            column(0).extend(0.0),
-            column(1).extend(0.0),
-            column(2).extend(0.0),
-            column(3).extend(1.0),
-        )
+        DMat4::from_cols(column(0).extend(0.0), column(1).extend(0.0), column(2).extend(0.0), column(3).extend(1.0))
     })
 }

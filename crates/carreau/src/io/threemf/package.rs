@@ -30,7 +30,9 @@ pub struct Package<'a> {
 
 impl<'a> Package<'a> {
     pub fn open(source: &'a Source<'a>) -> Result<Self> {
-        let wrong = |e: zip::result::ZipError| source.error(Place::File, format!("this is no 3MF package (a ZIP archive): {e}"));
+        let wrong = |e: zip::result::ZipError| {
+            source.error(Place::File, format!("this is no 3MF package (a ZIP archive): {e}"))
+        };
         let archive = ZipArchive::new(Cursor::new(source.bytes)).map_err(wrong)?;
         let left = (source.bytes.len() as u64).saturating_mul(EXPANSION).max(ALWAYS).min(LARGEST);
         Ok(Package { source, archive, left })
@@ -61,9 +63,8 @@ impl<'a> Package<'a> {
     pub fn model(&mut self) -> String {
         let Ok(text) = self.part("_rels/.rels") else { return MODEL.to_string() };
         let Ok(document) = parsed(&text) else { return MODEL.to_string() };
-        let is_model = |node: &roxmltree::Node| {
-            node.has_tag_name("Relationship") || node.tag_name().name() == "Relationship"
-        };
+        let is_model =
+            |node: &roxmltree::Node| node.has_tag_name("Relationship") || node.tag_name().name() == "Relationship";
         let mut named = document.descendants().filter(is_model);
         let wanted = named.find(|node| node.attribute("Type").is_some_and(|t| t.ends_with(MODEL_TYPE)));
         wanted.and_then(|node| node.attribute("Target")).unwrap_or(MODEL).to_string()
@@ -97,7 +98,9 @@ pub fn pack(model: &[u8], out: &mut Vec<u8>) -> Result<()> {
     let large = model.len() as u64 > u64::from(u32::MAX) / 2;
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated).large_file(large);
     let options = options.last_modified_time(zip::DateTime::default());
-    for (name, bytes) in [("[Content_Types].xml", TYPES.as_bytes()), ("_rels/.rels", RELATIONSHIPS.as_bytes()), (MODEL, model)] {
+    for (name, bytes) in
+        [("[Content_Types].xml", TYPES.as_bytes()), ("_rels/.rels", RELATIONSHIPS.as_bytes()), (MODEL, model)]
+    {
         archive.start_file(name, options).map_err(|e| failed(&e))?;
         archive.write_all(bytes).map_err(|e| failed(&e))?;
     }

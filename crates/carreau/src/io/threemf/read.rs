@@ -134,9 +134,9 @@ impl<'a> Builder<'a> {
             let [a, b, c] = triangle.corners.map(|v| first + v);
             self.mesh.faces.push(&if mirrored { [a, c, b] } else { [a, b, c] });
             self.objects.face();
-            let look = triangle.look.map_or([-1; 3], |(group, members)| {
-                members.map(|member| self.number(part, model, group, member))
-            });
+            let look = triangle
+                .look
+                .map_or([-1; 3], |(group, members)| members.map(|member| self.number(part, model, group, member)));
             let [a, b, c] = look;
             self.looks_of.push(if mirrored { [a, c, b] } else { look });
         }
@@ -172,7 +172,9 @@ impl<'a> Builder<'a> {
         match unit {
             None => mesh.notes.push(format!("the unit '{}' is not known", shown(self.unit.as_bytes()))),
             Some(LengthUnit::Millimeter) => {}
-            Some(_) => mesh.notes.push(format!("lengths are in the unit of the file: {}; numbers stay as they are", self.unit)),
+            Some(_) => {
+                mesh.notes.push(format!("lengths are in the unit of the file: {}; numbers stay as they are", self.unit))
+            }
         }
         let attributes = &mut mesh.attributes;
         attributes.unit = unit;
@@ -189,7 +191,9 @@ impl<'a> Builder<'a> {
             // What nothing is said of is white.
             let color = |k: i32| usize::try_from(k).ok().and_then(|k| self.looks[k].color).unwrap_or([u8::MAX; 4]);
             if self.looks_of.iter().all(|[a, b, c]| a == b && b == c) {
-                attributes.face.insert("color".into(), Column::Color(self.looks_of.iter().map(|l| color(l[0])).collect()));
+                attributes
+                    .face
+                    .insert("color".into(), Column::Color(self.looks_of.iter().map(|l| color(l[0])).collect()));
             } else {
                 let corners = self.looks_of.as_flattened().iter().map(|&k| color(k)).collect();
                 attributes.corner.insert("color".into(), Column::Color(corners));

@@ -96,7 +96,10 @@ fn what_is_wrong_is_told() {
         (b"solid".to_vec(), "no 3MF package"),
         (packed(&object, "<item objectid=\"4\"/>"), "object 4 does not exist"),
         (packed(&object.replace("v3=\"2\"", "v3=\"3\""), "<item objectid=\"1\"/>"), "a vertex that does not exist"),
-        (packed(&object.replace("x=\"1\"", "x=\"1,0\""), "<item objectid=\"1\"/>"), "'x' must be a coordinate, found '1,0'"),
+        (
+            packed(&object.replace("x=\"1\"", "x=\"1,0\""), "<item objectid=\"1\"/>"),
+            "'x' must be a coordinate, found '1,0'",
+        ),
         (packed(itself, "<item objectid=\"1\"/>"), "nested more than"),
         (packed(&object.replace("</object>", ""), "<item objectid=\"1\"/>"), "no well-formed XML"),
     ] {

@@ -64,7 +64,10 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
         warnings.push(format!("3MF: left out {faces} a vertex twice, which it does not allow"));
     }
     if body.is_some() && unused != mesh.points.len() {
-        warnings.push(format!("3MF: bodies have vertices of their own, {unused} in all; the mesh has {}", mesh.points.len()));
+        warnings.push(format!(
+            "3MF: bodies have vertices of their own, {unused} in all; the mesh has {}",
+            mesh.points.len()
+        ));
     }
     warnings.extend(left_out(mesh, &looks, body.map(|(name, _)| name)));
     Ok(warnings)
@@ -104,7 +107,7 @@ impl Looks {
             group += "</basematerials>\n";
             let member = |l: &i32| used.binary_search(l).ok().map(|k| k as u32);
             let members = labels.iter().map(member).collect();
-            return Looks { group, column: Some(("material", On::Face)), members, ..none };
+            return Looks { group, column: Some(("material", On::Face)), members };
         }
         let colors = [(On::Face, &a.face), (On::Corner, &a.corner), (On::Vertex, &a.vertex)];
         let found = colors.into_iter().find_map(|(on, columns)| match columns.get("color") {
@@ -117,7 +120,11 @@ impl Looks {
         used.dedup();
         let mut group = String::new();
         let base = on == On::Face;
-        group += &if base { format!("<basematerials id=\"{GROUP}\">\n") } else { format!("<m:colorgroup id=\"{GROUP}\">\n") };
+        group += &if base {
+            format!("<basematerials id=\"{GROUP}\">\n")
+        } else {
+            format!("<m:colorgroup id=\"{GROUP}\">\n")
+        };
         for &color in &used {
             let code = text_of(color);
             group += &if base {
@@ -177,7 +184,9 @@ impl Part<'_> {
         }
         let name = escaped(&self.name);
         let name = if name.is_empty() { String::new() } else { format!(" name=\"{name}\"") };
-        out.extend_from_slice(format!("<object id=\"{}\" type=\"model\"{name}>\n<mesh>\n<vertices>\n", self.id).as_bytes());
+        out.extend_from_slice(
+            format!("<object id=\"{}\" type=\"model\"{name}>\n<mesh>\n<vertices>\n", self.id).as_bytes(),
+        );
         for &v in &own {
             let [x, y, z] = mesh.points[v as usize].to_array();
             for (k, value) in [("<vertex x=\"", x), ("\" y=\"", y), ("\" z=\"", z)] {
@@ -221,6 +230,7 @@ fn left_out(mesh: &RawMesh, looks: &Looks, body: Option<&str>) -> Vec<String> {
     let named = |column: &str| column == "material" || Some(column) == body;
     let words = words_left_out(FORMAT, mesh, named, |column| column == "material");
     let library = a.libraries.iter().any(|library| !library.bytes.is_empty());
-    let library = library.then(|| "3MF: of materials, name and colour are kept; textures and further values are left out".into());
+    let library =
+        library.then(|| "3MF: of materials, name and colour are kept; textures and further values are left out".into());
     [vertex, face, corner, edges_left_out(FORMAT, mesh), library].into_iter().flatten().chain(words).collect()
 }
