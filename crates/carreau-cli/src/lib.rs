@@ -17,9 +17,9 @@
 
 mod choice;
 mod common;
-pub pub mod host;
+pub mod host;
 mod outputs;
-mod progress;;
+mod progress;
 mod record;
 mod replay;
 mod report;

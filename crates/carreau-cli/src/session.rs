@@ -11,9 +11,9 @@ use carreau::context::MOST_THREADS;
 use carreau::geometry::transfer::transfer;
 use carreau::mesh::{Column, CurveNet, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::figure;
-use carreau::words::agreed;
 use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
+use carreau::words::agreed;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use serde_json::json;
@@ -278,7 +278,9 @@ impl Session {
         said.into_iter().for_each(|what| self.warn(what));
         if !matches!(self.record.verb(), "simplify" | "enrich") {
             // Columns that the methods make themselves.
-            for name in ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name)) {
+            for name in
+                ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name))
+            {
                 self.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
             }
         }
@@ -291,11 +293,16 @@ impl Session {
         let columns = a.vertex.iter().chain(&a.corner).chain(a.face.iter().filter(|(_, column)| !kept(column)));
         let names: Vec<String> = columns.map(|(name, _)| format!("'{name}'")).collect();
         if !names.is_empty() {
-            self.warn(format!("the method: {result} has no place for what the surface carries: left out {}", names.join(", ")));
+            self.warn(format!(
+                "the method: {result} has no place for what the surface carries: left out {}",
+                names.join(", ")
+            ));
         }
         if !source.tagged_edges.is_empty() {
             let count = source.tagged_edges.len();
-            self.warn(format!("the method: {result} has no place for the tagged edges of the surface: left out all {count}"));
+            self.warn(format!(
+                "the method: {result} has no place for the tagged edges of the surface: left out all {count}"
+            ));
         }
     }
 

@@ -10,12 +10,12 @@ use carreau::bounds::angle;
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
 use carreau::geometry::features::{FeatureOptions, feature_edges};
 use carreau::geometry::summary::Summary;
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error, Length};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -70,7 +70,9 @@ impl Default for Options {
 impl Curvature {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
-        Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).writes(self.output.as_deref(), ResultKind::Surface)
+        Outputs::of(&self.common)
+            .reads(&self.input, ResultKind::Surface)
+            .writes(self.output.as_deref(), ResultKind::Surface)
     }
 
     /// Runs the verb.

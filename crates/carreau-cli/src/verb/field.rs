@@ -8,12 +8,12 @@ use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, RawMesh, SurfaceMesh};
 use carreau::report::field_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -75,7 +75,11 @@ impl Field {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
-        files.writes(self.output.as_deref(), ResultKind::Surface).also("--layout", self.layout.as_deref(), Content::Json)
+        files.writes(self.output.as_deref(), ResultKind::Surface).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
     }
 
     /// Runs the verb.

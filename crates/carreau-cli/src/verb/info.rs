@@ -3,11 +3,11 @@
 use crate::common::{Common, CommonValues};
 use crate::outputs::Outputs;
 use crate::session::{Failure, Session};
-use carreau::words::rounded;
-use carreau::{DVec3, Error};
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::hex::Validity;
 use carreau::mesh::{Column, Columns, HexMesh, RawMesh, SurfaceMesh, Topology};
+use carreau::words::rounded;
+use carreau::{DVec3, Error};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;

@@ -6,6 +6,7 @@ use crate::host::Found;
 use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::quad::graph::{Track, TrackKind};
@@ -13,7 +14,6 @@ use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 use carreau::report::graph_figure;
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -69,7 +69,11 @@ impl Motorcycle {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
-        files.writes(self.output.as_deref(), ResultKind::Surface).also("--layout", self.layout.as_deref(), Content::Json)
+        files.writes(self.output.as_deref(), ResultKind::Surface).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
     }
 
     /// Runs the verb.

@@ -6,6 +6,7 @@ use crate::host::Found;
 use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::SurfaceMesh;
@@ -13,7 +14,6 @@ use carreau::patch::cad::{self, BrepOptions, Fit, Rung};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -132,7 +132,11 @@ impl Patch {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.as_deref());
-        files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also("--layout", self.layout.as_deref(), Content::Json)
+        files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
     }
 
     /// Runs the verb.

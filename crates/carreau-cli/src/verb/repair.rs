@@ -5,11 +5,11 @@ use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{RawMesh, RepairOptions, repair};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -63,7 +63,9 @@ struct Options {
 impl Repair {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
-        Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).writes(self.output.as_deref(), ResultKind::Surface)
+        Outputs::of(&self.common)
+            .reads(&self.input, ResultKind::Surface)
+            .writes(self.output.as_deref(), ResultKind::Surface)
     }
 
     /// Runs the verb.

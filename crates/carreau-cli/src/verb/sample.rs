@@ -3,11 +3,11 @@
 use crate::common::{Common, CommonValues};
 use crate::outputs::Outputs;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::report::page::Scene;
 use carreau::sample::{SAMPLES, make};
 use carreau::{Error, mesh::RawMesh};
-use carreau::io::ResultKind;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

@@ -4,10 +4,10 @@ use crate::common::{Common, CommonValues, positive_length};
 use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::{ResultKind, holds_numbers};
 use carreau::mesh::{RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::{Error, Length};
-use carreau::io::{ResultKind, holds_numbers};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -121,7 +121,9 @@ impl Options {
         let low = self.min_size.unwrap_or(Length::OfDiagonal(base.min_size));
         let high = self.max_size.unwrap_or(Length::OfDiagonal(base.max_size));
         let turned = match (low, high) {
-            (Length::Absolute(low), Length::Absolute(high)) | (Length::OfDiagonal(low), Length::OfDiagonal(high)) => low > high,
+            (Length::Absolute(low), Length::Absolute(high)) | (Length::OfDiagonal(low), Length::OfDiagonal(high)) => {
+                low > high
+            }
             _ => false,
         };
         if turned { Err(Error::Options(format!("min-size {low} is above max-size {high}"))) } else { Ok(()) }
