@@ -61,7 +61,7 @@ fn version_4_with_entities_and_parametric_nodes() {
         mesh.notes,
         [
             "1 entities have several physical tags: the first is kept",
-            "1 point elements without a physical tag were left out"
+            "1 point element without a physical tag left out"
         ]
     );
 }
@@ -76,7 +76,8 @@ fn only_the_corners_of_higher_orders_are_kept() {
         let mesh = read("msh", format!("{head}{nodes}{element}").as_bytes()).unwrap();
         assert_eq!(faces(&mesh), [&[0, 1, 2]]);
         assert_eq!(mesh.points.len(), 4);
-        assert_eq!(mesh.notes, ["1 elements of higher order: only their corners are kept"]);
+        assert_eq!(mesh.notes.len(), 1);
+        assert!(mesh.notes[0].starts_with("1 element of higher order: only its corners are kept"), "{:?}", mesh.notes);
     }
 }
 
