@@ -269,6 +269,7 @@ def test_skeleton_and_hex(torus):
     result = cr.hex(torus, skeleton=found.skeleton, quiet=True)
     assert result.certified and result.hexes.shape[1] == 8 and len(result.tags) == len(result.quads)
     assert set(result.tags.tolist()) == {1}
+    assert result.quality["scaled_jacobian_min"] > 0 and result.quality["inverted"] == 0
     boundary = result.mesh.boundary()
     assert boundary.n_faces == len(result.quads) and boundary.topology()["closed"]
 

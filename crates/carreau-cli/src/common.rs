@@ -2,9 +2,12 @@
 
 use crate::choice::choice;
 use crate::host::Host;
+use carreau::bounds::{positive, within};
 use carreau::io::cad::Unit;
+use carreau::{Length, Result};
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use std::ops::Bound;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -68,9 +71,28 @@ impl Common {
     }
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// Longest deadline, in seconds: some thirty years. Beyond it, and below zero, there are no instants to wait for.
+const LONGEST: f64 = 1e9;
+
+impl CommonValues {
+    /// Refuses values out of range, whether a flag or an options file gave them.
+    ///
+    /// # Errors
+    /// [`carreau::Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        let range = (Bound::Excluded(0.0), Bound::Included(LONGEST));
+        self.deadline.map_or(Ok(()), |seconds| within("deadline", seconds, range, "seconds"))
+    }
+}
+
+/// Refuses a length of zero; others that are no lengths are not read as such.
+pub fn positive_length(name: &str, length: Option<Length>) -> Result<()> {
+    length.map_or(Ok(()), |length| positive(name, length.resolve(1.0)))
+}
+
+fn seconds(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
+        Ok(s) if s > 0.0 && s <= LONGEST => Ok(s),
         _ => Err("a positive number of seconds is expected".into()),
     }
 }

@@ -8,6 +8,7 @@
 //! | `common` | options that every verb has |
 //! | `session` | one run: context, input, output, record |
 //! | `prepare` | how surfaces are prepared, and what is told about it |
+//! | `outputs` | what a run will write, checked before it begins |
 //! | `record` | the result record of the contract |
 //! | `replay` | options files |
 //! | `report` | the page of a run |
@@ -19,6 +20,7 @@ mod choice;
 mod common;
 pub mod host;
 mod prepare;
+mod outputs;
 mod progress;
 mod record;
 mod replay;

@@ -7,10 +7,13 @@ use crate::record::Record;
 use crate::report::Report;
 use crate::timings::Timings;
 use crate::verb::read_edges;
-use carreau::mesh::{CurveNet, RawMesh, VertexId};
+use carreau::context::MOST_THREADS;
+use carreau::geometry::transfer::transfer;
+use carreau::mesh::{Column, CurveNet, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::figure;
 use carreau::report::page::{Role, Scene};
 use carreau::report::picture::Image;
+use carreau::words::agreed;
 use carreau::{Context, Error, io};
 use serde::Serialize;
 use serde_json::json;
@@ -123,6 +126,7 @@ impl Session {
     }
 
     fn start(verb: &'static str, common: &Common, values: &CommonValues, timings: Timings) -> Result<Self, Error> {
+        values.validate()?;
         let host = common.host.clone();
         let cancel = host.as_ref().map_or_else(cancel_flag, |host| Arc::clone(&host.cancel));
         let mut context = Context::new().with_threads(values.threads)?.with_cancel(cancel);
@@ -141,7 +145,12 @@ impl Session {
             }
             None => {}
         }
-        let record = Record::new(verb);
+        let mut record = Record::new(verb);
+        if values.threads > MOST_THREADS {
+            let what = format!("{} threads were asked for, {MOST_THREADS} are used: that is the most", values.threads);
+            tracing::warn!("{what}");
+            record.warnings.push(what);
+        }
         Ok(Session {
             context,
             record,
@@ -157,12 +166,12 @@ impl Session {
 
     /// Adds a line for a person.
     pub fn say(&mut self, line: impl Into<String>) {
-        self.summary.push(line.into());
+        self.summary.push(agreed(&line.into()));
     }
 
     /// Adds a warning.
     pub fn warn(&mut self, what: impl Into<String>) {
-        let what = what.into();
+        let what = agreed(&what.into());
         tracing::warn!("{what}");
         self.record.warnings.push(what);
     }
@@ -247,6 +256,44 @@ impl Session {
         self.record.set("input", input);
         self.show(file, Role::Before, |name, _| Ok(Scene::of_net(name, &net)))?;
         Ok(net)
+    }
+
+    /// Carries what the source has over to the mesh that a method made of it; what cannot be carried is said.
+    pub fn carry(&mut self, source: &SurfaceMesh, mesh: &mut RawMesh) -> Result<(), Error> {
+        let context = self.context.clone();
+        let said = context.install(|| {
+            let _stage = context.stage("attributes");
+            transfer(source, mesh, &context)
+        })?;
+        said.into_iter().for_each(|what| self.warn(what));
+        if !matches!(self.record.verb(), "simplify" | "enrich") {
+            // Columns that the methods make themselves.
+            for name in
+                ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name))
+            {
+                self.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Says what of a surface the result of this method has no place for.
+    pub fn leave_behind(&mut self, source: &SurfaceMesh, result: &str, kept: impl Fn(&Column) -> bool) {
+        let a = &source.attributes;
+        let columns = a.vertex.iter().chain(&a.corner).chain(a.face.iter().filter(|(_, column)| !kept(column)));
+        let names: Vec<String> = columns.map(|(name, _)| format!("'{name}'")).collect();
+        if !names.is_empty() {
+            self.warn(format!(
+                "the method: {result} has no place for what the surface carries: left out {}",
+                names.join(", ")
+            ));
+        }
+        if !source.tagged_edges.is_empty() {
+            let count = source.tagged_edges.len();
+            self.warn(format!(
+                "the method: {result} has no place for the tagged edges of the surface: left out all {count}"
+            ));
+        }
     }
 
     /// Writes a mesh file.

@@ -10,6 +10,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+/// Most threads of a run: starting more takes longer than they can save, and none of them could be stopped meanwhile.
+pub const MOST_THREADS: usize = 512;
+
 /// Receives the progress of a run. Called from worker threads.
 pub trait Progress: Send + Sync {
     /// A stage of the method begins.
@@ -37,9 +40,12 @@ impl Context {
         Self::default()
     }
 
-    /// Uses this many threads (0: all processors). Results do not depend on it.
+    /// Uses this many threads, at most [`MOST_THREADS`] (0: all processors). Results do not depend on it.
+    ///
+    /// # Errors
+    /// [`Error::Options`] where the system gives no threads.
     pub fn with_threads(mut self, threads: usize) -> Result<Self> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MOST_THREADS)).build();
         self.pool = Some(Arc::new(pool.map_err(|e| Error::Options(format!("{threads} threads: {e}")))?));
         Ok(self)
     }

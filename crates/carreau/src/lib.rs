@@ -2,6 +2,7 @@
 
 pub mod brep;
 pub mod cad;
+pub mod bounds;
 pub mod context;
 pub mod error;
 pub mod field;
@@ -18,6 +19,7 @@ pub mod report;
 pub mod sample;
 pub mod segment;
 pub mod skeleton;
+pub mod words;
 
 pub use context::Context;
 pub use error::{Error, Place, Result};

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Every part and what it may know, besides itself and the ground floor (`error`, `context`, `length`).
+/// Every part and what it may know, besides itself and the ground floor (`error`, `context`, `length`, `bounds`, `words`).
 const MAY_KNOW: &[(&str, &[&str])] = &[
     ("context", &[]),
     ("mesh", &[]),
@@ -27,7 +27,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("sample", &["mesh", "geometry", "brep", "patch"]),
     ("report", &["mesh", "geometry", "brep", "patch", "field", "quad"]),
 ];
-const GROUND: &[&str] = &["error", "context", "length"];
+const GROUND: &[&str] = &["error", "context", "length", "bounds", "words"];
 /// What the crate's root re-exports from the ground floor.
 const ROOT: &[&str] = &["Context", "Error", "Result", "Place", "Length", "DVec3", "CornerId"];
 

@@ -3,6 +3,7 @@
 use super::{intersection_line, intersections};
 use crate::common::{Common, CommonValues};
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session, named};
 use carreau::Error;
@@ -45,11 +46,17 @@ struct Options {
 }
 
 impl Compare {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).needs(Some(&self.a)).needs(Some(&self.b))
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let mut options = options_from(self.common.options.as_deref(), "compare", Options::default())?;
         options.distance.samples = self.samples.unwrap_or(options.distance.samples);
         options.prepare = self.prepare.over(options.prepare);
+        options.distance.validate()?;
         options.common = self.common.over(options.common);
         Session::run("compare", &self.common, &options.common, Some(&self.a), |session| {
             session.record.set("options", &options);

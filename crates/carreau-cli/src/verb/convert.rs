@@ -1,9 +1,11 @@
 //! `convert`: any readable format to any writable one.
 
 use crate::common::{Common, CommonValues};
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::report::page::Scene;
 use clap::Args;
@@ -45,6 +47,11 @@ struct Options {
 }
 
 impl Convert {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).reads(&self.input, ResultKind::Any).writes(Some(&self.output), ResultKind::Any)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let mut options = options_from(self.common.options.as_deref(), "convert", Options::default())?;

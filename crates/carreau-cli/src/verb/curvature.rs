@@ -1,14 +1,17 @@
 //! `curvature`: principal curvatures and directions at every vertex.
 
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found as Handed;
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::bounds::angle;
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
 use carreau::geometry::features::{FeatureOptions, feature_edges};
 use carreau::geometry::summary::Summary;
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Column, PrepareOptions, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
@@ -70,6 +73,13 @@ impl Default for Options {
 }
 
 impl Curvature {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common)
+            .reads(&self.input, ResultKind::Surface)
+            .writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -92,6 +102,8 @@ impl Curvature {
                 "--radius goes with --estimator normal-cycle-ball; the others have none".into(),
             ));
         }
+        angle("feature-angle", all.feature_angle)?;
+        positive_length("radius", all.radius)?;
         Ok(all)
     }
 

@@ -4,6 +4,7 @@ mod page;
 
 use super::segment::{labelled, worded};
 use crate::common::{Common, CommonValues};
+use crate::outputs::Outputs;
 use crate::report::command_line;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions};
@@ -48,6 +49,11 @@ pub struct Demo {
 }
 
 impl Demo {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let values = self.common.over(CommonValues::default());

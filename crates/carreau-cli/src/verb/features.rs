@@ -3,6 +3,7 @@
 
 use crate::prepare::edges_of_surface;
 use crate::session::Session;
+use carreau::bounds::angle;
 use carreau::geometry::features::{FeatureOptions, FoundFeatures};
 use carreau::mesh::{Prepared, VertexId};
 use carreau::report::page::{Path as Lines, Scene, Style};
@@ -45,6 +46,11 @@ pub struct FeatureValues {
 }
 
 impl FeatureFlags {
+    /// The file that lists edges.
+    pub fn file(&self) -> Option<&Path> {
+        self.features.as_deref()
+    }
+
     /// These flags laid over values from an options file.
     pub fn over(&self, values: FeatureValues) -> FeatureValues {
         let is_auto = matches!(self.features, Some(AutoOrFile(None)));
@@ -57,6 +63,11 @@ impl FeatureFlags {
 }
 
 impl FeatureValues {
+    /// Refuses an angle that is none.
+    pub fn validate(&self) -> Result<(), Error> {
+        angle("feature-angle", self.feature_angle)
+    }
+
     /// Features by angle, borders, tags and the listed edges, which are read here.
     pub fn load(&self, session: &Session, prepared: &Prepared) -> Result<FeatureOptions, Error> {
         let edges = self.features.as_deref().map(|file| session.load_edges(file)).transpose()?.unwrap_or_default();

@@ -5,11 +5,13 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
+use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{Column, PrepareOptions, RawMesh};
+use carreau::mesh::{Column, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::field_figure;
 use carreau::report::page::Scene;
 use carreau::{DVec3, Error};
@@ -75,6 +77,16 @@ struct Options {
 }
 
 impl Field {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -96,6 +108,8 @@ impl Field {
         all.classic |= self.classic;
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        all.features.validate()?;
+        all.field.validate()?;
         Ok(all)
     }
 
@@ -125,10 +139,12 @@ impl Field {
             let counts = json!({ "sectors": sectors, "inner": inner, "singularities": singular });
             session.record.set("classic", counts);
         }
-        self.write(session, found)
+        self.write(session, &prepared.mesh, found)
     }
 
-    fn write(&self, session: &mut Session, found: field::Field) -> Result<(), Error> {
+    fn write(&self, session: &mut Session, source: &SurfaceMesh, found: field::Field) -> Result<(), Error> {
+        let mut mesh = with_frames(&found);
+        session.carry(source, &mut mesh)?;
         session.draw_as(|| field_figure(&found))?;
         session.show_result(self.output.as_deref(), |name, _| {
             Ok(with_dropped(Scene::of_field(name, &found)?, &found.found))
@@ -144,10 +160,10 @@ impl Field {
         });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());
-            session.write_mesh(file, &with_frames(&found), &WriteOptions::default())?;
+            session.write_mesh(file, &mesh, &WriteOptions::default())?;
         }
         session.record.set("output", counts);
-        session.keep(|| Found::Field(with_frames(&found), found));
+        session.keep(|| Found::Field(mesh, found));
         Ok(())
     }
 }

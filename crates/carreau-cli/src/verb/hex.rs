@@ -4,17 +4,20 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{CurveNet, PrepareOptions, RawMesh, SurfaceMesh};
+use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Meshes a tubular surface, or the tubes around a skeleton, with hexahedra
@@ -93,7 +96,31 @@ struct Options {
     common: CommonValues,
 }
 
+impl Options {
+    /// The options of the method, for a shape with this diagonal.
+    fn resolved(&self, diagonal: f64) -> HexOptions {
+        HexOptions {
+            padding: self.padding,
+            refine_across: self.refine_across,
+            refine_along: self.refine_along,
+            adapt_radius: self.adapt_radius,
+            stage: self.stage,
+            hexes: self.hexes,
+            edge_length: self.edge_length.map(|l| l.resolve(diagonal)),
+            radius: self.radius.map(|l| l.resolve(diagonal)),
+            allow_invalid: self.allow_invalid,
+        }
+    }
+}
+
 impl Hex {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).needs(Some(&self.input));
+        let files = files.needs(self.skeleton.as_deref()).needs(self.surface.as_deref());
+        files.writes(self.output.as_deref(), ResultKind::Hexes)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -118,38 +145,35 @@ impl Hex {
         all.allow_invalid |= self.allow_invalid;
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        // Lengths above zero on a diagonal above zero.
+        all.resolved(1.0).validate()?;
         Ok(all)
     }
 
     fn hex(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let shape = self.read(session, options)?;
         let diagonal = shape.diagonal();
-        let wanted = HexOptions {
-            padding: options.padding,
-            refine_across: options.refine_across,
-            refine_along: options.refine_along,
-            adapt_radius: options.adapt_radius,
-            stage: options.stage,
-            hexes: options.hexes,
-            edge_length: options.edge_length.map(|l| l.resolve(diagonal)),
-            radius: options.radius.map(|l| l.resolve(diagonal)),
-            allow_invalid: options.allow_invalid,
-        };
+        let wanted = options.resolved(diagonal);
         if wanted.adapt_radius && matches!(shape, Shape::Surface(..)) {
             return Err(Error::Options("--adapt-radius goes with a skeleton that has no surface".into()));
         }
         let context = session.context.clone();
-        let found = context.install(|| match &shape {
+        let mut found = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
             Shape::Surface(mesh, net) => hex::from_surface(mesh, net.as_ref(), &wanted, &context),
         })?;
-        let HexResult { mesh, figures, warnings, skeleton } = &found;
-        warnings.iter().for_each(|w| session.warn(w));
+        found.warnings.iter().for_each(|w| session.warn(w));
+        let names = match &shape {
+            Shape::Surface(surface, _) => tag_after(surface, &mut found.mesh, session)?,
+            Shape::Graph(_) => BTreeMap::new(),
+        };
+        let HexResult { mesh, figures, skeleton, .. } = &found;
         session.draw_as(|| hex_figure(mesh))?;
         session.show_result(self.output.as_deref(), |name, _| {
             Ok(Scene::of_hexes(name, mesh)?.net("skeleton", skeleton))
         })?;
         session.record.set_all(figures);
+        session.record.set("quality", &figures.quality);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
         let quality = &figures.quality;
         session.say(format!(
@@ -161,7 +185,9 @@ impl Hex {
             n => format!("{n} cells are not certified"),
         });
         if let Some(file) = &self.output {
-            session.write_mesh(file, &RawMesh::from(mesh.clone()), &WriteOptions::default())?;
+            let mut raw = RawMesh::from(mesh.clone());
+            raw.attributes.names = names.into_iter().map(|(tag, name)| (("ref".to_string(), tag), name)).collect();
+            session.write_mesh(file, &raw, &WriteOptions::default())?;
         }
         session.keep(|| Found::Hexes(found));
         Ok(())
@@ -188,6 +214,41 @@ impl Hex {
             None => Shape::Graph(net),
         })
     }
+}
+
+/// Gives the boundary faces the groups of the surface, where its file has some (label `ref`): the wall the group of the nearest
+/// face, the lids of open ends, which the surface has not, numbers above all groups. Returns the names. Everything else
+/// that the surface carries is left behind, with a word.
+fn tag_after(surface: &SurfaceMesh, mesh: &mut HexMesh, session: &mut Session) -> Result<BTreeMap<i32, String>, Error> {
+    const GROUP: &str = "ref";
+    let groups = match surface.attributes.face.get(GROUP) {
+        Some(Column::Label(groups)) => Some(groups.clone()),
+        _ => None,
+    };
+    let mut rest = surface.clone();
+    rest.attributes.face.remove(GROUP);
+    session.leave_behind(&rest, "a volume mesh", |_| false);
+    let Some(groups) = groups else { return Ok(BTreeMap::new()) };
+    let most = groups.iter().copied().max().unwrap_or(0).max(0);
+    rest.attributes = Attributes::words_of(&surface.attributes);
+    rest.attributes.face.insert(GROUP.into(), Column::Label(groups));
+    rest.tagged_edges.clear();
+    let faces = mesh.quads.iter().map(|q| &q[..]).collect();
+    let mut boundary = RawMesh { points: mesh.points.clone(), faces, ..RawMesh::default() };
+    session.carry(&rest, &mut boundary)?;
+    let Some(Column::Label(carried)) = boundary.attributes.face.get(GROUP) else { return Ok(BTreeMap::new()) };
+    let own = surface.attributes.names.iter().filter(|((column, _), _)| column == GROUP);
+    let mut names: BTreeMap<i32, String> = own.map(|((_, tag), name)| (*tag, name.clone())).collect();
+    for (tag, &group) in mesh.tags.iter_mut().zip(carried) {
+        // The wall has tag 1, the lids of open ends 2, 3 ….
+        let lid = *tag - 1;
+        *tag = if lid == 0 { group } else { most.saturating_add(lid) };
+        if lid > 0 {
+            names.entry(*tag).or_insert_with(|| format!("cap_{lid}"));
+        }
+    }
+    session.record.set("tags", &names);
+    Ok(names)
 }
 
 /// What is meshed.

@@ -1,14 +1,16 @@
 //! `info`: what is in a file, and what is wrong with it.
 
 use crate::common::{Common, CommonValues};
+use crate::outputs::Outputs;
 use crate::session::{Failure, Session};
-use carreau::Error;
 use carreau::geometry::intersections::Intersections;
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::hex::Validity;
 use carreau::mesh::{
     Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare,
 };
+use carreau::words::rounded;
+use carreau::{DVec3, Error};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -24,6 +26,11 @@ pub struct Info {
 }
 
 impl Info {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).needs(Some(&self.input))
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let values = self.common.over(CommonValues::default());
@@ -133,9 +140,11 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
     ];
     session.say(words.map(|(holds, yes, no)| if holds { yes } else { no }).join(", "));
     let (low, high) = mesh.bounds();
-    session.say(format!("bounds ({}, {}, {}) to ({}, {}, {})", low.x, low.y, low.z, high.x, high.y, high.z));
+    let extent = (high - low).max_element();
+    let corner = |p: DVec3| p.to_array().map(|x| rounded(x, extent)).join(", ");
+    session.say(format!("bounds ({}) to ({})", corner(low), corner(high)));
     if let Some(volume) = t.volume {
-        session.say(format!("volume {volume}"));
+        session.say(format!("volume {}", rounded(volume, extent.powi(3))));
     }
     defect_lines(t, true).into_iter().for_each(|line| session.say(line));
     let crossings = intersections(session, mesh)?;

@@ -21,6 +21,7 @@ mod skeleton;
 mod view;
 
 use crate::common::Common;
+use crate::outputs::Outputs;
 use crate::session::Failure;
 use clap::Subcommand;
 
@@ -79,8 +80,33 @@ impl Verb {
         }
     }
 
-    /// Does it.
+    /// The files of a run.
+    fn outputs(&self) -> Outputs {
+        match self {
+            Verb::Demo(verb) => verb.outputs(),
+            Verb::Sample(verb) => verb.outputs(),
+            Verb::Info(verb) => verb.outputs(),
+            Verb::Repair(verb) => verb.outputs(),
+            Verb::Convert(verb) => verb.outputs(),
+            Verb::Compare(verb) => verb.outputs(),
+            Verb::Curvature(verb) => verb.outputs(),
+            Verb::Patch(verb) => verb.outputs(),
+            Verb::Segment(verb) => verb.outputs(),
+            Verb::Field(verb) => verb.outputs(),
+            Verb::Motorcycle(verb) => verb.outputs(),
+            Verb::Quad(verb) => verb.outputs(),
+            Verb::Hex(verb) => verb.outputs(),
+            Verb::Skeleton(verb) => verb.outputs(),
+            Verb::Enrich(verb) => verb.remesh.outputs(),
+            Verb::Simplify(verb) => verb.remesh.outputs(),
+            Verb::View(verb) => verb.outputs(),
+            Verb::Completions(_) | Verb::Man(_) => Outputs::default(),
+        }
+    }
+
+    /// Does it, once it is known that its results can be written.
     pub fn run(&self) -> Result<(), Failure> {
+        self.outputs().check()?;
         match self {
             Verb::Demo(verb) => verb.run(),
             Verb::Sample(verb) => verb.run(),

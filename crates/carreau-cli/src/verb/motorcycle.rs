@@ -1,13 +1,15 @@
 //! `motorcycle`: the motorcycle graph of a frame field, which divides a part into patches for quads.
 
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
+use crate::outputs::{Content, Outputs};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{PrepareOptions, RawMesh};
+use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::quad::graph::{Track, TrackKind};
 use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 use carreau::report::graph_figure;
@@ -69,6 +71,16 @@ struct Options {
 }
 
 impl Motorcycle {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -86,6 +98,9 @@ impl Motorcycle {
         all.features = self.features.over(all.features);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        positive_length("edge-length", all.edge_length)?;
+        all.features.validate()?;
+        all.graph.validate()?;
         Ok(all)
     }
 
@@ -101,10 +116,10 @@ impl Motorcycle {
         warn_missing(&found.missing, &prepared, session);
         describe(session, &found);
         tell_features(&found.features, session);
-        self.write(session, found)
+        self.write(session, &prepared.mesh, found)
     }
 
-    fn write(&self, session: &mut Session, found: MotorcycleGraph) -> Result<(), Error> {
+    fn write(&self, session: &mut Session, source: &SurfaceMesh, found: MotorcycleGraph) -> Result<(), Error> {
         session.draw_as(|| graph_figure(&found))?;
         session.show_result(self.output.as_deref(), |name, _| {
             Ok(with_dropped(Scene::of_graph(name, &found)?, &found.features))
@@ -112,7 +127,8 @@ impl Motorcycle {
         if let Some(file) = &self.layout {
             session.write_bytes(file, &found.layout())?;
         }
-        let mesh = RawMesh::from(found.mesh.clone());
+        let mut mesh = RawMesh::from(found.mesh.clone());
+        session.carry(source, &mut mesh)?;
         let mut counts = json!({ "vertices": mesh.points.len(), "faces": mesh.faces.len() });
         if let Some(file) = &self.output {
             counts["file"] = json!(file.to_string_lossy());

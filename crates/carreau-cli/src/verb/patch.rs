@@ -4,8 +4,10 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::{PrepareFlags, edges_of_surface};
+use crate::outputs::{Content, Outputs};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{FaceId, PrepareOptions, Prepared};
@@ -133,6 +135,16 @@ struct Options {
 }
 
 impl Patch {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.as_deref());
+        files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also(
+            "--layout",
+            self.layout.as_deref(),
+            Content::Json,
+        )
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -186,6 +198,8 @@ impl Patch {
         all.features = self.features.clone().or(all.features);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        all.patch.validate()?;
+        all.brep.validate()?;
         Ok(all)
     }
 
@@ -237,7 +251,8 @@ impl Patch {
             let layout = json!({ "patches": told.patches, "leftover": told.leftover });
             session.write_bytes(file, layout.to_string().as_bytes())?;
         }
-        let quads = quad_mesh(mesh, result);
+        let mut quads = quad_mesh(mesh, result);
+        session.carry(mesh, &mut quads)?;
         session.draw(&quads)?;
         session.keep(|| Found::Patches(quads.clone(), layout_of_file(prepared, result)));
         session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &quads))?;

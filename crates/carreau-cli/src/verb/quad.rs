@@ -1,12 +1,14 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::mesh::{PrepareOptions, RawMesh};
+use carreau::io::ResultKind;
 use carreau::quad::{self, QuadOptions, Quads};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -62,6 +64,12 @@ struct Options {
 }
 
 impl Quad {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -80,6 +88,9 @@ impl Quad {
         all.features = self.features.over(all.features);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        positive_length("edge-length", all.edge_length)?;
+        all.features.validate()?;
+        all.quad.validate()?;
         Ok(all)
     }
 
@@ -95,7 +106,9 @@ impl Quad {
         warn_missing(&result.missing, &prepared, session);
         describe(session, &result);
         tell_features(&result.features, session);
-        let (mesh, tracks, found) = (RawMesh::from(result.mesh), result.tracks, result.features);
+        let (mut quads, tracks, found) = (RawMesh::from(result.mesh), result.tracks, result.features);
+        session.carry(&prepared.mesh, &mut quads)?;
+        let mesh = quads;
         let scene = |name| Ok(with_dropped(Scene::of_mesh(name, &mesh)?.tracks(&tracks), &found));
         session.deliver_as(&mesh, self.output.as_deref(), scene)?;
         session.keep(|| Found::Quads(mesh, tracks));

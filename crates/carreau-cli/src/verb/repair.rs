@@ -2,8 +2,10 @@
 
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, keep_pieces, repair};
 use carreau::report::page::Scene;
@@ -63,6 +65,13 @@ struct Options {
 }
 
 impl Repair {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common)
+            .reads(&self.input, ResultKind::Surface)
+            .writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -122,6 +131,7 @@ impl Repair {
         o.unreferenced &= !self.keep_unreferenced;
         all.keep = self.keep.or(all.keep);
         all.common = self.common.over(all.common);
+        all.repair.validate()?;
         Ok(all)
     }
 }

@@ -1,7 +1,9 @@
 //! `sample`: built-in procedural models.
 
 use crate::common::{Common, CommonValues};
+use crate::outputs::Outputs;
 use crate::session::{Failure, Session};
+use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::report::page::Scene;
 use carreau::sample::{SAMPLES, make};
@@ -31,6 +33,11 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let values = self.common.over(CommonValues::default());

@@ -1,13 +1,15 @@
 //! `segment`: the faces of a part, with clean borders, and the surface of each.
 
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
+use carreau::io::ResultKind;
 use carreau::io::{WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::page::Scene;
@@ -118,6 +120,13 @@ struct Options {
 }
 
 impl Segment {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let labels = self.labels.as_deref().map(Path::new).filter(|file| file.is_file());
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(labels);
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -158,6 +167,9 @@ impl Segment {
         all.tolerance = self.tolerance.or(all.tolerance);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        positive_length("radius", all.radius)?;
+        positive_length("tolerance", all.tolerance)?;
+        all.segment.validate()?;
         Ok(all)
     }
 
@@ -171,6 +183,9 @@ impl Segment {
         wanted.labels = options.labels.as_deref().map(|labels| read_labels(&prepared, labels)).transpose()?;
         let result = of_file(&prepared, context.install(|| segment::segment(mesh, &wanted, &context))?);
         tell(session, &result);
+        for name in ["region", "primitive", "fit_error"].into_iter().filter(|n| mesh.attributes.face.contains_key(*n)) {
+            session.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+        }
         let mut out = labelled(prepared.into_input(), &result);
         session.draw(&out)?;
         session.keep(|| Found::Mesh(out.clone()));
@@ -179,6 +194,9 @@ impl Segment {
         })?;
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
+                if out.attributes.face.contains_key("group") {
+                    session.warn("the method: the face values 'group' of the input give way to the regions, as groups of the OBJ file");
+                }
                 group(&mut out, &result);
             }
             session.write_mesh(file, &out, &WriteOptions::default())?;

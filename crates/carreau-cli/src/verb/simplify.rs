@@ -1,11 +1,13 @@
 //! `simplify` and `enrich`: a graded mesh within an angle of the surface.
 
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_both};
-use crate::common::{Common, CommonValues};
+use crate::common::{Common, CommonValues, positive_length};
+use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
 use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::io::{ResultKind, holds_numbers};
 use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::report::page::Scene;
@@ -117,6 +119,22 @@ struct Options {
     common: CommonValues,
 }
 
+impl Options {
+    /// Refuses a smallest size above the largest, as far as that is known without the model.
+    fn check_sizes(&self) -> Result<(), Error> {
+        let base = &self.remesh;
+        let low = self.min_size.unwrap_or(Length::OfDiagonal(base.min_size));
+        let high = self.max_size.unwrap_or(Length::OfDiagonal(base.max_size));
+        let turned = match (low, high) {
+            (Length::Absolute(low), Length::Absolute(high)) | (Length::OfDiagonal(low), Length::OfDiagonal(high)) => {
+                low > high
+            }
+            _ => false,
+        };
+        if turned { Err(Error::Options(format!("min-size {low} is above max-size {high}"))) } else { Ok(()) }
+    }
+}
+
 impl Simplify {
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
@@ -127,6 +145,8 @@ impl Simplify {
         o.geometric |= self.geometric;
         o.anisotropic |= self.anisotropic;
         options.distance = self.distance.or(options.distance);
+        positive_length("distance", options.distance)?;
+        options.remesh.validate()?;
         self.remesh.run("simplify", &options, remesh::simplify)
     }
 }
@@ -142,6 +162,12 @@ impl Enrich {
 type Method = fn(&SurfaceMesh, &RemeshOptions, &carreau::Context) -> Result<Remeshed, Error>;
 
 impl Remesh {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface);
+        files.writes(self.output.as_deref(), ResultKind::Surface)
+    }
+
     /// Defaults, then options file, then flags.
     fn options(&self, verb: &str, defaults: RemeshOptions) -> Result<Options, Error> {
         let base = Options { remesh: defaults, ..Options::default() };
@@ -156,6 +182,11 @@ impl Remesh {
         all.max_size = self.max_size.or(all.max_size);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        for (name, length) in [("min-size", all.min_size), ("max-size", all.max_size), ("distance", all.distance)] {
+            positive_length(name, length)?;
+        }
+        all.check_sizes()?;
+        all.remesh.validate()?;
         Ok(all)
     }
 
@@ -189,7 +220,15 @@ impl Remesh {
         }
         result.repaired.iter().for_each(|what| session.warn(what.clone()));
         let q = &quality;
-        session.say(format!("{} triangles, before {}", result.mesh.face_count(), source.face_count()));
+        let (before, after) = (source.faces().fan().0.len(), result.mesh.face_count());
+        session.say(format!("{after} triangles, before {before}"));
+        if session.record.verb() == "simplify" && after > before {
+            session.warn(format!(
+                "the result has {after} triangles, more than the {before} of the input, because the size map asks for edges \
+                 shorter than the input's: even ones of the length that --deviation, --gradation and --max-size allow; a larger \
+                 --deviation or --max-size leaves fewer, --geometric keeps long thin triangles"
+            ));
+        }
         session.say(format!("shape: min {:.3}, mean {:.3}", q.shape_min, q.shape_mean));
         session.say(format!(
             "edges in the metric: {:.2} to {:.2}, mean {:.3}; {:.2} % in [0.6, 1.7]",
@@ -205,7 +244,14 @@ impl Remesh {
         session.record.set("quality", quality);
         warn_missing(&result.missing, session);
         tell_features(&result.features, session);
-        let (mesh, found) = (RawMesh::from(result.mesh), result.features);
+        let (mut mesh, found) = (RawMesh::from(result.mesh), result.features);
+        session.carry(source, &mut mesh)?;
+        // Sizes are a help for the eye: formats without numbers on vertices go without, and without a word.
+        if self.output.as_deref().is_some_and(|file| !holds_numbers(file)) {
+            for name in ["size", "stretch"].into_iter().filter(|name| !source.attributes.vertex.contains_key(*name)) {
+                mesh.attributes.vertex.remove(name);
+            }
+        }
         session
             .deliver_as(&mesh, self.output.as_deref(), |name| Ok(with_both(Scene::of_mesh(name, &mesh)?, &found)))?;
         session.keep(|| Found::Mesh(mesh));

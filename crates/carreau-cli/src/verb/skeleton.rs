@@ -3,10 +3,12 @@
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
 use carreau::mesh::PrepareOptions;
+use carreau::io::ResultKind;
 use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};
@@ -60,6 +62,11 @@ struct Options {
 }
 
 impl Skeleton {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        Outputs::of(&self.common).needs(Some(&self.input)).writes(self.output.as_deref(), ResultKind::Skeleton)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;
@@ -77,6 +84,7 @@ impl Skeleton {
         all.skeleton.prune &= !self.no_prune;
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        all.skeleton.validate()?;
         Ok(all)
     }
 
@@ -88,6 +96,7 @@ impl Skeleton {
         let of_lids = found.preimage.split_off(mesh.vertex_count().min(found.preimage.len()));
         found.preimage = prepared.values_of_vertices(found.preimage, u32::MAX).into_iter().chain(of_lids).collect();
         found.warnings.iter().for_each(|w| session.warn(w));
+        session.leave_behind(mesh, "a skeleton", |_| false);
         session.draw_as(|| skeleton_figure(&found.closed.mesh, &found.net))?;
         session.show_result(self.output.as_deref(), |name, _| {
             Ok(Scene::of_surface(name, &found.closed.mesh)?.net("skeleton", &found.net).show("plain"))

@@ -1,6 +1,7 @@
 //! `view`: files as one page to look at.
 
 use crate::common::{Common, CommonValues};
+use crate::outputs::{Content, Outputs};
 use crate::session::{Failure, Session, named};
 use carreau::Error;
 use carreau::io::{self, is_skeleton_file};
@@ -42,6 +43,12 @@ struct Options {
 }
 
 impl View {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = self.inputs.iter().fold(Outputs::of(&self.common), |files, input| files.needs(Some(input)));
+        files.also("--output", Some(&self.output), Content::Page)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = Options { curvature: !self.no_curvature, common: self.common.over(CommonValues::default()) };

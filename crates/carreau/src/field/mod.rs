@@ -27,6 +27,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FeaturedSurface, FoundFeatures, USUAL_ELEMENTS};
@@ -97,11 +98,13 @@ impl FieldOptions {
         FieldOptions { orthogonal: true, pin: Pin::None, ..self.clone() }
     }
 
-    fn check(&self) -> Result<()> {
-        match self.lean_deg {
-            lean if (0.0..90.0).contains(&lean) => Ok(()),
-            lean => Err(Error::Options(format!("the lean is {lean}, it must be an angle from 0 to below 90 degrees"))),
-        }
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.features.validate()?;
+        within("lean", self.lean_deg, 0.0..90.0, "degrees")
     }
 }
 
@@ -211,7 +214,7 @@ const ROUNDS: usize = 3;
 /// [`Error::Options`] for angles out of range, [`Error::Input`] for a mesh without faces or with one side only,
 /// [`Error::Numeric`] where a system could not be solved, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> Result<Field> {
-    options.check()?;
+    options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let found = field(&mesh, options, context)?;

@@ -12,6 +12,7 @@ use super::closest::closest_on_triangle;
 use super::normals::{angle_between, face_normals};
 use super::search_tree::{Closest, TriangleTree};
 use super::summary::{Summary, sum};
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{SurfaceMesh, UnitScale, safe_length, triangle_area_vector};
@@ -38,6 +39,20 @@ pub struct DistanceOptions {
     pub refinements: usize,
     /// Compare normals, too.
     pub normals: bool,
+}
+
+/// Most samples and refinements: more do not fit into memory.
+const MOST_SAMPLES: usize = 100_000_000;
+
+impl DistanceOptions {
+    /// Refuses numbers beyond what fits into memory.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        within("samples", self.samples, 0..=MOST_SAMPLES, "")?;
+        within("refinements", self.refinements, 0..=MOST_SAMPLES, "")
+    }
 }
 
 impl Default for DistanceOptions {
@@ -101,6 +116,7 @@ pub struct OneSided {
 /// # Errors
 /// [`Error::Input`] where a surface has no face; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn compare(a: &SurfaceMesh, b: &SurfaceMesh, options: &DistanceOptions, context: &Context) -> Result<Comparison> {
+    options.validate()?;
     for (mesh, which) in [(a, "first"), (b, "second")] {
         if mesh.faces().is_empty() {
             return Err(Error::input(format!("the {which} surface has no faces: there is no distance to it"), "", ""));

@@ -18,8 +18,10 @@ pub use at_size::{Noise, USUAL_ELEMENTS};
 pub use found::{DroppedStrand, FoundFeatures};
 
 use super::normals::{AngleLimit, angle_between, face_normals};
+use crate::bounds::angle;
 use crate::context::Context;
-use crate::error::{Error, Result};
+use crate::bounds::angle;
+use crate::error::Result;
 use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector, sound};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -55,6 +57,16 @@ pub struct FeatureOptions {
     pub tags: bool,
     /// Further edges, by their end points.
     pub edges: Vec<[VertexId; 2]>,
+}
+
+impl FeatureOptions {
+    /// Refuses an angle that is none.
+    ///
+    /// # Errors
+    /// [`Error::Options`](crate::Error::Options).
+    pub fn validate(&self) -> Result<()> {
+        self.angle_deg.map_or(Ok(()), |degrees| angle("feature-angle", degrees))
+    }
 }
 
 impl Default for FeatureOptions {
@@ -131,9 +143,7 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
 /// # Errors
 /// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn feature_edges_in(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Features> {
-    if let Some(angle) = options.angle_deg.filter(|a| !(0.0..=180.0).contains(a)) {
-        return Err(Error::Options(format!("the feature angle must be between 0 and 180 degrees, not {angle}")));
-    }
+    options.validate()?;
     let normals = face_normals(mesh);
     let limit = options.angle_deg.map(|a| AngleLimit::new((a + MARGIN_DEG).to_radians()));
     let is_sharp = |c: CornerId| {

@@ -17,6 +17,7 @@
 //! | `intersections` | triangles of a surface that cut or touch each other, by exact predicates |
 //! | `holes` | holes filled by faces that follow the surroundings |
 //! | `thickness` | thin walls and narrow gaps |
+//! | `transfer` | what a mesh has on its elements, carried to another mesh of the same surface |
 //! | `winding` | inside or outside, for broken surfaces too |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
@@ -37,4 +38,5 @@ pub mod search_tree;
 mod slabs;
 mod slices;
 pub mod summary;
+pub mod transfer;
 pub mod winding;

@@ -63,6 +63,7 @@ pub use figures::{Figures, HexQuality};
 pub use surface::from_surface;
 pub use validate::Validity;
 
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
@@ -154,10 +155,13 @@ const NODE: f64 = 0.3;
 const WEAK: f64 = 0.02;
 
 impl HexOptions {
-    fn check(&self) -> Result<()> {
-        if self.refine_across() > MOST_HALVINGS || self.refine_along > MOST_HALVINGS {
-            return Err(Error::Options(format!("at most {MOST_HALVINGS} halvings are accepted")));
-        }
+    /// Refuses values out of range, and those that contradict each other.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        within("refine-across", self.refine_across(), 0..=MOST_HALVINGS, "")?;
+        within("refine-along", self.refine_along, 0..=MOST_HALVINGS, "")?;
         if self.hexes.is_some() && self.edge_length.is_some() {
             return Err(Error::Options("give a number of hexes or an edge length, not both".into()));
         }
@@ -258,7 +262,7 @@ impl HexResult {
 /// [`Error::Input`] for a net without any segment of positive length, [`Error::Options`] for options that make no sense,
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
-    options.check()?;
+    options.validate()?;
     let scale = UnitScale::of_net(net);
     if let Some(net) = scale.net(net) {
         return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));

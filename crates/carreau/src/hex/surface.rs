@@ -75,7 +75,7 @@ pub fn from_surface(
     options: &HexOptions,
     context: &Context,
 ) -> Result<HexResult> {
-    options.check()?;
+    options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let skeleton = skeleton.map(|net| scale.moved_net(net.clone()));

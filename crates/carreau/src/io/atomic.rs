@@ -11,7 +11,7 @@ const SHORT_NAME: usize = 50;
 const MOST_LEFTOVERS: u32 = 1000;
 
 /// Removes the unfinished file when the writing fails or panics.
-struct Unfinished(Option<PathBuf>);
+pub(super) struct Unfinished(Option<PathBuf>);
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
@@ -48,7 +48,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 /// A new file in the target's folder. A killed run leaves its own behind, and process ids come back, in containers soon.
-fn create_beside(target: &Path, name: &str) -> std::io::Result<(fs::File, Unfinished)> {
+pub(super) fn create_beside(target: &Path, name: &str) -> std::io::Result<(fs::File, Unfinished)> {
     let short: String = name.chars().take(SHORT_NAME).collect();
     let process = std::process::id();
     let mut attempt = 0;

@@ -9,11 +9,13 @@
 //! | `accessor` | typed arrays in buffers |
 //! | `scene` | nodes and their transforms |
 //! | `read` | primitives to one mesh |
+//! | `vertices` | vertices as they are written |
 //! | `write` | the writer |
 //!
 //! All meshes of the default scene become one mesh, in world coordinates. Vertices are those of the accessors, in order
 //! and not welded; primitives of one mesh that use the same accessors share their vertices. Positions, `normal`, `uv` and
-//! `color` are kept; materials, skins, morph targets and animations are not. Texture coordinates are kept as they are:
+//! `color` are kept; of materials (face label `material`) name, base colour and opacity; names of nodes as the face label
+//! `object`; textures, skins, morph targets and animations are not. Texture coordinates are kept as they are:
 //! glTF counts the second from the top of the image.
 //!
 //! Colours of vertices are linear in glTF and sRGB (as in PLY and OBJ) in the column `color`; they are converted both ways.
@@ -23,6 +25,7 @@ mod container;
 mod read;
 mod scene;
 mod schema;
+mod vertices;
 mod write;
 
 pub(super) use read::read;

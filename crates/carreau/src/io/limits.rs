@@ -2,6 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::mesh::{Column, Columns, Polygons, RawMesh, gather_columns};
+use crate::words::counted;
+use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// Refuses volume meshes, and what no reader or method makes: indices of nothing, columns of another length than what
 /// they describe. Writers index freely after it.
@@ -37,6 +40,68 @@ pub(super) fn columns_left_out(
 ) -> Option<String> {
     let left: Vec<String> = columns.iter().filter(|(n, c)| !kept(n, c)).map(|(n, _)| format!("'{n}'")).collect();
     (!left.is_empty()).then(|| format!("{format} has no place for {element} attributes: left out {}", left.join(", ")))
+}
+
+/// What a format does not hold of the words and colours of labels; `names` and `colors` say of which columns it holds them.
+/// Words of labels that the mesh has not are no loss.
+pub(super) fn words_left_out(
+    format: &str,
+    mesh: &RawMesh,
+    names: impl Fn(&str) -> bool,
+    colors: impl Fn(&str) -> bool,
+) -> Vec<String> {
+    let attributes = &mesh.attributes;
+    let beside = |column: &str| match column {
+        "edge" => mesh.edge_tags.iter().any(|&tag| tag != 0),
+        "cell" => !mesh.cells.tags.is_empty(),
+        "vertex" => attributes.vertex.contains_key("ref"),
+        _ => false,
+    };
+    let lost = |columns: BTreeSet<&str>, kept: &dyn Fn(&str) -> bool| -> Vec<String> {
+        let there = |column: &&str| attributes.has_labels(column) || beside(column);
+        columns.into_iter().filter(there).filter(|column| !kept(column)).map(|column| format!("'{column}'")).collect()
+    };
+    let of_names = lost(attributes.names.keys().map(|(column, _)| column.as_str()).collect(), &names);
+    let of_colors = lost(attributes.colors.keys().map(|(column, _)| column.as_str()).collect(), &colors);
+    let said = |what: &str, columns: Vec<String>| {
+        (!columns.is_empty()).then(|| {
+            format!("{format} has no place for the {what} of labels: left out those of {}", columns.join(", "))
+        })
+    };
+    [said("names", of_names), said("colours", of_colors)].into_iter().flatten().collect()
+}
+
+/// Rounding by less than this share of the extent is no loss that anyone could see: the format is known for it.
+const UNSEEN: f64 = 1e-6;
+
+/// How far the rounding to single precision moves a coordinate, where that is worth a word: of small models far from the origin.
+pub(super) fn moved_by_single_precision(mesh: &RawMesh) -> Option<f64> {
+    let low = mesh.points.iter().fold(DVec3::INFINITY, |a, &p| a.min(p));
+    let high = mesh.points.iter().fold(DVec3::NEG_INFINITY, |a, &p| a.max(p));
+    let moved = |p: &DVec3| (p.as_vec3().as_dvec3() - *p).abs().max_element();
+    let most = mesh.points.iter().map(moved).fold(0.0, f64::max);
+    (most > UNSEEN * (high - low).max_element()).then_some(most)
+}
+
+/// The note about elements of higher order, of which readers keep the corners: `elements` is their number.
+pub(super) fn note_higher_order(mesh: &mut RawMesh, elements: usize) {
+    if elements == 0 {
+        return;
+    }
+    let mut used = vec![false; mesh.points.len()];
+    let cells = &mesh.cells;
+    let corners =
+        [mesh.edges.as_flattened(), mesh.faces.corners(), cells.tets.as_flattened(), cells.hexes.as_flattened()];
+    let further = [cells.wedges.as_flattened(), cells.pyramids.as_flattened()];
+    corners.into_iter().chain(further).flatten().for_each(|&v| used[v as usize] = true);
+    let between = used.iter().filter(|&&u| !u).count();
+    let elements = counted(
+        elements,
+        "element of higher order: only its corners are",
+        "elements of higher order: only their corners are",
+    );
+    let between = counted(between, "node between them stays as a vertex", "nodes between them stay as vertices");
+    mesh.notes.push(format!("{elements} kept; {between} that no element uses"));
 }
 
 /// The warning of a format without lines, where the mesh has some.

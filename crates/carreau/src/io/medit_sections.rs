@@ -22,6 +22,7 @@
 //! Labels that are zero everywhere are not kept. Anything else is skipped and noted.
 
 use super::Source;
+use super::limits::words_left_out;
 use super::small_faces::{SmallFaces, face_references, keep_label, label, warn_unheld};
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Cells, RawMesh};
@@ -340,9 +341,7 @@ impl<'a> Sections<'a> {
         add_faces(&mut blocks, &faces, &faces.values(references), &mut warnings);
         add_cells(&mut blocks, &mesh.cells);
         warn_unheld(mesh, FORMAT, &["ref", "corner", "required"], &[reference_name], &mut warnings);
-        if !columns.names.is_empty() {
-            warnings.push(format!("{FORMAT} does not hold the names of labels"));
-        }
+        warnings.extend(words_left_out(FORMAT, mesh, |_| false, |_| false));
         Sections { points: &mesh.points, references: label(&columns.vertex, "ref").unwrap_or(&[]), blocks, warnings }
     }
 

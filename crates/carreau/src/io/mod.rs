@@ -7,6 +7,8 @@
 mod atomic;
 mod binary;
 pub mod cad;
+mod fem;
+
 mod gltf;
 mod gmf;
 mod gmsh;
@@ -17,6 +19,7 @@ mod medit_sections;
 mod names;
 mod obj;
 mod off;
+mod outputs;
 mod percent;
 mod ply;
 #[cfg(test)]
@@ -28,6 +31,7 @@ mod stl;
 #[cfg(test)]
 mod surface_tests;
 mod text;
+mod threemf;
 mod vtk_arrays;
 mod vtk_cells;
 mod vtk_legacy;
@@ -38,6 +42,7 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
+pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
 pub use cad::{CAD_EXTENSIONS, CadOptions, IgesForm, StepSchema, Unit, write_cad};
 pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
@@ -73,24 +78,46 @@ pub struct Format {
     pub name: &'static str,
     /// Extensions in lower case, without the dot; the first is the preferred one.
     pub extensions: &'static [&'static str],
+    /// Whether it holds volume cells.
+    pub volumes: bool,
+    /// Whether it is read, too; the reader of one that is not says what to do instead.
+    pub readable: bool,
     read: Reader,
     write: Writer,
 }
 
+impl Format {
+    const fn surfaces(name: &'static str, extensions: &'static [&'static str], read: Reader, write: Writer) -> Self {
+        Format { name, extensions, volumes: false, readable: true, read, write }
+    }
+
+    const fn volumes(name: &'static str, extensions: &'static [&'static str], read: Reader, write: Writer) -> Self {
+        Format { name, extensions, volumes: true, readable: true, read, write }
+    }
+
+    /// Input of finite element programs, which is only written.
+    const fn decks(name: &'static str, extensions: &'static [&'static str], read: Reader, write: Writer) -> Self {
+        Format { name, extensions, volumes: true, readable: false, read, write }
+    }
+}
+
 /// All mesh formats. CAD formats, which are only written, are in [`crate::io`] too but take another model.
 pub const FORMATS: &[Format] = &[
-    Format { name: "OBJ", extensions: &["obj"], read: obj::read, write: obj::write },
-    Format { name: "OFF", extensions: &["off"], read: off::read, write: off::write },
-    Format { name: "PLY", extensions: &["ply"], read: ply::read, write: ply::write },
-    Format { name: "STL", extensions: &["stl"], read: stl::read, write: stl::write },
-    Format { name: "Medit", extensions: &["mesh"], read: medit::read, write: medit::write },
-    Format { name: "Medit binary (GMF)", extensions: &["meshb"], read: gmf::read, write: gmf::write },
-    Format { name: "Gmsh", extensions: &["msh"], read: gmsh::read, write: gmsh::write },
-    Format { name: "VTK legacy", extensions: &["vtk"], read: vtk_legacy::read, write: vtk_legacy::write },
-    Format { name: "VTK XML unstructured grid", extensions: &["vtu"], read: vtk_xml::read, write: vtk_xml::write_vtu },
-    Format { name: "VTK XML polydata", extensions: &["vtp"], read: vtk_xml::read, write: vtk_xml::write_vtp },
-    Format { name: "glTF", extensions: &["gltf"], read: gltf::read, write: gltf::write_gltf },
-    Format { name: "GLB", extensions: &["glb"], read: gltf::read, write: gltf::write_glb },
+    Format::surfaces("OBJ", &["obj"], obj::read, obj::write),
+    Format::surfaces("OFF", &["off"], off::read, off::write),
+    Format::surfaces("PLY", &["ply"], ply::read, ply::write),
+    Format::surfaces("STL", &["stl"], stl::read, stl::write),
+    Format::volumes("Medit", &["mesh"], medit::read, medit::write),
+    Format::volumes("Medit binary (GMF)", &["meshb"], gmf::read, gmf::write),
+    Format::volumes("Gmsh", &["msh"], gmsh::read, gmsh::write),
+    Format::volumes("VTK legacy", &["vtk"], vtk_legacy::read, vtk_legacy::write),
+    Format::volumes("VTK XML unstructured grid", &["vtu"], vtk_xml::read, vtk_xml::write_vtu),
+    Format::surfaces("VTK XML polydata", &["vtp"], vtk_xml::read, vtk_xml::write_vtp),
+    Format::surfaces("glTF", &["gltf"], gltf::read, gltf::write_gltf),
+    Format::surfaces("GLB", &["glb"], gltf::read, gltf::write_glb),
+    Format::surfaces("3MF", &["3mf"], threemf::read, threemf::write),
+    Format::decks("Abaqus and CalculiX", &["inp"], fem::read, fem::write_inp),
+    Format::decks("Nastran", &["bdf", "nas"], fem::read, fem::write_bdf),
 ];
 
 /// The extension of a path in lower case.
@@ -106,11 +133,17 @@ pub fn format_of(path: &Path) -> Option<&'static Format> {
 
 fn known_format(path: &Path) -> Result<&'static Format> {
     format_of(path).ok_or_else(|| {
-        let known: Vec<&str> = FORMATS.iter().flat_map(|f| f.extensions).copied().collect();
+        let known: Vec<&str> = FORMATS.iter().filter(|f| f.readable).flat_map(|f| f.extensions).copied().collect();
+        let known = known.join(", ");
         let found = extension(path);
-        let found =
-            if found.is_empty() { "the name has no extension".into() } else { format!("unknown extension '.{found}'") };
-        Error::read(path, Place::File, format!("{found}; known are: {}", known.join(", ")))
+        let what = match outputs::advice(&found) {
+            Some(advice) => {
+                format!("a '.{found}' file cannot be read as a mesh: {advice}. Formats that are read: {known}")
+            }
+            None if found.is_empty() => format!("the name has no extension; known are: {known}"),
+            None => format!("unknown extension '.{found}'; known are: {known}"),
+        };
+        Error::read(path, Place::File, what)
     })
 }
 
@@ -129,9 +162,22 @@ pub fn read(path: &Path) -> Result<RawMesh> {
 /// Writes a mesh file, whole or not at all; the extension decides the format. Returns warnings about what the format
 /// cannot hold.
 pub fn write(path: &Path, mesh: &RawMesh, options: &WriteOptions) -> Result<Vec<String>> {
-    let format = known_format(path)?;
+    let Some(format) = format_of(path) else {
+        check_format(path, ResultKind::Any)?;
+        return Err(Error::write(path, "there is no such format"));
+    };
     let mut bytes = Vec::new();
-    let warnings = (format.write)(mesh, options, &mut bytes)?;
+    let library = (format.name == "OBJ").then(|| obj::library_beside(mesh, path));
+    if let Some(library) = &library {
+        bytes.extend_from_slice(library.statements.as_bytes());
+    }
+    let mut warnings = (format.write)(mesh, options, &mut bytes)?;
+    if let Some(library) = library {
+        if let Some((beside, materials)) = library.file {
+            write_atomically(&beside, &materials)?;
+        }
+        warnings.extend(library.warnings);
+    }
     write_atomically(path, &bytes)?;
     Ok(warnings)
 }

@@ -74,6 +74,14 @@ impl FaceNames {
         self.words.len()
     }
 
+    /// The name, where there is only one.
+    pub fn only(&self) -> Option<String> {
+        match &self.words[..] {
+            [only] => Some(only.clone()),
+            _ => None,
+        }
+    }
+
     /// The column and its words; nothing where no name was given.
     pub fn store(self, column: &str, attributes: &mut Attributes) {
         if self.labels.is_empty() {
@@ -96,7 +104,11 @@ pub(super) fn labels<'a>(mesh: &'a RawMesh, column: &str) -> Option<&'a [i32]> {
 
 /// The word of a label as it can stand in a file: without line ends and comment marks; the number where it has no word.
 pub(super) fn written_name(mesh: &RawMesh, column: &str, label: i32) -> String {
-    let Some(word) = mesh.attributes.names.get(&(column.to_string(), label)) else { return label.to_string() };
+    mesh.attributes.name(column, label).map_or_else(|| label.to_string(), plain_name)
+}
+
+/// A name as it can stand in a file: without line ends and comment marks.
+pub(super) fn plain_name(word: &str) -> String {
     let plain: String = word.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let plain = plain.replace(" #", " _");
     let plain = plain.trim().trim_end_matches('\\');

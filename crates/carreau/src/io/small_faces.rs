@@ -4,7 +4,9 @@ use crate::mesh::{Column, Columns, Polygons, RawMesh};
 use std::borrow::Cow;
 
 /// Face label columns that are written as the reference number, the first one found.
-const REFERENCE_NAMES: [&str; 3] = ["ref", "region", "tag"];
+const REFERENCE_NAMES: [&str; 8] = ["ref", "region", "tag", "group", "material", "object", "solid", "patch"];
+/// Those of them whose labels are numbers of names, from 0 (`patch`: -1 for faces of none).
+pub(super) const COUNTED_FROM_ZERO: [&str; 5] = ["group", "material", "object", "solid", "patch"];
 
 /// The faces of a mesh as triangles and quads.
 pub(super) struct SmallFaces<'a> {
@@ -62,6 +64,18 @@ impl<'a> SmallFaces<'a> {
             Some(p) => Cow::Owned(p.iter().map(|&f| of_mesh.get(f as usize).copied().unwrap_or(0)).collect()),
         }
     }
+}
+
+/// The corners (numbers in the list of all corners) of the triangles that polygons are fanned into.
+pub(super) fn fan_corners(faces: &Polygons) -> Vec<[u32; 3]> {
+    let mut corners = Vec::new();
+    let mut first = 0;
+    for face in faces.iter() {
+        let n = face.len() as u32;
+        corners.extend((1..n.saturating_sub(1)).map(|k| [first, first + k, first + k + 1]));
+        first += n;
+    }
+    corners
 }
 
 /// Name and values of the face column that is written as the reference number.

@@ -10,8 +10,8 @@
 //! binary.
 
 use super::binary::{Cursor, Endian};
-use super::limits::{columns_left_out, edges_left_out, require_surface};
-use super::names::{FaceNames, labels, written_name};
+use super::limits::{columns_left_out, edges_left_out, moved_by_single_precision, require_surface, words_left_out};
+use super::names::{FaceNames, labels, plain_name, written_name};
 use super::text::{Scanner, push_float};
 use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
@@ -148,6 +148,8 @@ fn read_text(source: &Source) -> Result<RawMesh> {
     mesh.points = welder.points;
     if solids.count() > 1 {
         solids.store("solid", &mut mesh.attributes);
+    } else if let Some(name) = solids.only().filter(|name| !name.is_empty()) {
+        mesh.attributes.names.insert(("solid".into(), 0), name);
     }
     Ok(mesh)
 }
@@ -160,11 +162,9 @@ pub(super) fn write(mesh: &RawMesh, options: &WriteOptions, out: &mut Vec<u8>) -
         write_text(mesh, &triangles, &parent, out);
     } else {
         write_binary(mesh, &triangles, out)?;
-        let rounded = mesh.points.iter().filter(|p| p.as_vec3().as_dvec3() != **p).count();
-        if rounded > 0 {
-            let all = mesh.points.len();
+        if let Some(moved) = moved_by_single_precision(mesh) {
             warnings.push(format!(
-                "binary STL has single precision: rounded {rounded} of {all} vertices; the text form has double"
+                "binary STL has single precision, which moves vertices by up to {moved:.1e}; the text form has double"
             ));
         }
     }
@@ -206,10 +206,16 @@ fn write_text(mesh: &RawMesh, triangles: &[[u32; 3]], parent: &[u32], out: &mut 
     let solids = labels(mesh, "solid");
     let solid = |face: u32| solids.map(|labels| labels[face as usize]);
     let name = |label: Option<i32>| label.map_or(String::new(), |l| format!(" {}", written_name(mesh, "solid", l)));
+    // A body that is alone has a name and no labels.
+    let only = mesh.attributes.only_body().filter(|_| solids.is_none()).map(plain_name);
+    let name = |label: Option<i32>| match &only {
+        Some(only) => format!(" {only}"),
+        None => name(label),
+    };
     let mut current = parent.first().and_then(|&face| solid(face));
     out.extend_from_slice(format!("solid{}\n", name(current)).as_bytes());
     for (triangle, &face) in triangles.iter().zip(parent) {
-        if solid(face) != current {
+        if solids.is_some() && solid(face) != current {
             let last = std::mem::replace(&mut current, solid(face));
             out.extend_from_slice(format!("endsolid{}\nsolid{}\n", name(last), name(current)).as_bytes());
         }
@@ -259,7 +265,9 @@ fn warnings(mesh: &RawMesh, ascii: bool) -> Vec<String> {
         ascii && name == "solid" && matches!(column, Column::Label(_))
     });
     let corner = columns_left_out("STL", "corner", &columns.corner, |_, _| false);
-    [polygons, unused, vertex, face, corner, edges_left_out("STL", mesh)].into_iter().flatten().collect()
+    let words = words_left_out("STL", mesh, |column| ascii && column == "solid", |_| false);
+    let ornaments = [polygons, unused, vertex, face, corner, edges_left_out("STL", mesh)];
+    ornaments.into_iter().flatten().chain(words).collect()
 }
 
 #[cfg(test)]
@@ -371,7 +379,10 @@ mod tests {
         mesh.points[1].x = 0.1;
         mesh.points.push(DVec3::ONE);
         let warnings = write(&mesh).unwrap();
-        assert!(warnings.iter().any(|w| w.contains("rounded 1 of 5 vertices")), "{warnings:?}");
+        assert_eq!(warnings.len(), 2, "rounding by a share of 1e-8 is not worth a word: {warnings:?}");
+        let mut far = mesh.clone();
+        far.points.iter_mut().for_each(|p| p.x += 1e7);
+        assert!(write(&far).unwrap().iter().any(|w| w.contains("moves vertices by up to")));
         assert!(warnings.iter().any(|w| w.contains("left out 1 of 5 vertices")), "{warnings:?}");
         mesh.points[1].x = 1e300;
         assert!(matches!(write(&mesh), Err(Error::Input { place, .. }) if place == "vertex 1"));

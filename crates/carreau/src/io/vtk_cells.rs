@@ -14,6 +14,7 @@
 //!             0───1               0───1
 //! ```
 
+use super::limits::{note_higher_order, words_left_out};
 use super::text::shown;
 use super::vtk_arrays::Array;
 use crate::error::{Error, Result};
@@ -48,24 +49,36 @@ fn name(kind: u8) -> String {
     let name = match kind {
         15 => "pentagonal prisms",
         16 => "hexagonal prisms",
-        21 => "quadratic edges",
-        22 => "quadratic triangles",
-        23 => "quadratic quadrilaterals",
-        24 => "quadratic tetrahedra",
-        25 => "quadratic hexahedra",
-        26 => "quadratic wedges",
-        27 => "quadratic pyramids",
-        28 => "biquadratic quadrilaterals",
-        29 => "triquadratic hexahedra",
-        34 => "biquadratic triangles",
-        36 => "quadratic polygons",
         41 => "convex point sets",
         42 => "polyhedra",
-        68..=74 => "Lagrange cells",
-        75..=81 => "Bézier cells",
         _ => "cells",
     };
     format!("{name} (VTK cell type {kind})")
+}
+
+/// The linear cell with the same corners, which come first, and these; `None` for cells of first order and those that have
+/// too few nodes.
+fn corners_of_higher_order(kind: u8, nodes: &[u32]) -> Option<(u8, &[u32])> {
+    let (linear, corners, least) = match kind {
+        21 => (kind::LINE, 2, 3),
+        35 | 68 | 75 => (kind::LINE, 2, 2),
+        22 | 34 => (kind::TRIANGLE, 3, 6),
+        69 | 76 => (kind::TRIANGLE, 3, 3),
+        23 | 28 | 30 => (kind::QUAD, 4, 6),
+        70 | 77 => (kind::QUAD, 4, 4),
+        24 => (kind::TETRA, 4, 10),
+        71 | 78 => (kind::TETRA, 4, 4),
+        25 | 29 | 33 => (kind::HEXAHEDRON, 8, 20),
+        72 | 79 => (kind::HEXAHEDRON, 8, 8),
+        26 | 31 | 32 => (kind::WEDGE, 6, 12),
+        73 | 80 => (kind::WEDGE, 6, 6),
+        27 | 37 => (kind::PYRAMID, 5, 13),
+        74 | 81 => (kind::PYRAMID, 5, 5),
+        // As many nodes between the corners as corners.
+        36 if nodes.len().is_multiple_of(2) => (kind::POLYGON, nodes.len() / 2, 6),
+        _ => return None,
+    };
+    (nodes.len() >= least).then(|| nodes.get(..corners)).flatten().map(|corners| (linear, corners))
 }
 
 /// The triangles of a strip, all of the sense of the first; those with a repeated corner, which only lead from one part
@@ -110,6 +123,7 @@ pub(super) struct CellReader {
     wedges: Elements<6>,
     pyramids: Elements<5>,
     left_out: BTreeMap<u8, usize>,
+    higher_order: usize,
 }
 
 impl CellReader {
@@ -149,6 +163,10 @@ impl CellReader {
     }
 
     fn push(&mut self, kind: u8, corners: &[u32]) -> std::result::Result<(), String> {
+        if let Some((linear, corners)) = corners_of_higher_order(kind, corners) {
+            self.higher_order += 1;
+            return self.push(linear, corners);
+        }
         let cell = self.count;
         self.count = cell.checked_add(1).ok_or("there are more than 2³² cells")?;
         if self.faces.corners().len() + 3 * corners.len() > u32::MAX as usize {
@@ -225,6 +243,7 @@ impl CellReader {
             pyramids: self.pyramids.corners,
             tags: mesh.cells.tags,
         };
+        note_higher_order(&mut mesh, self.higher_order);
         mesh
     }
 
@@ -317,7 +336,8 @@ impl CellTable {
 pub(super) fn check_writable(mesh: &RawMesh) -> Result<()> {
     mesh.check()?;
     check_columns(&mesh.attributes.vertex, mesh.points.len(), "vertices")?;
-    check_columns(&mesh.attributes.face, mesh.faces.len(), "faces")
+    check_columns(&mesh.attributes.face, mesh.faces.len(), "faces")?;
+    check_columns(&mesh.attributes.corner, mesh.faces.corners().len(), "corners")
 }
 
 fn check_columns(columns: &Columns, count: usize, of: &str) -> Result<()> {
@@ -372,9 +392,7 @@ pub(super) fn warnings(mesh: &RawMesh) -> Vec<String> {
         let names: Vec<&str> = mesh.attributes.corner.keys().map(String::as_str).collect();
         warnings.push(format!("values on face corners are left out, VTK has none: {}", names.join(", ")));
     }
-    if !mesh.attributes.names.is_empty() {
-        warnings.push(format!("the names of {} labels are left out, VTK has none", mesh.attributes.names.len()));
-    }
+    warnings.extend(words_left_out("VTK", mesh, |_| false, |_| false));
     warnings
 }
 
@@ -582,11 +600,24 @@ mod tests {
     }
 
     #[test]
+    fn of_higher_order_cells_the_corners_are_kept() {
+        let mesh = read(&[(22, &[0, 1, 2, 3, 4, 5]), (21, &[0, 1, 3]), (69, &[2, 1, 0])], Vec::new());
+        let faces: Vec<&[u32]> = mesh.faces.iter().collect();
+        assert_eq!((faces, mesh.edges), (vec![&[0u32, 1, 2][..], &[2, 1, 0]], vec![[0, 1]]));
+        assert!(
+            mesh.notes[0].starts_with("3 elements of higher order: only their corners are kept"),
+            "{:?}",
+            mesh.notes
+        );
+        assert_eq!(mesh.notes.len(), 1);
+    }
+
+    #[test]
     fn unknown_cells_are_counted_in_the_notes() {
         let mesh =
-            read(&[(22, &[0, 1, 2, 3, 4, 5]), (22, &[0, 1, 2, 3, 4, 5]), (42, &[0]), (5, &[0, 1, 2])], Vec::new());
+            read(&[(16, &[0, 1, 2, 3, 4, 5]), (16, &[0, 1, 2, 3, 4, 5]), (42, &[0]), (5, &[0, 1, 2])], Vec::new());
         assert_eq!(mesh.faces.len(), 1);
-        assert!(mesh.notes[0].starts_with("2 quadratic triangles"), "{:?}", mesh.notes);
+        assert!(mesh.notes[0].starts_with("2 hexagonal prisms"), "{:?}", mesh.notes);
         assert_eq!(mesh.notes.len(), 2);
     }
 

@@ -16,6 +16,7 @@ mod read;
 mod write;
 
 pub(super) use read::read;
+pub(super) use write::escaped;
 pub(super) use write::{write_vtp, write_vtu};
 
 #[cfg(test)]

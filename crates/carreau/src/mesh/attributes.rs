@@ -87,8 +87,80 @@ pub struct Attributes {
     pub face: Columns,
     /// On corners: texture coordinates and normals of formats that give them per corner.
     pub corner: Columns,
-    /// Words for the values of label columns, `(column, label) → name`: OBJ groups, Gmsh physical names.
+    /// Words for the values of label columns, `(column, label) → name`: OBJ groups, STL solids, Gmsh physical names. The
+    /// name of a body that is alone in its file has no column: `("solid", 0)`.
     pub names: BTreeMap<(String, i32), String>,
+    /// Colours for the values of label columns, `(column, label) → red, green, blue, opacity` (sRGB): materials.
+    pub colors: BTreeMap<(String, i32), [u8; 4]>,
+    /// Files that describe the materials further (OBJ's `mtllib`), in the order in which the mesh names them.
+    pub libraries: Vec<MaterialLibrary>,
+    /// The unit of the coordinates, where the file says it.
+    pub unit: Option<LengthUnit>,
+}
+
+/// Face label columns that tell bodies apart: objects of OBJ, glTF and 3MF, solids of STL.
+pub const BODIES: [&str; 2] = ["object", "solid"];
+
+/// A file that describes materials by their names.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MaterialLibrary {
+    /// As the mesh's file names it.
+    pub name: String,
+    /// What is in it; empty where it could not be read.
+    pub bytes: Vec<u8>,
+}
+
+/// A unit of length, as files name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LengthUnit {
+    /// A thousandth of a millimetre.
+    Micron,
+    /// Millimetres.
+    Millimeter,
+    /// Centimetres.
+    Centimeter,
+    /// Inches of 25.4 mm.
+    Inch,
+    /// Feet of 304.8 mm.
+    Foot,
+    /// Metres.
+    Meter,
+}
+
+impl Attributes {
+    /// No columns, but all that another mesh says about the values of its labels and about its unit: names, colours, libraries.
+    pub fn words_of(other: &Attributes) -> Attributes {
+        Attributes {
+            names: other.names.clone(),
+            colors: other.colors.clone(),
+            libraries: other.libraries.clone(),
+            unit: other.unit,
+            ..Attributes::default()
+        }
+    }
+
+    /// The word for a value of a label column.
+    pub fn name(&self, column: &str, label: i32) -> Option<&str> {
+        self.names.get(&(column.to_string(), label)).map(String::as_str)
+    }
+
+    /// The colour for a value of a label column.
+    pub fn color(&self, column: &str, label: i32) -> Option<[u8; 4]> {
+        self.colors.get(&(column.to_string(), label)).copied()
+    }
+
+    /// The name of the only body, where the mesh has no labels that tell bodies apart.
+    pub fn only_body(&self) -> Option<&str> {
+        let alone = |column: &&str| !self.has_labels(column);
+        BODIES.into_iter().filter(alone).find_map(|column| self.name(column, 0))
+    }
+
+    /// Whether a label column with this name is on some element.
+    pub fn has_labels(&self, column: &str) -> bool {
+        let is_label = |columns: &&Columns| matches!(columns.get(column), Some(Column::Label(_)));
+        [&self.vertex, &self.face, &self.corner].iter().any(is_label)
+    }
 }
 
 /// Every column, gathered; see [`Column::gather`].

@@ -64,8 +64,7 @@ impl RawMesh {
         out.attributes = Attributes {
             vertex: gather_columns(&self.attributes.vertex, &kept),
             face: listed.map(|source| gather_columns(&self.attributes.face, &source)).unwrap_or_default(),
-            names: self.attributes.names.clone(),
-            ..Attributes::default()
+            ..Attributes::words_of(&self.attributes)
         };
         Ok(out)
     }

@@ -52,7 +52,7 @@ mod weld;
 
 pub(crate) use area::unit_sized;
 pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
-pub use attributes::{Attributes, Column, Columns, blend_columns, gather_columns};
+pub use attributes::{Attributes, BODIES, Column, Columns, LengthUnit, MaterialLibrary, blend_columns, gather_columns};
 pub use curve_net::{Branch, Chains, CurveNet, Incidence, NetBuilder, RepairedNet, branches};
 pub(crate) use disjoint_sets::DisjointSets;
 pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};

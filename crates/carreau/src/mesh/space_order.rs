@@ -46,7 +46,7 @@ impl SurfaceMesh {
             vertex: gather_columns(&from.vertex, &vertices),
             face: gather_columns(&from.face, &faces),
             corner: gather_columns(&from.corner, &faces.iter().flat_map(corners).collect::<Vec<u32>>()),
-            names: from.names.clone(),
+            ..Attributes::words_of(from)
         };
         let renamed = |edge: &TaggedEdge| TaggedEdge { ends: edge.ends.map(|v| VertexId(id[v.index()])), ..*edge };
         out.tagged_edges = self.tagged_edges.iter().map(renamed).collect();

@@ -284,10 +284,9 @@ impl SurfaceMesh {
             .extend(middles.iter().map(|m| 0.5 * (points[m[0] as usize] + points[m[1] as usize])).collect::<Vec<_>>());
         let mut out = Self::from_triangles(points, &triangles)?;
         out.attributes = Attributes {
-            vertex: self.attributes.vertex,
             face: gather_columns(&self.attributes.face, &parent),
             corner: gather_columns(&self.attributes.corner, &corners),
-            names: self.attributes.names,
+            ..self.attributes
         };
         out.tagged_edges = self.tagged_edges;
         Ok(out)

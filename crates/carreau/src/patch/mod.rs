@@ -51,6 +51,7 @@ mod tests;
 mod validate;
 mod zones;
 
+use crate::bounds::angle;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::Creases;
@@ -177,19 +178,15 @@ impl PatchOptions {
         }
     }
 
-    fn check(&self) -> Result<()> {
-        let range = |name: &str, x: f64| {
-            let fits = (0.0..=180.0).contains(&x);
-            if fits {
-                Ok(())
-            } else {
-                Err(Error::Options(format!("{name} is {x}, it must be an angle in 0..180 degrees")))
-            }
-        };
-        range("q-max", self.q_max)?;
-        range("dihedral", self.dihedral)?;
-        range("crease-angle", self.crease_angle)?;
-        range("feature-angle", self.feature_angle.unwrap_or(0.0))?;
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        angle("q-max", self.q_max)?;
+        angle("dihedral", self.dihedral)?;
+        angle("crease-angle", self.crease_angle)?;
+        angle("feature-angle", self.feature_angle.unwrap_or(0.0))?;
         if self.min_cells == 0 {
             return Err(Error::Options("min-cells is 0, a patch has at least one cell".into()));
         }
@@ -259,7 +256,7 @@ pub struct PolygonLayout {
 /// # Ok::<(), carreau::Error>(())
 /// ```
 pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) -> Result<PatchResult> {
-    options.check()?;
+    options.validate()?;
     let Some(triangles) = Triangles::of(mesh) else {
         return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));
     };

@@ -74,9 +74,10 @@ mod work;
 pub use graph::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 pub use quality::QuadQuality;
 
+use crate::bounds::{positive, within};
 use crate::context::Context;
-use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, FoundFeatures};
+use crate::error::Result;
+use crate::geometry::features::FeatureOptions;
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use attempts::Attempts;
 use gaps::Gap;
@@ -170,7 +171,7 @@ const LEFT_OUT: &str = "it leaves part of the surface out";
 /// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Cancelled`],
 /// [`Error::Deadline`].
 pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
-    check(options)?;
+    options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let edge_length = options.edge_length.map(|length| scale.length(length));
@@ -250,12 +251,16 @@ fn other_triangles(mesh: &SurfaceMesh) -> Result<Option<SurfaceMesh>> {
     Ok((fans.faces() != divided(mesh)?.faces()).then_some(fans))
 }
 
-fn check(options: &QuadOptions) -> Result<()> {
-    check_size(options.quads, options.edge_length)?;
-    if !(1..=4).contains(&options.rung) {
-        return Err(Error::Options(format!("there is no rung {}: 1 to 4", options.rung)));
+impl QuadOptions {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.features.validate()?;
+        check_size(self.quads, self.edge_length)?;
+        within("rung", self.rung, 1..=4, "")
     }
-    Ok(())
 }
 
 /// Features at the size of the quads.
@@ -265,15 +270,12 @@ fn sized(features: &FeatureOptions, mesh: &SurfaceMesh, quads: usize, edge_lengt
         None => features.for_squares(mesh, quads as f64),
     }
 }
+/// Most quads that may be asked for: more do not fit into memory.
+const MOST_QUADS: usize = 100_000_000;
 
 fn check_size(quads: usize, edge_length: Option<f64>) -> Result<()> {
-    if quads == 0 || quads > 100_000_000 {
-        return Err(Error::Options(format!("{quads} quads: a number from 1 to 100 million is expected")));
-    }
-    if edge_length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
-        return Err(Error::Options("the edge length must be above 0".into()));
-    }
-    Ok(())
+    within("quads", quads, 1..=MOST_QUADS, "")?;
+    edge_length.map_or(Ok(()), |length| positive("edge-length", length))
 }
 
 fn off(count: usize, wanted: usize) -> f64 {

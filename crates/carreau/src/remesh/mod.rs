@@ -61,12 +61,14 @@ mod tips;
 mod warped;
 mod work;
 
+use crate::bounds::{angle, positive, within};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FeatureOptions, FoundFeatures, feature_edges};
 use crate::mesh::{Column, RepairOptions, SurfaceMesh, TaggedEdge, UnitScale, VertexId, is_flawed, repair};
 use serde::{Deserialize, Serialize};
 use source::Source;
+use std::ops::Bound;
 
 pub(crate) use curves::RIDGE_TURN_DEG;
 pub use quality::RemeshQuality;
@@ -150,18 +152,31 @@ impl Default for RemeshOptions {
     }
 }
 
+/// Most triangles that may be asked for: more have no 32-bit numbers for their corners.
+const MOST_TRIANGLES: usize = 1_000_000_000;
+
 impl RemeshOptions {
-    fn check(&self) -> Result<()> {
-        if !(self.deviation > 0.0 && self.deviation < 90.0) {
-            return Err(Error::Options(format!(
-                "deviation is {}, it must be an angle between 0 and 90 degrees",
-                self.deviation
-            )));
-        }
+    /// Refuses values out of range, and those that contradict each other.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        let acute = (Bound::Excluded(0.0), Bound::Excluded(90.0));
+        within("deviation", self.deviation, acute, "degrees")?;
+        self.enrich.map_or(Ok(()), |degrees| within("enrich", degrees, acute, "degrees, or off"))?;
         if self.gradation.is_some_and(|b| !(b > 1.0 && b <= 1e6)) {
             return Err(Error::Options("gradation must be above 1, or off".into()));
         }
-        Ok(())
+        angle("feature-angle", self.feature_angle)?;
+        positive("min-size", self.min_size)?;
+        positive("max-size", self.max_size)?;
+        if self.min_size > self.max_size {
+            return Err(Error::Options("min-size is above max-size: no edge could be as long as both allow".into()));
+        }
+        within("ridge-tolerance", self.ridge_tolerance, 0.0..=1.0, "of the diagonal")?;
+        within("scale", self.scale, (Bound::Excluded(0.0), Bound::Included(1e6)), "")?;
+        self.triangles.map_or(Ok(()), |wanted| within("triangles", wanted, 1..=MOST_TRIANGLES, ""))?;
+        self.distance.map_or(Ok(()), |distance| positive("distance", distance))
     }
 }
 
@@ -202,7 +217,7 @@ impl Remeshed {
 /// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Numeric`] where a
 /// distance cannot be reached, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
-    options.check()?;
+    options.validate()?;
     if let Some(found) = in_unit_scale(mesh, options, |mesh, options| simplify(mesh, options, context)) {
         return found;
     }
@@ -213,7 +228,7 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     let enriched = match options.enrich {
         Some(deviation) => {
             let first = RemeshOptions { deviation, enrich: None, triangles: None, distance: None, ..options.clone() };
-            first.check()?;
+            first.validate()?;
             enriched(&cleaned, &first, context)?.0
         }
         None => cleaned,
@@ -272,7 +287,7 @@ fn grown(before: &SurfaceMesh, after: &SurfaceMesh, options: &RemeshOptions) -> 
 /// # Errors
 /// As [`simplify`].
 pub fn enrich(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
-    options.check()?;
+    options.validate()?;
     if let Some(found) = in_unit_scale(mesh, options, |mesh, options| enrich(mesh, options, context)) {
         return found;
     }

@@ -3,7 +3,7 @@
 use super::features::POLYGON;
 use super::support::Support;
 use crate::error::Result;
-use crate::mesh::{Column, EditMesh, NONE, SurfaceMesh, blend_columns, gather_columns};
+use crate::mesh::{Attributes, Column, EditMesh, NONE, SurfaceMesh, blend_columns, gather_columns};
 use glam::DVec3;
 
 /// What a method has made.
@@ -37,6 +37,7 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
     let faces: Vec<[u32; 3]> = compact.faces.iter().map(|f| f.map(|v| id[v as usize])).collect();
     let points = kept.iter().map(|&v| made.mesh.points[v as usize]).collect();
     let mut out = SurfaceMesh::from_triangles(points, &faces)?;
+    out.attributes = Attributes::words_of(&source.attributes);
     if !source.attributes.face.is_empty() {
         let under = |&t: &u32| {
             let [a, b, c] = made.mesh.positions(t);
@@ -55,8 +56,9 @@ pub fn assemble(source: &SurfaceMesh, support: &Support, made: &Made) -> Result<
         };
         let mixtures: Vec<_> = kept.iter().map(mixture).collect();
         out.attributes.vertex = blend_columns(&source.attributes.vertex, &mixtures);
+        // Normals of another surface: whoever wants some measures them anew.
+        out.attributes.vertex.remove("normal");
     }
-    out.attributes.names = source.attributes.names.clone();
     let size = kept.iter().map(|&v| (made.size)(v)).collect();
     out.attributes.vertex.insert("size".into(), Column::Scalar(size));
     if !made.stretch.is_empty() {

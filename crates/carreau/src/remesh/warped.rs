@@ -12,7 +12,9 @@
 
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, unit};
-use crate::mesh::{Polygons, SurfaceMesh, area_vector, blend_columns, gather_columns, triangle_area_vector};
+use crate::mesh::{
+    Attributes, Polygons, SurfaceMesh, area_vector, blend_columns, gather_columns, triangle_area_vector,
+};
 use glam::DVec3;
 
 /// Polygons that fold by less are plane, in degrees.
@@ -46,9 +48,11 @@ pub fn with_middles(mesh: SurfaceMesh) -> Result<SurfaceMesh> {
         }
     }
     let mut out = SurfaceMesh::new(points, faces)?;
-    out.attributes.vertex = blend_columns(&mesh.attributes.vertex, &mixtures);
-    out.attributes.face = gather_columns(&mesh.attributes.face, &parents);
-    out.attributes.names = mesh.attributes.names;
+    out.attributes = Attributes {
+        vertex: blend_columns(&mesh.attributes.vertex, &mixtures),
+        face: gather_columns(&mesh.attributes.face, &parents),
+        ..Attributes::words_of(&mesh.attributes)
+    };
     out.tagged_edges = mesh.tagged_edges;
     Ok(out)
 }

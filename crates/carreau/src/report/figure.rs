@@ -17,6 +17,10 @@ const CREASE: f64 = 35.0;
 
 /// Colour of skeletons.
 const SKELETON: Rgb = [190, 30, 45];
+/// Width of its lines, in pixels: they are seen through the surface.
+const SKELETON_WIDTH: f64 = 4.0;
+/// How much of the skeleton the surface around it covers: both are clearly seen.
+const VEIL: f64 = 0.45;
 
 /// Draws a mesh as a person would expect to see it.
 pub fn figure(mesh: &RawMesh) -> Image {
@@ -58,9 +62,12 @@ pub fn skeleton_figure(surface: &SurfaceMesh, net: &CurveNet) -> Image {
     let first = surface.vertex_count() as u32;
     let points: Vec<DVec3> = surface.points().iter().chain(&net.points).copied().collect();
     let edges: Vec<[u32; 2]> = net.edges.iter().map(|e| e.map(|v| first + v)).collect();
-    let mut picture = Picture::new(&points, surface.faces());
-    picture.lines.push(Lines { hidden: true, ..Lines::new(Path::Edges(&edges), SKELETON, 2.5) });
-    render(&picture)
+    let view = View::automatic(surface.points(), surface.faces());
+    let none = Polygons::new();
+    let mut inside = Picture { view, ..Picture::new(&points, &none) };
+    inside.lines.push(Lines::new(Path::Edges(&edges), SKELETON, SKELETON_WIDTH));
+    let outside = Picture { view, ..Picture::new(&points, surface.faces()) };
+    render(&inside).behind(&render(&outside), VEIL)
 }
 
 /// Draws a hexahedral mesh: its boundary, and beside it the cells behind a plane through its middle, across its

@@ -60,6 +60,7 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 
+use crate::bounds::positive;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
@@ -173,7 +174,11 @@ impl SegmentOptions {
         }
     }
 
-    fn check(&self, triangles: usize) -> Result<()> {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
         let refuse = |what: String| Err(Error::Options(what));
         if self.clusters == Some(0) || self.regions == Some(0) {
             return refuse("clusters and regions are at least 1".into());
@@ -193,9 +198,13 @@ impl SegmentOptions {
         if !(0.0..1.0).contains(&self.min_area) || !(self.score_threshold >= 0.0) {
             return refuse("min-area is a share below 1, score-threshold is not negative".into());
         }
+        self.radius.map_or(Ok(()), |radius| positive("radius", radius))
+    }
+
+    fn check_labels(&self, triangles: usize) -> Result<()> {
         match &self.labels {
             Some(labels) if labels.len() != triangles => {
-                refuse(format!("{} labels were given for {triangles} triangles", labels.len()))
+                Err(Error::Options(format!("{} labels were given for {triangles} triangles", labels.len())))
             }
             _ => Ok(()),
         }
@@ -310,7 +319,8 @@ pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) 
     if triangles.is_empty() {
         return Err(Error::input("the mesh has no faces", "", "segmentation needs triangles"));
     }
-    options.check(triangles.len())?;
+    options.validate()?;
+    options.check_labels(triangles.len())?;
     let scale = UnitScale::of(triangles);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let [radius, tolerance] = [options.radius, options.tolerance].map(|l| l.map(|l| scale.length(l)));

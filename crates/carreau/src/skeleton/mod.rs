@@ -30,12 +30,14 @@ pub use lids::{Closed, Lid, closed};
 use tidy::Body;
 pub(crate) use tidy::centre;
 
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
 use serde::{Deserialize, Serialize};
+use std::ops::Bound;
 
 /// Options of [`extract`]; the defaults are the paper's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,15 +60,15 @@ impl Default for SkeletonOptions {
 }
 
 impl SkeletonOptions {
-    fn check(&self) -> Result<()> {
-        for (name, value, most) in
-            [("speed", self.speed, 10.0), ("medial", self.medial, 10.0), ("detail", self.detail, 0.1)]
-        {
-            if !(value > 0.0 && value <= most) {
-                return Err(Error::Options(format!("{name} must be above 0 and at most {most}")));
-            }
-        }
-        Ok(())
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        let above_zero = |most: f64| (Bound::Excluded(0.0), Bound::Included(most));
+        within("speed", self.speed, above_zero(10.0), "")?;
+        within("medial", self.medial, above_zero(10.0), "")?;
+        within("detail", self.detail, above_zero(0.1), "")
     }
 }
 
@@ -140,7 +142,7 @@ const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 /// [`Error::Input`] for a surface that is not triangular, not manifold or not consistently oriented, [`Error::Numeric`]
 /// where the cycles do not come out as many as the handles; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context) -> Result<Skeleton> {
-    options.check()?;
+    options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let found = extract(&mesh, options, context)?;

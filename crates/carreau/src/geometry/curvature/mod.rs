@@ -21,6 +21,7 @@ mod tensor;
 #[cfg(test)]
 mod tests;
 
+use crate::bounds::positive;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::normals::unit;
@@ -67,6 +68,16 @@ pub struct CurvatureOptions {
     pub radius: Option<f64>,
 }
 
+impl CurvatureOptions {
+    /// Refuses a radius that is not above zero.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.radius.map_or(Ok(()), |radius| positive("radius", radius))
+    }
+}
+
 /// Principal curvatures, one entry per vertex, in 1/(unit of length); positive where a surface oriented outwards is
 /// convex. Vertices without a face of positive area have zeros.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -103,9 +114,7 @@ pub fn curvature(
         let corners = 3 * triangles.len();
         return Err(Error::Options(format!("{} feature marks were given for {corners} corners", feature.len())));
     }
-    if let Some(radius) = options.radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
-        return Err(Error::Options(format!("the radius must be a positive number, not {radius}")));
-    }
+    options.validate()?;
     let scale = UnitScale::of(triangles);
     let scaled = scale.points(triangles.points());
     let triangles = scaled.as_deref().map_or(triangles, |points| triangles.with_points(points));

@@ -1,6 +1,7 @@
 //! The reader: the primitives of all meshes at their places become one mesh.
 
 use super::super::Source;
+use super::super::names::FaceNames;
 use super::super::text::shown;
 use super::super::vtk_cells::strip_triangles;
 use super::accessor::Accessors;
@@ -70,6 +71,9 @@ struct Builder<'a> {
     colors: Optional<[u8; 4]>,
     /// Corners of all primitives so far.
     corners: usize,
+    /// Material of every face; -1 where it has none.
+    materials: Vec<i32>,
+    objects: FaceNames,
     left_out: BTreeSet<&'static str>,
 }
 
@@ -84,6 +88,8 @@ impl<'a> Builder<'a> {
             uvs: Optional::default(),
             colors: Optional::default(),
             corners: 0,
+            materials: Vec::new(),
+            objects: FaceNames::new(""),
             left_out: BTreeSet::new(),
         }
     }
@@ -101,6 +107,8 @@ impl<'a> Builder<'a> {
         if instance.skinned {
             self.left_out.insert("skins are left out: the mesh is in its bind pose");
         }
+        let name = instance.name.as_deref().or(mesh.name.as_deref()).unwrap_or_default();
+        self.objects.name(name.as_bytes(), self.mesh.faces.len());
         let mut known: BTreeMap<&BTreeMap<String, usize>, (u32, u32)> = BTreeMap::new();
         for primitive in &mesh.primitives {
             let Some(&position) = primitive.attributes.get("POSITION") else {
@@ -136,8 +144,52 @@ impl<'a> Builder<'a> {
             let corners: Vec<u32> = corners.into_iter().map(|v| first + v).collect();
             let mirrored = instance.transform.is_some_and(|m| m.determinant() < 0.0);
             self.elements(mode, &corners, mirrored)?;
+            self.label_faces(primitive)?;
         }
         Ok(())
+    }
+
+    /// Notes material and object of the faces that a primitive has added.
+    fn label_faces(&mut self, primitive: &Primitive) -> Result<()> {
+        let count = self.document.materials.len();
+        if let Some(beyond) = primitive.material.filter(|&material| material >= count) {
+            return Err(self.error(format!("material {beyond} does not exist, there are {count}")));
+        }
+        let material = primitive.material.and_then(|k| i32::try_from(k).ok()).unwrap_or(-1);
+        while self.materials.len() < self.mesh.faces.len() {
+            self.materials.push(material);
+            self.objects.face();
+        }
+        Ok(())
+    }
+
+    /// The labels `material` and `object`, where the file tells materials and objects apart by name.
+    fn store_labels(&mut self) {
+        let attributes = &mut self.mesh.attributes;
+        let objects = std::mem::replace(&mut self.objects, FaceNames::new(""));
+        match objects.only() {
+            None => objects.store("object", attributes),
+            Some(only) if only.is_empty() => {}
+            Some(only) => drop(attributes.names.insert(("object".into(), 0), only)),
+        }
+        if self.materials.iter().all(|&material| material < 0) {
+            return;
+        }
+        let used: BTreeSet<i32> = self.materials.iter().copied().filter(|&material| material >= 0).collect();
+        for label in used {
+            let Some(material) = self.document.materials.get(label as usize) else { continue };
+            let key = ("material".to_string(), label);
+            attributes.names.insert(key.clone(), material.name.clone().unwrap_or_else(|| format!("material_{label}")));
+            let Some(look) = &material.pbr_metallic_roughness else { continue };
+            if look.base_color_texture.is_some() {
+                self.left_out.insert("textures of materials are left out");
+            }
+            if let Some([r, g, b, a]) = look.base_color_factor {
+                let opacity = (255.0 * a.clamp(0.0, 1.0)).round() as u8;
+                attributes.colors.insert(key, [srgb_of_linear(r), srgb_of_linear(g), srgb_of_linear(b), opacity]);
+            }
+        }
+        attributes.face.insert("material".into(), Column::Label(std::mem::take(&mut self.materials)));
     }
 
     fn refuse_compressed(&self, primitive: &Primitive, position: usize) -> Result<()> {
@@ -251,7 +303,8 @@ impl<'a> Builder<'a> {
         )))
     }
 
-    fn finish(self) -> RawMesh {
+    fn finish(mut self) -> RawMesh {
+        self.store_labels();
         let mut mesh = self.mesh;
         mesh.edge_tags = vec![0; mesh.edges.len()];
         mesh.notes = self.left_out.into_iter().map(str::to_string).collect();

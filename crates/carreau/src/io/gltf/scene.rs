@@ -11,13 +11,17 @@ pub struct Instance {
     /// `None` where the mesh stays as it is: its coordinates are kept to the last bit.
     pub transform: Option<DMat4>,
     pub skinned: bool,
+    /// Of its node.
+    pub name: Option<String>,
 }
 
 /// The meshes of the default scene (the first where none is named), of all nodes where there is no scene, or all meshes
 /// where there are no nodes; in the order in which a walk from each root meets them.
 pub fn instances(source: &Source, document: &Document) -> Result<Vec<Instance>> {
     if document.nodes.is_empty() {
-        return Ok((0..document.meshes.len()).map(|mesh| Instance { mesh, transform: None, skinned: false }).collect());
+        return Ok((0..document.meshes.len())
+            .map(|mesh| Instance { mesh, transform: None, skinned: false, name: None })
+            .collect());
     }
     let failed = |what: String| -> Error { source.error(Place::File, what) };
     let scene = document.scene.or((!document.scenes.is_empty()).then_some(0));
@@ -43,7 +47,8 @@ pub fn instances(source: &Source, document: &Document) -> Result<Vec<Instance>> 
             (Some(parent), Some(local)) => Some(parent * local),
             (parent, local) => parent.or(local),
         };
-        instances.extend(node.mesh.map(|mesh| Instance { mesh, transform, skinned: node.skin.is_some() }));
+        let instance = |mesh| Instance { mesh, transform, skinned: node.skin.is_some(), name: node.name.clone() };
+        instances.extend(node.mesh.map(instance));
         waiting.extend(node.children.iter().rev().map(|&child| (child, transform)));
     }
     // A node that no root leads to is on a cycle, or below one.

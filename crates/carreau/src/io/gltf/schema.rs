@@ -33,6 +33,8 @@ pub struct Document {
     #[serde(default)]
     pub meshes: Vec<Mesh>,
     #[serde(default)]
+    pub materials: Vec<Material>,
+    #[serde(default)]
     pub accessors: Vec<Accessor>,
     #[serde(default)]
     pub buffer_views: Vec<BufferView>,
@@ -48,6 +50,7 @@ pub struct Scene {
 
 #[derive(Deserialize)]
 pub struct Node {
+    pub name: Option<String>,
     #[serde(default)]
     pub children: Vec<usize>,
     pub mesh: Option<usize>,
@@ -62,6 +65,7 @@ pub struct Node {
 
 #[derive(Deserialize)]
 pub struct Mesh {
+    pub name: Option<String>,
     #[serde(default)]
     pub primitives: Vec<Primitive>,
 }
@@ -72,10 +76,26 @@ pub struct Primitive {
     pub attributes: BTreeMap<String, usize>,
     pub indices: Option<usize>,
     pub mode: Option<u32>,
+    pub material: Option<usize>,
     #[serde(default)]
     pub targets: Vec<IgnoredAny>,
     #[serde(default)]
     pub extensions: Extensions,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Material {
+    pub name: Option<String>,
+    pub pbr_metallic_roughness: Option<Roughness>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Roughness {
+    /// Linear red, green, blue; opacity.
+    pub base_color_factor: Option<[f64; 4]>,
+    pub base_color_texture: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]

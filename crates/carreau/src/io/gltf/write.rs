@@ -1,24 +1,20 @@
-//! The writer: one node with one mesh, triangles in one primitive and lines, where there are any, in a second one.
-//!
-//! Colours of faces have no place in glTF: where they differ around a vertex, it is written once for each of them.
-//!
-//! ```text
-//!    red ╱│╲ blue         red ╱│ │╲ blue
-//!       ╱ │ ╲       →        ╱ │ │ ╲        one vertex more for each end of the border
-//! ```
+//! The writer: a node with one mesh for each body, triangles in one primitive for each material, and lines, where there
+//! are any, in one more.
 
 use super::super::WriteOptions;
+use super::super::limits::{moved_by_single_precision, words_left_out};
+use super::super::small_faces::{fan_corners, label};
 use super::super::vtk_cells::check_writable;
 use super::linear_of_srgb;
+use super::vertices::{Color, FACE_COLORS, Part, Vertices, are_normals, face_colors, parts};
 use crate::error::{Error, Result};
-use crate::mesh::{Column, RawMesh};
+use crate::mesh::{BODIES, Column, RawMesh};
+use crate::words::counted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
 
-type Color = [u8; 4];
-const WHITE: Color = [255; 4];
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -66,7 +62,11 @@ struct Asset {
     binary: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
-    primitives: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    materials: Vec<Value>,
+    /// The material of a label.
+    material_of: FxHashMap<i32, usize>,
 }
 
 impl Asset {
@@ -80,57 +80,169 @@ impl Asset {
         }
         check_writable(mesh)?;
         let (triangles, parents) = mesh.faces.fan();
+        let corners = fan_corners(&mesh.faces);
         let mut warnings = left_out(mesh);
         if !mesh.faces.all_triangles() {
             warnings.push("polygons are cut into triangles, from their first corner".to_string());
         }
-        let Vertices { source, colors, triangles } = Vertices::new(mesh, &triangles, &parents);
-        if source.len() > mesh.points.len() {
-            let more = source.len() - mesh.points.len();
-            warnings.push(format!("{more} vertices are written again, for the colours of faces to end at edges"));
-        }
         let mut asset = Asset::default();
-        if source.is_empty() {
+        if mesh.points.is_empty() {
             return Ok((asset, warnings));
         }
-        let mut attributes = json!({ "POSITION": asset.positions(mesh, &source, &mut warnings)? });
-        if let Some(Column::Vector3(normals)) = mesh.attributes.vertex.get("normal").filter(|c| are_normals(c)) {
-            let normals: Vec<f32> = source.iter().flat_map(|&v| normals[v as usize].map(|x| x as f32)).collect();
-            attributes["NORMAL"] = asset.floats("VEC3", 3, &normals).into();
+        if let Some(at) = mesh.points.iter().position(|p| !p.as_vec3().is_finite()) {
+            return Err(Error::input(
+                "a coordinate is too large for the single precision of glTF",
+                format!("vertex {at}"),
+                "scale the mesh down, or write another format",
+            ));
         }
-        if let Some(Column::Vector2(uvs)) = mesh.attributes.vertex.get("uv") {
-            let uvs: Vec<f32> = source.iter().flat_map(|&v| uvs[v as usize].map(|x| x as f32)).collect();
-            attributes["TEXCOORD_0"] = asset.floats("VEC2", 2, &uvs).into();
+        if let Some(moved) = moved_by_single_precision(mesh) {
+            warnings.push(format!("glTF has single precision, which moves vertices by up to {moved:.1e}"));
         }
-        if let Some(colors) = colors {
-            attributes["COLOR_0"] = asset.colors(&colors).into();
+        asset.add_materials(mesh);
+        let (column, parts) = parts(mesh, &parents);
+        let (mut copies, mut reordered, mut written) = (0, false, 0);
+        for part in &parts {
+            let vertices = Vertices::new(mesh, part, &triangles, &corners, &parents);
+            copies += vertices.copies;
+            written += vertices.source.len();
+            reordered |= asset.add_part(mesh, column, part, &vertices, &parents);
         }
-        let edges = mesh.edges.as_flattened();
-        for (mode, corners) in [(4, triangles.as_flattened()), (1, edges)] {
-            if !corners.is_empty() {
-                let indices = asset.indices(corners);
-                asset.primitives.push(json!({ "attributes": attributes, "indices": indices, "mode": mode }));
+        if copies > 0 {
+            warnings.push(format!(
+                "{} written again, where colours, texture coordinates or normals of corners differ",
+                counted(copies, "vertex is", "vertices are")
+            ));
+        }
+        if column.is_some() {
+            asset.add_lines(mesh);
+            let mut used = vec![false; mesh.points.len()];
+            mesh.faces.corners().iter().for_each(|&v| used[v as usize] = true);
+            let used = used.iter().filter(|&&u| u).count();
+            if used < mesh.points.len() {
+                let lost =
+                    counted(mesh.points.len() - used, "vertex that no face uses is", "vertices that no face uses are");
+                warnings.push(format!("{lost} left out, bodies have none"));
             }
+            if written - copies > used {
+                let shared = counted(written - copies - used, "vertex is", "vertices are");
+                warnings.push(format!("{shared} written again, because bodies share them"));
+            }
+        }
+        if reordered || parts.iter().any(|p| p.triangles.windows(2).any(|w| w[1] != w[0] + 1)) {
+            warnings.push("faces are in the order of their bodies and materials".to_string());
         }
         Ok((asset, warnings))
     }
 
+    /// The materials that faces use.
+    fn add_materials(&mut self, mesh: &RawMesh) {
+        let Some(labels) = material_labels(mesh) else { return };
+        for &label in labels {
+            if label < 0 || self.material_of.contains_key(&label) {
+                continue;
+            }
+            self.material_of.insert(label, self.materials.len());
+            let name = mesh.attributes.name("material", label).map_or_else(|| label.to_string(), str::to_string);
+            let mut material = json!({ "name": name });
+            if let Some([r, g, b, a]) = mesh.attributes.color("material", label) {
+                let factor = [linear_of_srgb(r), linear_of_srgb(g), linear_of_srgb(b), f64::from(a) / 255.0];
+                material["pbrMetallicRoughness"] = json!({ "baseColorFactor": factor, "metallicFactor": 0.0 });
+                if a < u8::MAX {
+                    material["alphaMode"] = "BLEND".into();
+                }
+            }
+            self.materials.push(material);
+        }
+    }
+
+    /// Adds the node of a part; returns whether its triangles had to be put in the order of materials.
+    fn add_part(&mut self, mesh: &RawMesh, column: Option<&str>, part: &Part, v: &Vertices, parents: &[u32]) -> bool {
+        let attributes = self.attributes(mesh, v);
+        let labels = material_labels(mesh);
+        let of = |t: u32| labels.map(|l| l[parents[t as usize] as usize]);
+        let mut groups: Vec<(Option<i32>, Vec<[u32; 3]>)> = Vec::new();
+        let mut place: FxHashMap<Option<i32>, usize> = FxHashMap::default();
+        let mut reordered = false;
+        for (&t, &triangle) in part.triangles.iter().zip(&v.triangles) {
+            let k = *place.entry(of(t)).or_insert(groups.len());
+            if k == groups.len() {
+                groups.push((of(t), Vec::new()));
+            }
+            reordered |= k + 1 < groups.len();
+            groups[k].1.push(triangle);
+        }
+        let mut primitives = Vec::new();
+        for (label, triangles) in &groups {
+            let indices = self.indices(triangles.as_flattened());
+            let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
+            if let Some(material) = label.and_then(|label| self.material_of.get(&label)) {
+                primitive["material"] = json!(material);
+            }
+            primitives.push(primitive);
+        }
+        if column.is_none() && !mesh.edges.is_empty() {
+            let indices = self.indices(mesh.edges.as_flattened());
+            primitives.push(json!({ "attributes": attributes, "indices": indices, "mode": 1 }));
+        }
+        let name = match (column, part.label) {
+            (Some(column), Some(label)) => {
+                Some(mesh.attributes.name(column, label).map_or_else(|| label.to_string(), str::to_string))
+            }
+            _ => mesh.attributes.only_body().map(str::to_string),
+        };
+        self.add_node(primitives, name);
+        reordered
+    }
+
+    /// The lines of a mesh with bodies, on vertices of their own.
+    fn add_lines(&mut self, mesh: &RawMesh) {
+        if mesh.edges.is_empty() {
+            return;
+        }
+        let mut ends: Vec<u32> = mesh.edges.as_flattened().to_vec();
+        ends.sort_unstable();
+        ends.dedup();
+        let place = |v: &u32| ends.binary_search(v).unwrap_or_default() as u32;
+        let corners: Vec<u32> = mesh.edges.as_flattened().iter().map(place).collect();
+        let attributes = json!({ "POSITION": self.positions(mesh, &ends) });
+        let indices = self.indices(&corners);
+        self.add_node(vec![json!({ "attributes": attributes, "indices": indices, "mode": 1 })], Some("lines".into()));
+    }
+
+    fn add_node(&mut self, primitives: Vec<Value>, name: Option<String>) {
+        if primitives.is_empty() {
+            return;
+        }
+        let mut node = json!({ "mesh": self.meshes.len() });
+        if let Some(name) = name {
+            node["name"] = name.into();
+        }
+        self.nodes.push(node);
+        self.meshes.push(json!({ "primitives": primitives }));
+    }
+
+    /// The vertex attributes of a part.
+    fn attributes(&mut self, mesh: &RawMesh, vertices: &Vertices) -> Value {
+        let mut attributes = json!({ "POSITION": self.positions(mesh, &vertices.source) });
+        if let Some(normals) = &vertices.normals {
+            let normals: Vec<f32> = normals.as_flattened().iter().map(|&x| x as f32).collect();
+            attributes["NORMAL"] = self.floats("VEC3", 3, &normals).into();
+        }
+        if let Some(uvs) = &vertices.uvs {
+            let uvs: Vec<f32> = uvs.as_flattened().iter().map(|&x| x as f32).collect();
+            attributes["TEXCOORD_0"] = self.floats("VEC2", 2, &uvs).into();
+        }
+        if let Some(colors) = &vertices.colors {
+            attributes["COLOR_0"] = self.colors(colors).into();
+        }
+        attributes
+    }
+
     /// Positions, in single precision, and their extent.
-    fn positions(&mut self, mesh: &RawMesh, source: &[u32], warnings: &mut Vec<String>) -> Result<usize> {
+    fn positions(&mut self, mesh: &RawMesh, source: &[u32]) -> usize {
         let positions: Vec<f32> =
             source.iter().flat_map(|&v| mesh.points[v as usize].to_array().map(|x| x as f32)).collect();
-        if let Some(at) = positions.iter().position(|x| !x.is_finite()) {
-            let vertex = source[at / 3];
-            return Err(Error::input(
-                "a coordinate is too large for the single precision of glTF",
-                format!("vertex {vertex}"),
-                "scale the mesh down, or write another format",
-            ));
-        }
-        let rounded = mesh.points.iter().any(|p| p.to_array().iter().any(|&x| f64::from(x as f32) != x));
-        if rounded {
-            warnings.push("coordinates are rounded to the single precision of glTF".to_string());
-        }
         let (corners, _) = positions.as_chunks::<3>();
         let fold = |pick: fn(f32, f32) -> f32, start: f32| {
             corners.iter().fold([start; 3], |a, b| std::array::from_fn(|k| pick(a[k], b[k])))
@@ -140,7 +252,7 @@ impl Asset {
         // The specification asks for the extent of positions.
         self.accessors[accessor]["min"] = json!(low.map(f64::from));
         self.accessors[accessor]["max"] = json!(high.map(f64::from));
-        Ok(accessor)
+        accessor
     }
 
     fn floats(&mut self, kind: &str, width: usize, values: &[f32]) -> usize {
@@ -186,14 +298,17 @@ impl Asset {
             "scene": 0,
             "scenes": [{}],
         });
-        if !self.primitives.is_empty() {
+        if !self.meshes.is_empty() {
             let mut buffer = json!({ "byteLength": self.binary.len() });
             if let Some(uri) = uri {
                 buffer["uri"] = uri.into();
             }
-            document["scenes"] = json!([{ "nodes": [0] }]);
-            document["nodes"] = json!([{ "mesh": 0 }]);
-            document["meshes"] = json!([{ "primitives": self.primitives }]);
+            document["scenes"] = json!([{ "nodes": (0..self.nodes.len()).collect::<Vec<_>>() }]);
+            document["nodes"] = std::mem::take(&mut self.nodes).into();
+            document["meshes"] = std::mem::take(&mut self.meshes).into();
+            if !self.materials.is_empty() {
+                document["materials"] = std::mem::take(&mut self.materials).into();
+            }
             document["accessors"] = std::mem::take(&mut self.accessors).into();
             document["bufferViews"] = std::mem::take(&mut self.views).into();
             document["buffers"] = json!([buffer]);
@@ -202,100 +317,47 @@ impl Asset {
     }
 }
 
+/// The labels of materials.
+fn material_labels(mesh: &RawMesh) -> Option<&[i32]> {
+    label(&mesh.attributes.face, "material")
+}
+
 /// What the file will lack.
 fn left_out(mesh: &RawMesh) -> Vec<String> {
     let mut warnings = Vec::new();
-    let vertex = &mesh.attributes.vertex;
-    let lost = |(name, column): (&String, &Column)| match (name.as_str(), column) {
-        ("normal", column) if are_normals(column) => None,
-        ("uv", Column::Vector2(_)) => None,
-        ("color", Column::Color(_)) if face_colors(mesh).is_none() => None,
-        _ => Some(name.clone()),
+    let columns = &mesh.attributes;
+    let is_look = |name: &str, column: &Column| match (name, column) {
+        ("normal", column) => are_normals(column),
+        ("uv", Column::Vector2(_)) => true,
+        _ => false,
     };
-    let mut names: Vec<String> = vertex.iter().filter_map(lost).collect();
-    names.extend(mesh.attributes.face.keys().filter(|name| !FACE_COLORS.contains(&name.as_str())).cloned());
-    names.extend(mesh.attributes.corner.keys().cloned());
+    let by_corner = |name: &str| columns.corner.get(name).is_some_and(|column| is_look(name, column));
+    let on_vertex = |(name, column): &(&String, &Column)| match (name.as_str(), column) {
+        ("color", Column::Color(_)) => face_colors(mesh).is_none(),
+        (name, column) => is_look(name, column) && !by_corner(name),
+    };
+    let body = BODIES.into_iter().find(|name| label(&columns.face, name).is_some());
+    let color = FACE_COLORS.into_iter().find(|name| columns.face.contains_key(*name));
+    let on_face = |(name, column): &(&String, &Column)| {
+        let name = Some(name.as_str());
+        name == color || (matches!(column, Column::Label(_)) && (name == body || name == Some("material")))
+    };
+    let mut names: Vec<&str> = columns.vertex.iter().filter(|c| !on_vertex(c)).map(|c| c.0.as_str()).collect();
+    names.extend(columns.face.iter().filter(|c| !on_face(c)).map(|c| c.0.as_str()));
+    names.extend(columns.corner.iter().filter(|(n, c)| !is_look(n, c)).map(|c| c.0.as_str()));
     if !names.is_empty() {
         warnings.push(format!("these values are left out, glTF has no place for them: {}", names.join(", ")));
+    }
+    let held = |column: &str| Some(column) == body || column == "material";
+    warnings.extend(words_left_out("glTF", mesh, held, |column| column == "material"));
+    if columns.libraries.iter().any(|library| !library.bytes.is_empty()) {
+        warnings.push(
+            "of materials, glTF files get name, colour and opacity: textures and further values are left out"
+                .to_string(),
+        );
     }
     if mesh.edge_tags.iter().any(|&tag| tag != 0) {
         warnings.push("the tags of lines are left out, glTF has none".to_string());
     }
     warnings
-}
-
-/// Whether these are the unit normals that glTF asks for.
-fn are_normals(column: &Column) -> bool {
-    let unit = |n: &[f64; 3]| (n.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-3;
-    matches!(column, Column::Vector3(normals) if normals.iter().all(unit))
-}
-
-/// Columns of faces that are shown as colours; the first that exists wins.
-const FACE_COLORS: [&str; 3] = ["color", "region", "patch"];
-
-/// Colours of the faces: their own, or one for each label.
-fn face_colors(mesh: &RawMesh) -> Option<Vec<Color>> {
-    FACE_COLORS.iter().find_map(|&name| match mesh.attributes.face.get(name)? {
-        Column::Color(colors) => Some(colors.clone()),
-        Column::Label(labels) if name != "color" => Some(labels.iter().map(|&label| label_color(label)).collect()),
-        _ => None,
-    })
-}
-
-/// A colour for a label: hues a golden section of the circle apart, so that near labels have distant hues, in three
-/// shades.
-fn label_color(label: i32) -> Color {
-    let turn = f64::from(label) * 0.618_033_988_749_895;
-    let hue = 6.0 * (turn - turn.floor());
-    let value = [0.95, 0.75, 0.85][label.rem_euclid(3) as usize];
-    // A component is full over a third of the circle, and fades out to both sides.
-    let component = |center: f64| {
-        let distance = (hue - center).abs().min(6.0 - (hue - center).abs());
-        let share = (2.0 - distance).clamp(0.0, 1.0);
-        (255.0 * value * (0.35 + 0.65 * share)).round() as u8
-    };
-    [component(0.0), component(2.0), component(4.0), u8::MAX]
-}
-
-/// Vertices as they are written.
-struct Vertices {
-    /// The vertex of the mesh that each is; the first ones are the mesh's own, in order.
-    source: Vec<u32>,
-    colors: Option<Vec<Color>>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Vertices {
-    /// The vertices of the mesh, and copies where faces of different colours meet.
-    fn new(mesh: &RawMesh, triangles: &[[u32; 3]], parents: &[u32]) -> Self {
-        let count = mesh.points.len();
-        let mut source: Vec<u32> = (0..count as u32).collect();
-        let Some(of_faces) = face_colors(mesh) else {
-            let colors = match mesh.attributes.vertex.get("color") {
-                Some(Column::Color(colors)) => Some(colors.clone()),
-                _ => None,
-            };
-            return Vertices { source, colors, triangles: triangles.to_vec() };
-        };
-        let mut colors: Vec<Option<Color>> = vec![None; count];
-        let mut copies: FxHashMap<(u32, Color), u32> = FxHashMap::default();
-        let mut colored = |vertex: u32, color: Color| -> u32 {
-            match colors[vertex as usize] {
-                None => colors[vertex as usize] = Some(color),
-                Some(own) if own == color => {}
-                Some(_) => {
-                    return *copies.entry((vertex, color)).or_insert_with(|| {
-                        source.push(vertex);
-                        colors.push(Some(color));
-                        source.len() as u32 - 1
-                    });
-                }
-            }
-            vertex
-        };
-        let corners = triangles.iter().zip(parents);
-        let triangles = corners.map(|(t, &face)| t.map(|v| colored(v, of_faces[face as usize]))).collect();
-        let colors = colors.into_iter().map(|color| color.unwrap_or(WHITE)).collect();
-        Vertices { source, colors: Some(colors), triangles }
-    }
 }

@@ -2,9 +2,11 @@
 
 use super::elements::{ElementType, Shape};
 use super::nodes::NodeIndex;
+use crate::io::limits::note_higher_order;
 use crate::io::small_faces::keep_label;
 use crate::io::text::shown;
 use crate::mesh::{Cells, Polygons, RawMesh};
+use crate::words::counted;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -141,16 +143,15 @@ impl Collector {
         if cell_tags.iter().any(|tags| tags.iter().any(|t| t.physical != 0)) {
             mesh.cells.tags = cell_tags.into_iter().flatten().map(|t| t.physical).collect();
         }
+        note_higher_order(&mut mesh, self.higher_order);
         Ok(mesh)
     }
 
     fn final_notes(&mut self) -> Vec<String> {
         let mut notes = std::mem::take(&mut self.notes);
-        if self.higher_order > 0 {
-            notes.push(format!("{} elements of higher order: only their corners are kept", self.higher_order));
-        }
         if self.plain_points > 0 {
-            notes.push(format!("{} point elements without a physical tag were left out", self.plain_points));
+            let points = counted(self.plain_points, "point element", "point elements");
+            notes.push(format!("{points} without a physical tag left out"));
         }
         if !self.skipped.is_empty() {
             notes.push(format!("sections left out: {}", self.skipped.join(", ")));

@@ -6,7 +6,8 @@
 
 use super::collector::NAMED_LABELS;
 use super::elements::Shape;
-use crate::io::small_faces::{SmallFaces, face_references, label, warn_unheld};
+use crate::io::limits::words_left_out;
+use crate::io::small_faces::{COUNTED_FROM_ZERO, SmallFaces, face_references, label, warn_unheld};
 use crate::io::text::{push_float, push_integer};
 use crate::mesh::{Cells, RawMesh};
 use glam::DVec3;
@@ -21,6 +22,8 @@ pub(super) fn write(mesh: &RawMesh, ascii: bool, out: &mut Vec<u8>) -> Vec<Strin
     let mut warnings = Vec::new();
     let faces = SmallFaces::of(mesh, FORMAT, &mut warnings);
     let (reference_name, references) = face_references(mesh).unwrap_or(("ref", &[]));
+    let shift = shift(reference_name, references);
+    let references = &references.iter().map(|&r| r.saturating_add(shift)).collect::<Vec<i32>>();
     let entity_label = label(&mesh.attributes.face, "entity");
     let mut model = Model::default();
     model.add_points(label(&mesh.attributes.vertex, "ref").unwrap_or(&[]));
@@ -28,9 +31,13 @@ pub(super) fn write(mesh: &RawMesh, ascii: bool, out: &mut Vec<u8>) -> Vec<Strin
     model.add_faces(&faces, &faces.values(references), entity_label.map(|e| faces.values(e)).as_deref());
     model.add_cells(&mesh.cells);
     warn_unheld(mesh, FORMAT, &["ref"], &[reference_name, "entity"], &mut warnings);
-    let names = physical_names(mesh, reference_name);
-    if names.len() < mesh.attributes.names.len() {
-        warnings.push(format!("{FORMAT} holds names of references only: the others were left out"));
+    let names = physical_names(mesh, reference_name, shift);
+    let named = |column: &str| dimension_of(column, reference_name).is_some();
+    warnings.extend(words_left_out(FORMAT, mesh, named, |_| false));
+    if shift != 0 {
+        warnings.push(format!(
+            "{FORMAT}: the face labels '{reference_name}' are written as physical groups that count from 1, each {shift} more"
+        ));
     }
     if model.entities.iter().any(|e| e.physical < 0) {
         warnings.push("Gmsh takes a negative reference as the physical group of its absolute value, reversed".into());
@@ -162,16 +169,32 @@ fn number_entities(entities: &mut [Entity]) {
     }
 }
 
-/// Dimension, tag and name of the named references.
-fn physical_names<'a>(mesh: &'a RawMesh, reference_name: &str) -> Vec<(usize, i32, &'a str)> {
-    let dimension_of = |label: &str| match label {
+/// What is added to labels that count from zero: physical group 0 is none.
+fn shift(name: &str, labels: &[i32]) -> i32 {
+    match labels.iter().min() {
+        Some(&least) if least <= 0 && COUNTED_FROM_ZERO.contains(&name) => 1i32.saturating_sub(least),
+        _ => 0,
+    }
+}
+
+/// Dimension of the physical groups that a label becomes.
+fn dimension_of(label: &str, reference_name: &str) -> Option<usize> {
+    match label {
         _ if label == reference_name => Some(2),
         "ref" => None,
         _ => NAMED_LABELS.iter().position(|&name| name == label),
-    };
+    }
+}
+
+/// Dimension, tag and name of the named references.
+fn physical_names<'a>(mesh: &'a RawMesh, reference_name: &str, shift: i32) -> Vec<(usize, i32, &'a str)> {
     let names = mesh.attributes.names.iter();
-    let mut names: Vec<_> =
-        names.filter_map(|((label, tag), name)| Some((dimension_of(label)?, *tag, name.as_str()))).collect();
+    let named = |((label, tag), name): (&(String, i32), &'a String)| {
+        let dimension = dimension_of(label, reference_name)?;
+        let shift = if label == reference_name { shift } else { 0 };
+        Some((dimension, tag.saturating_add(shift), name.as_str()))
+    };
+    let mut names: Vec<_> = names.filter_map(named).collect();
     names.sort_unstable();
     names
 }

@@ -3,9 +3,9 @@
 use super::super::Source;
 use super::super::names::FaceNames;
 use super::super::text::{Scanner, parse_integer, shown};
-use super::NAMES;
+use super::{NAMES, library};
 use crate::error::{Place, Result};
-use crate::mesh::{Column, RawMesh};
+use crate::mesh::{Column, MaterialLibrary, RawMesh};
 use glam::DVec3;
 
 /// Statements that are passed over; they show that a file is OBJ at all.
@@ -14,7 +14,6 @@ const OTHER_STATEMENTS: &[&[u8]] = &[
     b"s",
     b"vp",
     b"mg",
-    b"mtllib",
     b"maplib",
     b"usemap",
     b"lod",
@@ -174,6 +173,7 @@ impl<'a> Reader<'a> {
             b"o" => self.name(0),
             b"g" => self.name(1),
             b"usemtl" => self.name(2),
+            b"mtllib" => self.library(),
             other => {
                 if !OTHER_STATEMENTS.contains(&other) {
                     self.unknown.get_or_insert(self.scanner.line_number());
@@ -261,6 +261,16 @@ impl<'a> Reader<'a> {
         self.names[kind].name(name.strip_suffix(b"\\").unwrap_or(name), self.mesh.faces.len());
     }
 
+    fn library(&mut self) {
+        let name = String::from_utf8_lossy(self.scanner.rest_of_line()).into_owned();
+        for library in library::read_beside(self.source.path, &name, &mut self.mesh.notes) {
+            let known = |other: &MaterialLibrary| other.name == library.name;
+            if !self.mesh.attributes.libraries.iter().any(known) {
+                self.mesh.attributes.libraries.push(library);
+            }
+        }
+    }
+
     fn finish(self) -> Result<RawMesh> {
         let mut mesh = self.mesh;
         if let (false, Some(line)) = (self.any_known, self.unknown) {
@@ -291,6 +301,7 @@ impl<'a> Reader<'a> {
         for (names, (_, column)) in self.names.into_iter().zip(NAMES) {
             names.store(column, &mut mesh.attributes);
         }
+        library::color_materials(&mut mesh.attributes);
         Ok(mesh)
     }
 }

@@ -1,7 +1,7 @@
 //! The writer.
 
 use super::super::WriteOptions;
-use super::super::limits::{columns_left_out, require_surface};
+use super::super::limits::{columns_left_out, require_surface, words_left_out};
 use super::super::names::{labels, written_name};
 use super::super::text::{push_float, push_integer};
 use super::NAMES;
@@ -181,5 +181,7 @@ fn warnings(mesh: &RawMesh) -> Vec<String> {
     let clear = clear.then(|| "OBJ has no place for opacity: left out".to_string());
     let tags =
         mesh.edge_tags.iter().any(|&t| t != 0).then(|| "OBJ has no place for the tags of edges: left out".to_string());
-    [vertex, face, corner, regrouped, clear, tags].into_iter().flatten().collect()
+    let named = |column: &str| column == group || NAMES.iter().any(|&(_, name)| name == column);
+    let words = words_left_out("OBJ", mesh, named, |column| column == "material");
+    [vertex, face, corner, regrouped, clear, tags].into_iter().flatten().chain(words).collect()
 }

@@ -1,7 +1,7 @@
 //! The writer.
 
 use super::super::WriteOptions;
-use super::super::limits::{columns_left_out, edges_left_out, require_surface};
+use super::super::limits::{columns_left_out, edges_left_out, require_surface, words_left_out};
 use super::super::text::{push_float, push_integer};
 use crate::error::Result;
 use crate::mesh::{Column, RawMesh};
@@ -112,5 +112,6 @@ fn warnings(mesh: &RawMesh) -> Vec<String> {
         matches!((name, column), ("color", Column::Color(_)))
     });
     let corner = columns_left_out("OFF", "corner", &columns.corner, |_, _| false);
-    [vertex, face, corner, edges_left_out("OFF", mesh)].into_iter().flatten().collect()
+    let words = words_left_out("OFF", mesh, |_| false, |_| false);
+    [vertex, face, corner, edges_left_out("OFF", mesh)].into_iter().flatten().chain(words).collect()
 }

@@ -1,7 +1,7 @@
 //! The writer: coordinates and columns of numbers in double precision, since that is what the mesh has.
 
 use super::super::WriteOptions;
-use super::super::limits::{columns_left_out, require_surface};
+use super::super::limits::{columns_left_out, require_surface, words_left_out};
 use super::super::text::{push_float, push_integer};
 use super::columns::{Written, properties};
 use crate::error::Result;
@@ -26,9 +26,7 @@ pub fn write(mesh: &RawMesh, options: &WriteOptions, out: &mut Vec<u8>) -> Resul
         layout.write_rows(mesh, &mut Binary(out));
     }
     warnings.extend(columns_left_out("PLY", "corner", &mesh.attributes.corner, |_, _| false));
-    if !mesh.attributes.names.is_empty() {
-        warnings.push("PLY has no place for the words of labels: left out".into());
-    }
+    warnings.extend(words_left_out("PLY", mesh, |_| false, |_| false));
     Ok(warnings)
 }
 

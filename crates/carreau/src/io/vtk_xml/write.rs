@@ -165,7 +165,7 @@ fn compressed(block: &[u8]) -> Result<Vec<u8>> {
 }
 
 /// A text as the value of an attribute; letters that XML cannot hold become underscores.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -164,6 +164,16 @@ pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) ->
     Ok(Repaired { mesh, report })
 }
 
+impl RepairOptions {
+    /// Refuses a tolerance that is no length.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.weld.map_or(Ok(()), |tolerance| resolved(tolerance, 1.0).map(drop))
+    }
+}
+
 fn resolved(tolerance: Length, diagonal: f64) -> Result<f64> {
     let length = tolerance.resolve(diagonal);
     if length >= 0.0 && length.is_finite() {

@@ -166,7 +166,7 @@ impl Soup {
             vertex: gather_columns(&from.vertex, &self.vertex_source),
             face: gather_columns(&from.face, &self.face_source),
             corner: gather_columns(&from.corner, &self.corner_source),
-            names: from.names.clone(),
+            ..Attributes::words_of(from)
         };
         mesh.tagged_edges = self.tagged;
         Ok(mesh)

@@ -44,6 +44,7 @@ mod trimmed;
 mod weigh;
 
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
+use crate::bounds::within;
 use crate::context::Context;
 use crate::error::Result;
 use crate::length::Length;
@@ -78,6 +79,16 @@ pub struct BrepOptions {
     pub fit: Fit,
     /// Largest distance of a vertex from a bicubic surface.
     pub tolerance: Length,
+}
+
+impl BrepOptions {
+    /// Refuses a tolerance that is no length.
+    ///
+    /// # Errors
+    /// [`crate::Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        within("tolerance", self.tolerance.resolve(1.0), 0.0..f64::INFINITY, "")
+    }
 }
 
 impl Default for BrepOptions {

@@ -48,6 +48,17 @@ pub struct GraphOptions {
     pub edge_length: Option<f64>,
 }
 
+impl GraphOptions {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// [`Error::Options`].
+    pub fn validate(&self) -> Result<()> {
+        self.features.validate()?;
+        check_size(self.quads, self.edge_length)
+    }
+}
+
 impl Default for GraphOptions {
     fn default() -> Self {
         GraphOptions { features: FeatureOptions::auto(), quads: 3000, edge_length: None }
@@ -289,7 +300,7 @@ impl MotorcycleGraph {
 /// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces or with one side only,
 /// [`Error::Numeric`] where no field could be made or its tracks enclose nothing, [`Error::Cancelled`], [`Error::Deadline`].
 pub fn motorcycle_graph(mesh: &SurfaceMesh, options: &GraphOptions, context: &Context) -> Result<MotorcycleGraph> {
-    check_size(options.quads, options.edge_length)?;
+    options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let edge_length = options.edge_length.map(|length| scale.length(length));

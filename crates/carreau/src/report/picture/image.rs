@@ -40,6 +40,16 @@ impl Image {
         inside.then(|| self.pixels[row as usize * self.width() as usize + column as usize])
     }
 
+    /// This image seen through another one of the same size, which covers it by `share` (0 to 1).
+    pub fn behind(&self, veil: &Image, share: f64) -> Image {
+        let mix = |(&below, &above): (&Rgb, &Rgb)| -> Rgb {
+            std::array::from_fn(|k| {
+                (share * f64::from(above[k]) + (1.0 - share) * f64::from(below[k])).round().clamp(0.0, 255.0) as u8
+            })
+        };
+        Image::new(self.size, self.pixels.iter().zip(&veil.pixels).map(mix).collect())
+    }
+
     /// Images side by side, top-aligned; gaps below shorter ones get the colour `fill`.
     pub fn beside(images: &[Image], fill: Rgb) -> Image {
         let width = images.iter().map(Image::width).sum();

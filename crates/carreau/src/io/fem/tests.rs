@@ -1,0 +1,73 @@
+use super::super::round_trips::written;
+use crate::mesh::{Cells, Column, Polygons, RawMesh};
+use glam::DVec3;
+
+fn cube() -> RawMesh {
+    let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let points = [0.0, 0.1].iter().flat_map(|&z| square.map(|(x, y)| DVec3::new(x, y, z))).collect();
+    let cells = Cells { hexes: vec![[0, 1, 2, 3, 4, 5, 6, 7]], ..Cells::default() };
+    let faces: Polygons = [&[0u32, 3, 2, 1][..], &[4, 5, 6, 7]].into_iter().collect();
+    let mut mesh = RawMesh { points, cells, faces, ..RawMesh::default() };
+    mesh.attributes.face.insert("ref".into(), Column::Label(vec![1, 2]));
+    mesh.attributes.names.insert(("ref".into(), 2), "outlet 1".into());
+    mesh
+}
+
+fn text(mesh: &RawMesh, extension: &str) -> (String, Vec<String>) {
+    let (bytes, warnings) = written(mesh, extension, true);
+    (String::from_utf8(bytes).unwrap(), warnings)
+}
+
+#[test]
+fn sides_of_cells_are_surfaces_with_names() {
+    let (deck, warnings) = text(&cube(), "inp");
+    assert!(deck.contains("*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"), "{deck}");
+    assert!(deck.contains("*SURFACE, NAME=ref_1_surface, TYPE=ELEMENT\n1, S1\n"), "{deck}");
+    assert!(deck.contains("*SURFACE, NAME=outlet_1_surface, TYPE=ELEMENT\n1, S2\n"), "{deck}");
+    assert!(deck.contains("*NSET, NSET=outlet_1\n5, 6, 7, 8\n"), "{deck}");
+    assert!(!deck.contains("S4") && warnings.is_empty(), "{deck} {warnings:?}");
+}
+
+#[test]
+fn faces_of_a_surface_are_shells_in_sets() {
+    let mut mesh = cube();
+    mesh.cells = Cells::default();
+    mesh.faces.push(&[0, 1, 5]);
+    mesh.attributes.face.insert("ref".into(), Column::Label(vec![1, 2, 2]));
+    let (deck, _) = text(&mesh, "inp");
+    assert!(
+        deck.contains("*ELEMENT, TYPE=S3\n1, 1, 2, 6\n*ELEMENT, TYPE=S4\n2, 1, 4, 3, 2\n3, 5, 6, 7, 8\n"),
+        "{deck}"
+    );
+    assert!(deck.contains("*ELSET, ELSET=outlet_1\n3, 1\n"), "{deck}");
+    let (deck, _) = text(&mesh, "bdf");
+    assert!(deck.contains("CTRIA3  3       2       1       2       6       \n"), "{deck}");
+    assert!(deck.contains("$ANSA_NAME_COMMENT;2;PSHELL;outlet_1;;"), "{deck}");
+}
+
+#[test]
+fn nastran_lines_fit_their_fields() {
+    let mut mesh = cube();
+    mesh.points[1] = DVec3::new(-1.234_567_890_123_456_7e-105, 1.0 / 3.0, -123_456.789_012_345_67);
+    let (deck, warnings) = text(&mesh, "bdf");
+    assert!(warnings.iter().any(|w| w.contains("3 coordinates are rounded")), "{warnings:?}");
+    assert!(deck.lines().all(|line| line.starts_with('$') || line.len() <= 73), "{deck}");
+    let lines: Vec<&str> = deck.lines().collect();
+    let at = lines.iter().position(|line| line.starts_with("GRID*   2 ")).unwrap();
+    let x: f64 = lines[at][40..56].trim().parse().unwrap();
+    let z: f64 = lines[at + 1][8..24].trim().parse().unwrap();
+    assert!((x / mesh.points[1].x - 1.0).abs() < 1e-7, "{x}");
+    assert!((z - mesh.points[1].z).abs() < 1e-7, "{z}");
+    assert!(
+        deck.contains("CHEXA   3       3       1       2       3       4       5       6       +\n+       7       8"),
+        "{deck}"
+    );
+}
+
+#[test]
+fn decks_are_not_read_and_say_what_to_do() {
+    for extension in ["inp", "bdf"] {
+        let message = super::super::round_trips::read(extension, b"*NODE\n").unwrap_err().to_string();
+        assert!(message.contains("meshio"), "{message}");
+    }
+}
