@@ -10,7 +10,7 @@ use glam::DVec2;
 use spade::Triangulation;
 
 /// Rounds of refinement.
-const ROUNDS: usize = 20;
+const ROUNDS: usize = 8;
 /// Most points inside a face.
 const MAX_POINTS: usize = 20_000;
 /// Most grid lines in each direction.
