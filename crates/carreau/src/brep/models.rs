@@ -80,7 +80,6 @@ pub(crate) fn all() -> Vec<(&'static str, Brep, f64)> {
     vec![
         ("box", block(0.0), 24.0),
         ("bored", block(0.5), 24.0 - PI),
-        ("hollow", hollow(), 24.0 - PI / 6.0),
         ("cone", cone(), 2.0 * PI / 3.0),
         ("sphere", sphere(), 4.0 * PI / 3.0),
         ("cap", cap(), PI * 0.49 * (3.0 - 0.7) / 3.0),
@@ -133,22 +132,6 @@ pub(crate) fn block(hole: f64) -> Brep {
         m.plane(origin, normal, &[&[bottom[k], up[(k + 1) % 4], !top[k], !up[k]]]);
     }
     m.solid()
-}
-
-/// The box with a round cavity of radius 1/2 in its middle.
-fn hollow() -> Brep {
-    let mut brep = block(0.0);
-    let center = DVec3::new(0.0, 0.0, 2.0);
-    brep.vertices.push(Vertex::exact(center + 0.5 * DVec3::Z));
-    brep.surfaces.push(Surface::Sphere { frame: upright(center), radius: 0.5 });
-    let poles = vec![brep.vertices.len() as u32 - 1];
-    let surface = brep.surfaces.len() as u32 - 1;
-    let (name, color) = ("sphere_6".into(), brep.faces[0].color);
-    brep.faces.push(Face { same_sense: false, poles, name, color, ..Face::new(surface, Vec::new()) });
-    brep.shells.push(Shell { faces: vec![brep.faces.len() as u32 - 1], closed: true, name: String::new() });
-    brep.solids[0].voids.push(1);
-    brep.check().unwrap();
-    brep
 }
 
 /// The lateral surface of the cone of height 2 over the unit circle.
