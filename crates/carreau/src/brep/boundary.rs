@@ -212,7 +212,7 @@ impl Walk<'_> {
         let before = samples.iter().rev().map(|s| s.uv.y).find(|&v| v != at.y).unwrap_or(at.y - 1.0);
         let sense = if (before < at.y) == self.face.same_sense { -1.0 } else { 1.0 };
         let turn = (sense * (u - at.x)).rem_euclid(TAU);
-        at.x + sense * if turn < NO_ANGLE || turn > TAU - NO_ANGLE { TAU } else { turn }
+        at.x + sense * if (NO_ANGLE..=TAU - NO_ANGLE).contains(&turn) { turn } else { TAU }
     }
 
     /// A loop that begins at a pole ends there, too: a piece of the pole closes it.

@@ -23,7 +23,7 @@ fn volumes_are_those_of_the_formulas() {
         let faces = brep.face_masses(&Context::new()).unwrap();
         assert!(faces.iter().all(|f| f.area > 0.0), "{name}: {faces:?}");
         let solids = brep.solid_masses(&faces);
-        assert!((solids[0].volume - mass.volume).abs() < 1e-12 * volume);
+        assert!((solids[0].volume - mass.volume).abs() < 1e-12 * volume, "{name}");
     }
 }
 

@@ -31,12 +31,16 @@ pub(super) fn crossings(
     edges.sort_unstable();
     edges.dedup();
     let shared = Shared::new(brep, tessellation);
+    let boxes = Boxes::new(brep, tessellation);
     let found: Vec<Vec<Crossing>> = context.install(|| {
         let of_chunk = |chunk: &[(u32, u32, u32)]| {
             context.check()?;
             let mut out = Vec::new();
             for &(face, a, b) in chunk {
                 let [p, q] = [a, b].map(|v| points[v as usize]);
+                if !boxes.may_cross(face, [a, b], [p, q]) {
+                    continue;
+                }
                 tree.along_ray(p, q - p, 1.0, |hit| {
                     let other = tessellation.face_of[hit.triangle as usize];
                     let corners = triangles[hit.triangle as usize];
@@ -61,6 +65,45 @@ pub(super) fn crossings(
         Finding { other: Some(b), ..Finding::new(Fault::CrossingFaces, depth, DEPTH * chord, at).of_face(a) }
     });
     Ok(worst.collect())
+}
+
+/// Boxes of the faces, and the faces at every point: most segments are nowhere near a face that they do not end at.
+struct Boxes {
+    /// Empty for a face without triangles.
+    of_face: Vec<[DVec3; 2]>,
+    /// Pairs of point and face, sorted.
+    at_point: Vec<(u32, u32)>,
+}
+
+impl Boxes {
+    fn new(brep: &Brep, tessellation: &Tessellation) -> Self {
+        let mut of_face = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; brep.faces.len()];
+        let mut at_point = Vec::with_capacity(3 * tessellation.triangles.len());
+        for (t, &face) in tessellation.triangles.iter().zip(&tessellation.face_of) {
+            for &v in t {
+                let p = tessellation.points[v as usize];
+                let [low, high] = &mut of_face[face as usize];
+                (*low, *high) = (low.min(p), high.max(p));
+                at_point.push((v, face));
+            }
+        }
+        at_point.sort_unstable();
+        at_point.dedup();
+        Boxes { of_face, at_point }
+    }
+
+    fn ends_at(&self, face: u32, v: u32) -> bool {
+        self.at_point.binary_search(&(v, face)).is_ok()
+    }
+
+    /// Whether a segment of a face runs into the box of a face that neither of its ends is on.
+    fn may_cross(&self, face: u32, ends: [u32; 2], [p, q]: [DVec3; 2]) -> bool {
+        let (low, high) = (p.min(q), p.max(q));
+        self.of_face.iter().enumerate().any(|(g, [from, to])| {
+            let g = g as u32;
+            g != face && low.cmple(*to).all() && high.cmpge(*from).all() && !ends.iter().any(|&v| self.ends_at(g, v))
+        })
+    }
 }
 
 struct Crossing {

@@ -108,7 +108,7 @@ pub(super) fn compare(
             }
         }
     }
-    out.sort_by(|a, b| (a.fault, a.face).cmp(&(b.fault, b.face)));
+    out.sort_by_key(|f| (f.fault, f.face));
     let of_volume = volume(brep, tessellation, reference, cut_off, context)?;
     out.extend(of_volume.map(|finding| Finding { face: blamed.1, ..finding }));
     Ok(out)

@@ -30,7 +30,7 @@ fn good_models_pass() {
     for (name, brep, _) in models::all() {
         assert_eq!(judged(&brep), [], "{name}");
         let brep = with_regions(brep);
-        for chord in [0.05, 0.005] {
+        for chord in [0.05, 0.01] {
             let (mesh, regions) = as_reference(&brep, chord);
             assert_eq!(against(&brep, &mesh, &regions, 5e-3), [], "{name} {chord}");
         }

@@ -86,7 +86,7 @@ impl Writer {
 
     /// 508: for each edge its list, its number, its sense, and no curve in the parameter plane.
     fn face_loop(&mut self, uses: &[EdgeUse], same_sense: bool, lists: &Lists) -> Entity {
-        let mut order: Vec<(u32, bool)> = uses.iter().map(|of| (of.edge, of.reversed != !same_sense)).collect();
+        let mut order: Vec<(u32, bool)> = uses.iter().map(|of| (of.edge, of.reversed == same_sense)).collect();
         if !same_sense {
             order.reverse();
         }

@@ -243,7 +243,7 @@ fn solids_have_their_topology_names_and_colors() {
                 assert_eq!(count(144) + count(128), brep.faces.len(), "{name}");
                 continue;
             }
-            assert_eq!((count(186), count(514), count(510)), (1, 1, brep.faces.len()), "{name}");
+            assert_eq!((count(186), count(514), count(510)), (1, brep.shells.len(), brep.faces.len()), "{name}");
             let loops = brep.faces.iter().map(|f| f.loops.len() + f.poles.len()).sum::<usize>();
             assert_eq!((count(508), count(504), count(502)), (loops, 1, 1), "{name}");
             // A name for every face and the body.
