@@ -307,13 +307,8 @@ impl Session {
         Ok(())
     }
 
-    /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has.
-    pub fn deliver(&mut self, mesh: &RawMesh, file: Option<&Path>) -> Result<(), Error> {
-        self.keep(|| Found::Mesh(mesh.clone()));
-        self.deliver_as(mesh, file, |name| Scene::of_mesh(name, mesh))
-    }
-
-    /// The same, with a scene of the verb's own; what is kept for a host is up to the verb.
+    /// What most verbs end with: draws a mesh, writes it where that was asked for, and records what it has; with a scene of the
+    /// verb's own. What is kept for a host is up to the verb.
     pub fn deliver_as(
         &mut self,
         mesh: &RawMesh,

@@ -40,7 +40,11 @@ pub fn read(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> R
     let noisy = is_scan(mesh)?
         && match options.creases {
             Creases::Every => drop_noise(mesh, &mut features.corners, options),
-            _ => is_noise(mesh, &features),
+            _ if is_noise(mesh, &features) => {
+                drop_fragments(mesh, &mut features, options);
+                true
+            }
+            _ => false,
         };
     let found = FoundFeatures::new(mesh, &features);
     let labels = match &options.labels {
@@ -118,6 +122,14 @@ fn is_noise(mesh: &SurfaceMesh, features: &Features) -> bool {
     let inner = features.edges(mesh).filter(|&c| mesh.opposite(c).is_some()).count();
     let is_coarse = inner as f64 > RIDGE_SHARE * mesh.corner_count() as f64 / 2.0;
     inner == 0 || features.noise.is_high() && !is_coarse
+}
+
+/// Drops the creases of a scan that are in short pieces with loose ends: few vertices of a coarse mesh are worth a pinned one.
+fn drop_fragments(mesh: &SurfaceMesh, features: &mut Features, options: &RemeshOptions) {
+    let before: Vec<CornerId> = features.edges(mesh).collect();
+    drop_noise(mesh, &mut features.corners, options);
+    let is_gone = |c: &CornerId| !features.corners[c.index()];
+    features.dropped.extend(before.into_iter().filter(is_gone));
 }
 
 /// Drops ridges that are only noise; false where they are no noise. CAD models have flat faces and ridges that end at other

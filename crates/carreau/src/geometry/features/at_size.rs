@@ -20,15 +20,15 @@ use super::{DroppedStrand, Features, length_of_squares, sides};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, unit};
-use crate::mesh::{CornerId, SurfaceMesh, area_vector};
+use crate::mesh::{CornerId, FaceId, NONE, SurfaceMesh, area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// Free tips per length, in edges of the usual size, from which sharp edges are looked at one by one. Parts have up to .1 and
-/// scans .26 to 2.2.
-const NOISY: f64 = 0.12;
+/// Free tips per length, in edges of the usual size, from which sharp edges are looked at one by one. Parts have up to .16 and
+/// scans .26 to 3.2.
+const NOISY: f64 = 0.2;
 /// Elements are of the usual size where so many squares of them cover the surface.
 pub const USUAL_ELEMENTS: f64 = 3000.0;
 /// Edges above this share of the angle continue a strand.
@@ -40,7 +40,7 @@ const LEAST_EDGES: f64 = 2.0;
 /// Elements that a strand is long for every free tip that it has.
 const ELEMENTS_PER_TIP: f64 = 2.0;
 /// Faces on one side of an edge that are looked at, the nearest first.
-const MOST_FACES: usize = 4000;
+const MOST_FACES: usize = 2000;
 
 /// How noisy the sharp edges of a surface are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -60,15 +60,20 @@ impl Noise {
     }
 }
 
-/// What is looked at: the mesh with its normals, areas and centres.
+/// What is looked at: the faces of a mesh.
 struct Look<'a> {
     mesh: &'a SurfaceMesh,
     normals: &'a [DVec3],
-    areas: Vec<f64>,
-    centres: Vec<DVec3>,
-    /// No side reaches across these half-edges.
-    barrier: Vec<bool>,
+    faces: Vec<Face>,
+    /// The face across every half-edge, none across those that are sharp.
+    across: Vec<u32>,
     size: f64,
+}
+
+/// A face: its centre, and its normal as long as its area.
+struct Face {
+    centre: DVec3,
+    area_normal: DVec3,
 }
 
 /// Selects the creases among the edges above an angle. `fixed` half-edges are features in any case; `size` is the length of
@@ -101,8 +106,8 @@ pub fn select(
     let smooth = || firsts.iter().zip(&turns).filter(|(c, _)| !fixed[c.index()] && !sharp[c.index()]).map(|(_, t)| *t);
     let noise = noise(&network, smooth(), length_of_squares(mesh, USUAL_ELEMENTS));
     if noise.is_high() {
-        let barrier = fixed.iter().zip(&sharp).map(|(fixed, sharp)| *fixed || *sharp).collect();
-        let look = Look::new(mesh, normals, barrier, size);
+        let barrier: Vec<bool> = fixed.iter().zip(&sharp).map(|(fixed, sharp)| *fixed || *sharp).collect();
+        let look = Look::new(mesh, normals, &barrier, size);
         choose(&look, &mut network, &corners, angle, context)?;
     }
     let longest_dropped = network.longest_dropped(&was).map(|(length, place)| DroppedStrand { length, place });
@@ -129,9 +134,12 @@ fn noise(network: &Network, smooth: impl Iterator<Item = f64>, usual: f64) -> No
 /// Stages 2 to 4.
 fn choose(look: &Look, network: &mut Network, corners: &[CornerId], angle: f64, context: &Context) -> Result<()> {
     let faces = look.mesh.face_count();
+    // What is too short with all that might continue it needs no look.
+    let may_stay = network.may_stay(ELEMENTS_PER_TIP * look.size);
     let of = |visited: &mut Visited, e: u32| {
-        context.check_every(e as usize)?;
-        Ok(network.is_kept(e) && (network.is_fixed(e) || look.is_crease(corners[e as usize], angle, visited)))
+        context.check_every(16 * e as usize)?;
+        let is_open = network.is_kept(e) && may_stay[e as usize];
+        Ok(network.is_fixed(e) || is_open && look.is_crease(corners[e as usize], angle, visited))
     };
     let new = || Visited::new(faces);
     let keeps: Vec<bool> = network.edges().into_par_iter().with_min_len(64).map_init(new, of).collect::<Result<_>>()?;
@@ -159,32 +167,45 @@ impl Visited {
         Visited { stamp: vec![0; faces], round: 0, queue: VecDeque::new() }
     }
 
-    fn begin(&mut self) {
+    fn begin(&mut self, face: u32) {
         self.round += 1;
         self.queue.clear();
+        self.add(face);
     }
 
-    fn add(&mut self, face: u32) -> bool {
-        std::mem::replace(&mut self.stamp[face as usize], self.round) != self.round
+    fn has(&self, face: u32) -> bool {
+        self.stamp[face as usize] == self.round
+    }
+
+    fn add(&mut self, face: u32) {
+        self.stamp[face as usize] = self.round;
+        self.queue.push_back(face);
     }
 }
 
 impl<'a> Look<'a> {
-    fn new(mesh: &'a SurfaceMesh, normals: &'a [DVec3], barrier: Vec<bool>, size: f64) -> Self {
-        let areas = mesh.faces().iter().map(|face| area_vector(mesh.points(), face).length()).collect();
-        let centre =
-            |face: &[u32]| face.iter().map(|&v| mesh.points()[v as usize]).sum::<DVec3>() / face.len().max(1) as f64;
-        let centres = mesh.faces().iter().map(centre).collect();
-        Look { mesh, normals, areas, centres, barrier, size }
+    fn new(mesh: &'a SurfaceMesh, normals: &'a [DVec3], barrier: &[bool], size: f64) -> Self {
+        let face = |(face, normal): (&[u32], &DVec3)| Face {
+            centre: face.iter().map(|&v| mesh.points()[v as usize]).sum::<DVec3>() / face.len().max(1) as f64,
+            area_normal: area_vector(mesh.points(), face).length() * *normal,
+        };
+        let faces = mesh.faces().iter().zip(normals).map(face).collect();
+        let next = |c: CornerId| mesh.opposite(c).filter(|_| !barrier[c.index()]).map_or(NONE, |o| mesh.face_of(o).0);
+        let across = (0..mesh.corner_count()).map(CornerId::new).map(next).collect();
+        Look { mesh, normals, faces, across, size }
     }
 
     /// Whether the surface turns by more than an angle over the width of an element, and does so at this edge.
     fn is_crease(&self, c: CornerId, angle: f64, visited: &mut Visited) -> bool {
         let Some(o) = self.mesh.opposite(c) else { return true };
         let width = self.size.max(LEAST_EDGES * self.edge_length(c, o));
-        let [own, other] = [c, o].map(|c| self.side(c, width, visited));
-        let [near, far] = [0, 1].map(|k| angle_between(own[k], other[k]));
-        near > angle && 2.0 * near - far > angle
+        let mut turn = |width: f64| {
+            let [own, other] = [c, o].map(|c| self.side(c, width, visited));
+            angle_between(own, other)
+        };
+        let near = turn(width);
+        // What is farther is looked at only where it matters: it costs most.
+        near > angle && 2.0 * near - turn(2.0 * width) > angle
     }
 
     /// Mean length of the edges of both faces.
@@ -196,39 +217,35 @@ impl<'a> Look<'a> {
         sum / f64::max(count, 1.0)
     }
 
-    /// Mean normals of one side of an edge over a width and over twice that: of the faces that are reached without crossing a
-    /// sharp edge or the plane that stands on this one.
-    fn side(&self, c: CornerId, width: f64, visited: &mut Visited) -> [DVec3; 2] {
+    /// Mean normal of one side of an edge over a width: of the faces that are reached without crossing a sharp edge or the
+    /// plane that stands on this one.
+    fn side(&self, c: CornerId, width: f64, visited: &mut Visited) -> DVec3 {
         let mesh = self.mesh;
         let [a, b] = [c, mesh.next(c)].map(|c| mesh.point(mesh.vertex(c)));
         let (middle, first) = (0.5 * (a + b), mesh.face_of(c));
         let other = mesh.opposite(c).map_or(first, |o| mesh.face_of(o));
         let upright = self.normals[first.index()] + self.normals[other.index()];
         let inward = upright.cross(b - a);
-        let inward = if inward.dot(self.centres[first.index()] - middle) < 0.0 { -inward } else { inward };
-        visited.begin();
-        visited.add(first.0);
-        visited.queue.push_back(first.0);
-        let (mut sums, mut count) = ([DVec3::ZERO; 2], 0);
+        let inward = if inward.dot(self.faces[first.index()].centre - middle) < 0.0 { -inward } else { inward };
+        visited.begin(first.0);
+        let (mut sum, mut count) = (DVec3::ZERO, 0);
         while let Some(f) = visited.queue.pop_front() {
-            let area_normal = self.areas[f as usize] * self.normals[f as usize];
-            sums[1] += area_normal;
-            if f == first.0 || self.centres[f as usize].distance_squared(middle) <= width * width {
-                sums[0] += area_normal;
-            }
+            sum += self.faces[f as usize].area_normal;
             count += 1;
             if count >= MOST_FACES {
                 break;
             }
-            for corner in mesh.corners(crate::mesh::FaceId(f)).filter(|c| !self.barrier[c.index()]) {
-                let Some(next) = mesh.opposite(corner).map(|o| mesh.face_of(o)) else { continue };
-                let way = self.centres[next.index()] - middle;
-                let is_near = way.length_squared() <= 4.0 * width * width && way.dot(inward) > 0.0;
-                if is_near && visited.add(next.0) {
-                    visited.queue.push_back(next.0);
+            for corner in mesh.corners(FaceId(f)) {
+                let next = self.across[corner.index()];
+                if next == NONE || visited.has(next) {
+                    continue;
+                }
+                let way = self.faces[next as usize].centre - middle;
+                if way.length_squared() <= width * width && way.dot(inward) > 0.0 {
+                    visited.add(next);
                 }
             }
         }
-        sums.map(unit)
+        unit(sum)
     }
 }

@@ -96,6 +96,22 @@ impl<'a> Network<'a> {
         leaders.len()
     }
 
+    /// Which edges are in pieces, with all candidates, that are as long as a length, or have a loop.
+    pub fn may_stay(&self, length: f64) -> Vec<bool> {
+        let mut sets = DisjointSets::new(self.degree.len());
+        self.ends.iter().for_each(|&[a, b]| sets.union(a, b));
+        let leaders = sets.leaders();
+        let of = |e: u32| leaders[self.ends[e as usize][0] as usize] as usize;
+        let (mut total, mut surplus) = (vec![0.0; leaders.len()], vec![1i64; leaders.len()]);
+        let is_used = |v: usize| self.first[v] < self.first[v + 1];
+        (0..leaders.len()).filter(|&v| is_used(v)).for_each(|v| surplus[leaders[v] as usize] -= 1);
+        for e in self.edges() {
+            total[of(e)] += self.length(e);
+            surplus[of(e)] += 1;
+        }
+        self.edges().map(|e| total[of(e)] >= length || surplus[of(e)] > 0).collect()
+    }
+
     /// Keeps what is told of the edges that are not fixed.
     pub fn keep_only(&mut self, keeps: &[bool]) {
         for (kept, (&fixed, &keep)) in self.kept.iter_mut().zip(self.fixed.iter().zip(keeps)) {
