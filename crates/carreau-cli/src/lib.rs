@@ -19,8 +19,8 @@
 mod choice;
 mod common;
 pub mod host;
-mod prepare;
 mod outputs;
+mod prepare;
 mod progress;
 mod record;
 mod replay;

@@ -1,8 +1,8 @@
 //! carreau turns triangle surfaces into structured models.
 
+pub mod bounds;
 pub mod brep;
 pub mod cad;
-pub mod bounds;
 pub mod context;
 pub mod error;
 pub mod field;

@@ -4,11 +4,12 @@ use super::segment::read_labels;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::prepare::PrepareFlags;
+use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::{Brep, SurfaceKind};
 use carreau::cad::{self, CadModel, CadOptions, Style};
-use carreau::io::{self, CAD_EXTENSIONS, WriteOptions, extension};
+use carreau::io::{self, ResultKind, CAD_EXTENSIONS, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -65,6 +66,12 @@ struct Options {
 }
 
 impl Cad {
+    /// The files of a run.
+    pub fn outputs(&self) -> Outputs {
+        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface);
+        files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad)
+    }
+
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
         let options = self.options()?;

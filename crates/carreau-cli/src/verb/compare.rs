@@ -2,8 +2,8 @@
 
 use super::{intersection_line, intersections};
 use crate::common::{Common, CommonValues};
-use crate::prepare::PrepareFlags;
 use crate::outputs::Outputs;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session, named};
 use carreau::Error;

@@ -3,8 +3,8 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found as Handed;
-use crate::prepare::PrepareFlags;
 use crate::outputs::Outputs;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::bounds::angle;
@@ -68,7 +68,13 @@ struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { estimator: Estimator::default(), radius: None, feature_angle: 25.0, common: CommonValues::default(), prepare: PrepareOptions::default() }
+        Options {
+            estimator: Estimator::default(),
+            radius: None,
+            feature_angle: 25.0,
+            common: CommonValues::default(),
+            prepare: PrepareOptions::default(),
+        }
     }
 }
 

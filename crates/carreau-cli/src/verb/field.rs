@@ -4,8 +4,8 @@ use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, 
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
-use crate::prepare::PrepareFlags;
 use crate::outputs::{Content, Outputs};
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::field::{self, FieldOptions, Pin, Propagation};

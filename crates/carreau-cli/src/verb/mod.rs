@@ -92,6 +92,7 @@ impl Verb {
             Verb::Curvature(verb) => verb.outputs(),
             Verb::Patch(verb) => verb.outputs(),
             Verb::Segment(verb) => verb.outputs(),
+            Verb::Cad(verb) => verb.outputs(),
             Verb::Field(verb) => verb.outputs(),
             Verb::Motorcycle(verb) => verb.outputs(),
             Verb::Quad(verb) => verb.outputs(),

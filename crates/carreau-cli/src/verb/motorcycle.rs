@@ -2,8 +2,8 @@
 
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::common::{Common, CommonValues, positive_length};
-use crate::outputs::{Content, Outputs};
 use crate::host::Found;
+use crate::outputs::{Content, Outputs};
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};

@@ -3,8 +3,8 @@
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
-use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::outputs::{Content, Outputs};
+use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::ResultKind;

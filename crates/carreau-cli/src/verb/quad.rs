@@ -3,12 +3,12 @@
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
-use crate::prepare::PrepareFlags;
 use crate::outputs::Outputs;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::mesh::{PrepareOptions, RawMesh};
 use carreau::io::ResultKind;
+use carreau::mesh::{PrepareOptions, RawMesh};
 use carreau::quad::{self, QuadOptions, Quads};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};

@@ -2,9 +2,9 @@
 
 use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_both};
 use crate::common::{Common, CommonValues, positive_length};
+use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::{ResultKind, holds_numbers};

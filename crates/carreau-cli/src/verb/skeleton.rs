@@ -2,13 +2,13 @@
 
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
-use crate::prepare::PrepareFlags;
 use crate::outputs::Outputs;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::Error;
-use carreau::mesh::PrepareOptions;
 use carreau::io::ResultKind;
+use carreau::mesh::PrepareOptions;
 use carreau::report::page::Scene;
 use carreau::report::skeleton_figure;
 use carreau::skeleton::{SkeletonOptions, extract};

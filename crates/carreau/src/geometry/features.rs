@@ -20,7 +20,6 @@ pub use found::{DroppedStrand, FoundFeatures};
 use super::normals::{AngleLimit, angle_between, face_normals};
 use crate::bounds::angle;
 use crate::context::Context;
-use crate::bounds::angle;
 use crate::error::Result;
 use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector, sound};
 use glam::DVec3;

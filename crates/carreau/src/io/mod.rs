@@ -42,8 +42,8 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
 pub use cad::{CAD_EXTENSIONS, CadOptions, IgesForm, StepSchema, Unit, write_cad};
+pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
 pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
 /// The content of a file and where it came from.

@@ -77,7 +77,7 @@ pub use quality::QuadQuality;
 use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::features::FeatureOptions;
+use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use attempts::Attempts;
 use gaps::Gap;

@@ -43,8 +43,8 @@ mod tests;
 mod trimmed;
 mod weigh;
 
-use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use crate::bounds::within;
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use crate::context::Context;
 use crate::error::Result;
 use crate::length::Length;
