@@ -88,7 +88,8 @@ fn written(folder: &Path, name: &str, mesh: &SurfaceMesh) -> PathBuf {
 
 /// A run's output and what it said.
 fn run(verb: &[&str], input: &Path, output: &Path, options: &[&str]) -> (Vec<u8>, String) {
-    let done = carreau().arg(verb[0]).arg(input).arg("-o").arg(output).args(&verb[1..]).args(options).assert().success();
+    let done =
+        carreau().arg(verb[0]).arg(input).arg("-o").arg(output).args(&verb[1..]).args(options).assert().success();
     let said = String::from_utf8(done.get_output().stderr.clone()).unwrap();
     (fs::read(output).unwrap(), said)
 }

@@ -65,7 +65,13 @@ struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { estimator: Estimator::default(), radius: None, feature_angle: 25.0, common: CommonValues::default(), prepare: PrepareOptions::default() }
+        Options {
+            estimator: Estimator::default(),
+            radius: None,
+            feature_angle: 25.0,
+            common: CommonValues::default(),
+            prepare: PrepareOptions::default(),
+        }
     }
 }
 

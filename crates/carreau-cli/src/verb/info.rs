@@ -6,9 +6,7 @@ use carreau::Error;
 use carreau::geometry::intersections::Intersections;
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::hex::Validity;
-use carreau::mesh::{
-    Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare,
-};
+use carreau::mesh::{Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -160,12 +158,7 @@ pub fn defect_lines(t: &Topology, all: bool) -> Vec<String> {
     let defects = [
         ("non-manifold edge", "non-manifold edges", t.nonmanifold_edges, "nonmanifold_edges"),
         ("non-manifold vertex", "non-manifold vertices", t.nonmanifold_vertices, "nonmanifold_vertices"),
-        (
-            "inconsistently oriented edge",
-            "inconsistently oriented edges",
-            t.inconsistent_edges,
-            "inconsistent_edges",
-        ),
+        ("inconsistently oriented edge", "inconsistently oriented edges", t.inconsistent_edges, "inconsistent_edges"),
         ("degenerate face", "degenerate faces", t.degenerate_faces, "degenerate_faces"),
         ("duplicate face", "duplicate faces", t.duplicate_faces, "duplicate_faces"),
         ("coincident vertex", "coincident vertices", t.coincident_vertices, "coincident_vertices"),
@@ -195,7 +188,8 @@ pub fn intersection_line(found: &Intersections) -> Option<String> {
     let dots = if found.pairs > shown.len() { ", …" } else { "" };
     let least = if found.more { "at least " } else { "" };
     let pairs = if found.pairs == 1 { "pair of faces meets" } else { "pairs of faces meet" };
-    (found.pairs > 0).then(|| format!("{least}{} {pairs} (self-intersections): {}{dots}", found.pairs, shown.join(", ")))
+    (found.pairs > 0)
+        .then(|| format!("{least}{} {pairs} (self-intersections): {}{dots}", found.pairs, shown.join(", ")))
 }
 
 /// What other verbs do before they begin.

@@ -69,7 +69,8 @@ impl Intersections {
         });
         let found: Vec<Vec<[u32; 2]>> = found.collect::<Result<_>>()?;
         let more = found.iter().any(|list| list.len() > MOST);
-        let mut all: Vec<[u32; 2]> = found.into_iter().flatten().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        let mut all: Vec<[u32; 2]> =
+            found.into_iter().flatten().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         all.par_sort_unstable();
         all.dedup();
         Ok(Intersections { pairs: all.len(), more, places: all.into_iter().take(PLACES).collect() })
@@ -174,7 +175,8 @@ fn cross(axis: usize, [a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {
     if [s, t, u, v] == [0; 4] {
         let range = |p: f64, q: f64| (p.min(q), p.max(q));
         let overlap = |f: fn(Coord<f64>) -> f64| {
-            let (own, other) = (range(f(along(axis, a)), f(along(axis, b))), range(f(along(axis, c)), f(along(axis, d))));
+            let (own, other) =
+                (range(f(along(axis, a)), f(along(axis, b))), range(f(along(axis, c)), f(along(axis, d))));
             own.0 <= other.1 && other.0 <= own.1
         };
         return overlap(|p| p.x) && overlap(|p| p.y);

@@ -60,7 +60,10 @@ pub use half_edges::{EdgeGroup, HalfEdges};
 pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_edges};
 pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
-pub use prepare::{Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, keep_pieces, prepare};
+pub use prepare::{
+    Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, keep_pieces,
+    prepare,
+};
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub(crate) use repair::{divided, is_flawed};

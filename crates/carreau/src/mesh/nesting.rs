@@ -45,8 +45,7 @@ impl Shells {
             }
         }
         let depth = vec![0; count as usize];
-        let mut shells =
-            Shells { of_component, volume, depth, bounds, inside: Vec::new(), component, first_face };
+        let mut shells = Shells { of_component, volume, depth, bounds, inside: Vec::new(), component, first_face };
         shells.find_depths(points, faces, &of_face);
         shells
     }
@@ -84,7 +83,8 @@ impl Shells {
     pub fn body(&self, component: u32) -> u32 {
         let shell = self.of_component[component as usize];
         let Some(&depth) = self.depth.get(shell as usize).filter(|depth| *depth % 2 == 1) else { return component };
-        let around = self.inside.iter().find(|[inner, outer]| *inner == shell && self.depth[*outer as usize] + 1 == depth);
+        let around =
+            self.inside.iter().find(|[inner, outer]| *inner == shell && self.depth[*outer as usize] + 1 == depth);
         around.map_or(component, |&[_, outer]| self.component[outer as usize])
     }
 

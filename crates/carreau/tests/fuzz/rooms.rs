@@ -4,8 +4,8 @@ use crate::models::Models;
 use crate::random::Random;
 use carreau::geometry::curvature::{CurvatureOptions, curvature};
 use carreau::geometry::distance::{DistanceOptions, compare};
-use carreau::io::{self, WriteOptions};
 use carreau::geometry::intersections::Intersections;
+use carreau::io::{self, WriteOptions};
 use carreau::mesh::{Polygons, PrepareOptions, RepairOptions, SurfaceMesh, Takes, Triangles, prepare, repair};
 use carreau::{Context, DVec3, Error, field, hex, patch, quad, remesh, segment, skeleton};
 use std::cell::RefCell;
@@ -115,7 +115,8 @@ fn prepared(mesh: &SurfaceMesh, rng: &mut Random, context: &Context) -> carreau:
     let all = mesh.faces().fan().0;
     let twice = rng.one_in(2);
     let listed: Vec<[u32; 3]> = if twice { all.iter().chain(&all).copied().collect() } else { all };
-    let listed: Vec<[u32; 3]> = listed.into_iter().map(|[a, b, c]| if rng.one_in(9) { [a, c, b] } else { [a, b, c] }).collect();
+    let listed: Vec<[u32; 3]> =
+        listed.into_iter().map(|[a, b, c]| if rng.one_in(9) { [a, c, b] } else { [a, b, c] }).collect();
     let soup = match rng.below(3) {
         0 => SurfaceMesh::new(mesh.points().to_vec(), Polygons::from_triangles(&listed))?,
         _ => {
@@ -127,9 +128,8 @@ fn prepared(mesh: &SurfaceMesh, rng: &mut Random, context: &Context) -> carreau:
     let takes = if rng.one_in(4) { Takes::OneBody } else { Takes::Bodies };
     let done = prepare(soup.clone(), &PrepareOptions::default(), takes, context)?;
     let faces = done.mesh.face_count() as u32;
-    let leads_back = (0..done.mesh.vertex_count() as u32).all(|v| {
-        soup.points().get(done.vertex(v) as usize) == Some(&done.mesh.points()[v as usize])
-    });
+    let leads_back = (0..done.mesh.vertex_count() as u32)
+        .all(|v| soup.points().get(done.vertex(v) as usize) == Some(&done.mesh.points()[v as usize]));
     let labels = done.labels_of_faces(&(0..faces).collect::<Vec<_>>());
     let again = prepare(done.mesh.clone(), &PrepareOptions::default(), Takes::Bodies, context)?;
     let crossed = Intersections::of(&done.mesh, context)?;

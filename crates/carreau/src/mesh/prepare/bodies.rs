@@ -48,7 +48,8 @@ impl Bodies {
     /// Components as bodies: cavities belong to the one around them.
     pub(super) fn of(mesh: &SurfaceMesh, component: &[u32], count: usize, shells: &Shells) -> Self {
         let outer: Vec<u32> = (0..count as u32).map(|c| shells.body(c)).collect();
-        let (mut number, mut list, mut of_face) = (vec![u32::MAX; count], Vec::new(), Vec::with_capacity(component.len()));
+        let (mut number, mut list, mut of_face) =
+            (vec![u32::MAX; count], Vec::new(), Vec::with_capacity(component.len()));
         let names = column(mesh);
         let mut label: Vec<Option<i32>> = Vec::new();
         for (face, f) in mesh.faces().iter().zip(0u32..) {
@@ -67,7 +68,8 @@ impl Bodies {
             of_face.push(b as u32);
         }
         for (body, label) in list.iter_mut().zip(label) {
-            let word = names.zip(label).and_then(|((name, _), label)| mesh.attributes.names.get(&(name.to_string(), label)));
+            let word =
+                names.zip(label).and_then(|((name, _), label)| mesh.attributes.names.get(&(name.to_string(), label)));
             body.name = word.filter(|word| !word.is_empty()).cloned();
         }
         Bodies { list, of_face }

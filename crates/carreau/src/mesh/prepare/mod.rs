@@ -28,8 +28,8 @@ mod sheets;
 mod tests;
 mod trace;
 
-pub use bodies::{Bodies, Body};
 pub(super) use bodies::labels as body_labels;
+pub use bodies::{Bodies, Body};
 pub use pieces::Keep;
 pub use report::{PreparePlaces, PrepareReport};
 pub(super) use sheets::Sheets;
@@ -166,7 +166,10 @@ impl Mended {
             let (component, components, shells) = scan::parts(&input);
             let bodies = Bodies::of(&input, &component, components, &shells);
             report.count_left(&input, |v| v);
-            return Ok(Prepared { report: PrepareReport { bodies: bodies.list.len(), ..report }, ..Prepared::unchanged(input, bodies) });
+            return Ok(Prepared {
+                report: PrepareReport { bodies: bodies.list.len(), ..report },
+                ..Prepared::unchanged(input, bodies)
+            });
         }
         let trace = Trace::of(&soup, &input, &doubles);
         let corners = soup.corner_source.clone();

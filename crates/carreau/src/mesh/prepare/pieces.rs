@@ -131,8 +131,7 @@ fn part_of(mesh: &SurfaceMesh, vertices: &[u32], faces: &[u32]) -> Result<Surfac
     for &f in faces {
         polygons.push_iter(mesh.faces().face(f as usize).iter().map(|&v| new_id[v as usize]));
     }
-    let corners: Vec<u32> =
-        faces.iter().flat_map(|&f| offsets[f as usize]..offsets[f as usize + 1]).collect();
+    let corners: Vec<u32> = faces.iter().flat_map(|&f| offsets[f as usize]..offsets[f as usize + 1]).collect();
     let points = vertices.iter().map(|&v| mesh.points()[v as usize]).collect();
     let mut part = SurfaceMesh::new(points, polygons)?;
     let from = &mesh.attributes;

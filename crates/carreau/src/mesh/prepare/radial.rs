@@ -25,13 +25,7 @@ struct Spoke {
 }
 
 /// Pairs the sides of an edge between two vertices; none where their number is odd.
-pub(super) fn pairs_around(
-    soup: &Soup,
-    ends: [u32; 2],
-    sides: &[u32],
-    next: &[u32],
-    face_of: &[u32],
-) -> Vec<[u32; 2]> {
+pub(super) fn pairs_around(soup: &Soup, ends: [u32; 2], sides: &[u32], next: &[u32], face_of: &[u32]) -> Vec<[u32; 2]> {
     if sides.len() < 2 || sides.len() % 2 == 1 {
         return Vec::new();
     }

@@ -163,9 +163,27 @@ impl PrepareReport {
         say(self.welded_vertices, "welded", "vertex", "vertices", pair(p.welded_vertices, "at"));
         say(self.degenerate_faces, "left out", "face without area", "faces without area", one(p.degenerate_faces, ""));
         say(self.duplicate_faces, "left out", "duplicate face", "duplicate faces", pair(p.duplicate_faces, "on"));
-        say(self.turned_faces, "turned", "face to agree with its neighbours", "faces to agree with their neighbours", one(p.turned_faces, ""));
-        say(self.turned_components, "turned", "component that was inside out", "components that were inside out", one(p.turned_components, "at face "));
-        say(self.paired_edges, "told bodies apart at", "edge of more than two faces", "edges of more than two faces", pair(p.paired_edges, "to"));
+        say(
+            self.turned_faces,
+            "turned",
+            "face to agree with its neighbours",
+            "faces to agree with their neighbours",
+            one(p.turned_faces, ""),
+        );
+        say(
+            self.turned_components,
+            "turned",
+            "component that was inside out",
+            "components that were inside out",
+            one(p.turned_components, "at face "),
+        );
+        say(
+            self.paired_edges,
+            "told bodies apart at",
+            "edge of more than two faces",
+            "edges of more than two faces",
+            pair(p.paired_edges, "to"),
+        );
         if self.paired_edges == 0 {
             say(self.split_vertices, "doubled", "vertex where sheets touch", "vertices where sheets touch", None);
         }
@@ -173,12 +191,18 @@ impl PrepareReport {
         if let Some(first) = self.left_out.first {
             let Pieces { count, faces: n, .. } = self.left_out;
             let what = if count == 1 { "piece" } else { "pieces" };
-            said.push(format!("left out {count} {what} of {} (first at face {first}; --keep all keeps them)", faces(n)));
+            said.push(format!(
+                "left out {count} {what} of {} (first at face {first}; --keep all keeps them)",
+                faces(n)
+            ));
         }
         if let Some(first) = self.small.first {
             let Pieces { count, faces: n, .. } = self.small;
             let what = if count == 1 { "small piece" } else { "small pieces" };
-            said.push(format!("kept {count} {what} of {} (first at face {first}; --keep largest leaves them out)", faces(n)));
+            said.push(format!(
+                "kept {count} {what} of {} (first at face {first}; --keep largest leaves them out)",
+                faces(n)
+            ));
         }
         (!said.is_empty()).then(|| format!("prepared the surface: {}", said.join("; ")))
     }

@@ -60,13 +60,13 @@ fn leaders(mesh: &SurfaceMesh, tolerance: f64) -> Option<Vec<u32>> {
 }
 
 fn is_flawed(mesh: &SurfaceMesh) -> bool {
-    let irregular =
-        |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
+    let irregular = |c: usize| matches!(mesh.side(CornerId::new(c)), Side::Inconsistent | Side::NonManifold);
     if (0..mesh.corner_count()).into_par_iter().with_min_len(4096).any(irregular) || degenerate::any(mesh) {
         return true;
     }
     if mesh.is_triangular() {
-        return (0..mesh.face_count()).into_par_iter().with_min_len(4096).any(|f| is_pillow(mesh, f)) || !is_umbrella(mesh);
+        return (0..mesh.face_count()).into_par_iter().with_min_len(4096).any(|f| is_pillow(mesh, f))
+            || !is_umbrella(mesh);
     }
     let repeats = faces_with_repeats(mesh.faces(), mesh.vertex_count());
     let first = first_on_same_vertices(mesh.faces(), &repeats);
@@ -89,8 +89,8 @@ fn is_pillow(mesh: &SurfaceMesh, f: usize) -> bool {
 pub(super) fn parts(mesh: &SurfaceMesh) -> (Vec<u32>, usize, Shells) {
     let faces = mesh.faces();
     let repeats = vec![false; faces.len()];
-    let is_regular = (0..mesh.corner_count())
-        .all(|c| matches!(mesh.side(CornerId::new(c)), Side::Inner(_) | Side::Border));
+    let is_regular =
+        (0..mesh.corner_count()).all(|c| matches!(mesh.side(CornerId::new(c)), Side::Inner(_) | Side::Border));
     if !is_regular {
         let repeats = faces_with_repeats(faces, mesh.vertex_count());
         let parts = Connectivity::of(faces, &mesh.half_edges(), &repeats);

@@ -134,8 +134,7 @@ impl Sheets {
     /// together, or are cut. Returns how many vertices are copies, and one that was copied.
     pub fn separate(&self, soup: &mut Soup, original: &SurfaceMesh, cut: bool) -> (usize, Option<u32>) {
         let umbrella = self.umbrellas(soup, cut);
-        let own: Vec<u32> =
-            soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
+        let own: Vec<u32> = soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
         let repeats = soup.faces_with_repeats();
         let face_of = soup.faces.face_of_corners();
         // The file's vertex of every umbrella: the first of those that its corners had.

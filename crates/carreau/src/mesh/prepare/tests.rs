@@ -44,7 +44,11 @@ fn a_sound_surface_comes_back_as_it_is() {
     let beside = together(&[cube(DVec3::ZERO, 1.0), cube(DVec3::X, 1.0)]);
     for mesh in models().into_iter().chain([touching, beside]) {
         let done = prepared(&mesh);
-        assert!(!done.is_changed() && done.report.line().is_none() && done.report.left().is_empty(), "{:?}", done.report);
+        assert!(
+            !done.is_changed() && done.report.line().is_none() && done.report.left().is_empty(),
+            "{:?}",
+            done.report
+        );
         assert_eq!((done.mesh.points(), done.mesh.faces()), (mesh.points(), mesh.faces()));
     }
 }

@@ -243,9 +243,9 @@ impl Nearby {
         let face = prepared.input().faces().face(f as usize);
         let now: Vec<u32> = face.iter().filter_map(|&v| prepared.vertex_image(v)).collect();
         let pairs = (0..now.len()).map(|k| [now[k], now[(k + 1) % now.len()]]).filter(|[a, b]| a != b);
-        let beside = pairs.filter_map(|[a, b]| self.half_edges.find(a, b)).flat_map(|edge| {
-            edge.corners().map(|c| self.face_of[c as usize]).collect::<Vec<u32>>()
-        });
+        let beside = pairs
+            .filter_map(|[a, b]| self.half_edges.find(a, b))
+            .flat_map(|edge| edge.corners().map(|c| self.face_of[c as usize]).collect::<Vec<u32>>());
         beside.min().or_else(|| now.iter().filter_map(|&v| super::some(self.at_vertex[v as usize])).min())
     }
 }

@@ -29,10 +29,10 @@ use crate::error::{Error, Result};
 use crate::length::Length;
 use serde::{Deserialize, Serialize};
 
-pub(super) use soup::Soup;
-pub use sound::sound;
 pub(super) use sound::is_umbrella;
+pub use sound::sound;
 pub(crate) use sound::{divided, is_flawed};
+pub(super) use soup::Soup;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

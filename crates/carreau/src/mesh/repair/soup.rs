@@ -87,7 +87,11 @@ impl Soup {
         let mut last = NONE;
         let (mut owners, mut copies) = (Vec::with_capacity(order.len()), Vec::new());
         for v in order {
-            if source(v) == last { copies.push(v) } else { owners.push(v) }
+            if source(v) == last {
+                copies.push(v)
+            } else {
+                owners.push(v)
+            }
             last = source(v);
         }
         copies.sort_unstable();
