@@ -21,6 +21,7 @@ from ._results import *  # noqa: F403
 from ._results import __all__ as _results
 from ._verbs import (
     Common,
+    cad,
     compare,
     curvature,
     enrich,
@@ -45,6 +46,7 @@ __all__ = [
     "Skeleton",
     "Watch",
     "__version__",
+    "cad",
     "compare",
     "curvature",
     "enrich",

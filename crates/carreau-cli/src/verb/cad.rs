@@ -3,6 +3,7 @@
 use super::segment::read_labels;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::{Brep, SurfaceKind};
@@ -90,6 +91,7 @@ impl Cad {
         tell(session, &model, options.cad.style, diagonal);
         let out = labelled(mesh, &model);
         session.draw(&out)?;
+        session.keep(|| Found::Mesh(out.clone()));
         session.show_result(self.output.as_deref(), |name, context| {
             Scene::of_mesh(name, &out)?.show("face").with_curvature(context)
         })?;

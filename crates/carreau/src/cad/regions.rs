@@ -285,7 +285,7 @@ impl Shared<'_, '_> {
         self.label.iter().zip(0u32..).for_each(|(&l, k)| members[l as usize].push(k));
         for own in 0..members.len() as u32 {
             let triangles = &members[own as usize];
-            if triangles.is_empty() || triangles.len() > CRUMB || self.primitives[own as usize].is_some() {
+            if triangles.is_empty() || triangles.len() > CRUMB {
                 continue;
             }
             let mut around: Vec<u32> = triangles
@@ -302,13 +302,24 @@ impl Shared<'_, '_> {
             let far = |l: u32| {
                 let p = self.primitives[l as usize]?;
                 let d = points.iter().map(|&q| p.distance(q).abs()).fold(0.0, f64::max);
-                (d <= self.tolerance).then_some((d, l))
+                // A plane face of its own may have its corners on a curved neighbour; then it is farther inside than the
+                // neighbour's facets.
+                let own_plane = self.primitives[own as usize].is_some();
+                let allowed = if own_plane { 1.2 * self.sagitta(&members[l as usize], &p) } else { f64::INFINITY };
+                let curved = !own_plane || p.kind() != Kind::Plane;
+                (d <= self.tolerance && curved && self.sagitta(triangles, &p) <= allowed).then_some((d, l))
             };
             let best = around.iter().filter_map(|&l| far(l)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             if let Some((_, home)) = best {
                 triangles.iter().for_each(|&k| self.label[k as usize] = home);
             }
         }
+    }
+
+    /// Largest distance of the middles of triangles' sides from a surface.
+    fn sagitta(&self, triangles: &[u32], p: &Primitive) -> f64 {
+        let middle = |c: u32| 0.5 * (self.t.point(c) + self.t.point(self.t.next(c)));
+        triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| p.distance(middle(c)).abs()).fold(0.0, f64::max)
     }
 
     /// Makes one of neighbours that lie on one surface.

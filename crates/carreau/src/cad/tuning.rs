@@ -47,5 +47,10 @@ pub const BRANCH: f64 = 2e-3;
 pub const NEAR: f64 = 1e-3;
 /// Gaps are sampled, here and in the validator, at different places: what is stated exceeds what was measured by this factor.
 pub const STATED: f64 = 1.5;
+/// Of the largest: the triangles of an extrusion contain its direction, within this angle in radians (float precision of
+/// triangles as small as a thousandth of the part).
+pub const ALONG: f64 = 1e-4;
+/// Share of the diagonal: vertices that are this near to each other, seen along an extrusion, are one place of its profile.
+pub const COLUMN: f64 = 1e-6;
 /// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
 pub const NEAR_VERTEX: f64 = 12.0;
