@@ -22,6 +22,7 @@ from ._results import __all__ as _results
 from ._verbs import (
     Common,
     Preparation,
+    cad,
     compare,
     curvature,
     enrich,
@@ -47,6 +48,7 @@ __all__ = [
     "Skeleton",
     "Watch",
     "__version__",
+    "cad",
     "compare",
     "curvature",
     "enrich",

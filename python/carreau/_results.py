@@ -15,6 +15,7 @@ from ._mesh import Mesh, Skeleton
 from ._notebook import framed
 
 __all__ = [
+    "CadResult",
     "CompareResult",
     "CurvatureResult",
     "FieldResult",
@@ -187,6 +188,22 @@ class CurvatureResult(_MeshResult):
     def dmax(self) -> NDArray[np.float64]:
         """Direction of the largest, (n, 3)."""
         return self.mesh.vertex_attributes["dmax"]
+
+
+class CadResult(_MeshResult):
+    """A CAD model: the mesh with the face of every triangle, and what the record says about the faces."""
+
+    __slots__ = ()
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """Face of every triangle."""
+        return self.mesh.face_attributes["face"]
+
+    @property
+    def faces(self) -> int:
+        """Number of faces of the model."""
+        return self.record["faces"]
 
 
 class SegmentResult(_MeshResult):

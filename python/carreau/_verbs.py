@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from ._call import Watch, run
 from ._mesh import Mesh, Skeleton
 from ._results import (
+    CadResult,
     CompareResult,
     CurvatureResult,
     FieldResult,
@@ -32,6 +33,7 @@ from ._results import (
 )
 
 __all__ = [
+    "cad",
     "compare",
     "curvature",
     "enrich",
@@ -128,6 +130,47 @@ def _options(arguments: dict[str, Any], *inputs: str) -> dict[str, Any]:
 
 def _progress(options: dict[str, Any]) -> bool | Watch | None:
     return options.pop("progress", None)
+
+
+def cad(
+    mesh: Surface,
+    *,
+    style: Literal["auto", "mechanical", "organic"] | None = None,
+    tolerance: Length | None = None,
+    labels: ArrayLike | str | None = None,
+    max_faces: int | None = None,
+    **common: Unpack[Common],
+) -> CadResult:
+    """Make a CAD model with the faces that the part really has; ``output="part.step"`` writes it.
+
+    Parameters
+    ----------
+    mesh : Mesh, path or (points, faces)
+        The surface; polygons are cut into triangles.
+    style : {"auto", "mechanical", "organic"}, optional
+        What kind of model is made; "organic" is not available yet ("auto").
+    tolerance : float or str, optional
+        Largest distance of a vertex from its face; from the data.
+    labels : array_like of int, str or path, optional
+        Faces as given, one label per triangle: an array, the name of a face attribute, or a file.
+    max_faces : int, optional
+        Refuse models of more faces.
+    **common
+        Options that every verb has, see `Common`.
+
+    Returns
+    -------
+    CadResult
+        Face of every triangle; numbers of faces, edges and solids in the record.
+
+    Examples
+    --------
+    >>> result = cr.cad(cr.sample("bracket"))
+    >>> result.record["faces"], result.record["solids"]
+    (13, 1)
+    """
+    options = _options(locals(), "mesh")
+    return run("cad", CadResult, (mesh,), options, _progress(options))
 
 
 def segment(

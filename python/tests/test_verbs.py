@@ -16,6 +16,7 @@ import carreau as cr
 
 VERBS = [
     "segment",
+    "cad",
     "enrich",
     "simplify",
     "patch",

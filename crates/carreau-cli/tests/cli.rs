@@ -37,6 +37,7 @@ fn help_names_every_verb_and_each_has_an_example() {
         "compare",
         "curvature",
         "segment",
+        "cad",
         "enrich",
         "simplify",
         "patch",

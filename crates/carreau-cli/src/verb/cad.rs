@@ -5,6 +5,7 @@ use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::prepare::PrepareFlags;
 use crate::outputs::Outputs;
+use crate::host::Found;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::{Brep, SurfaceKind};
@@ -104,6 +105,7 @@ impl Cad {
         tell(session, &model, options.cad.style, diagonal);
         let out = labelled(prepared, &model);
         session.draw(&out)?;
+        session.keep(|| Found::Mesh(out.clone()));
         session.show_result(self.output.as_deref(), |name, context| {
             Scene::of_mesh(name, &out)?.show("face").with_curvature(context)
         })?;

@@ -1,8 +1,8 @@
 //! What a model must pass before it is written: the validator of [`crate::brep`], whose findings name pieces.
 
 use super::model::Obstacle;
-use super::regions::Map;
-use super::tuning::{GAP, NEAR};
+use super::regions::{Map, Rung};
+use super::tuning::{GAP, NEAR, SWING};
 use crate::brep::Brep;
 use crate::brep::validate::{Fault, Finding, Limits, Reference, validate};
 use crate::context::Context;
@@ -26,6 +26,13 @@ pub fn obstacles(map: &Map<'_>, mesh: &SurfaceMesh, brep: &Brep, context: &Conte
     let doubtful = |f: &&Finding| match f.fault {
         Fault::MissingFace => true,
         Fault::Volume => findings.iter().any(|f| matches!(f.fault, Fault::CrossedLoop | Fault::MissingFace)),
+        // Exact faces between exact edges do not swing: what is farther off is on a wrong branch, by more than facets are.
+        Fault::FaceOffMesh
+            if f.measured < SWING * f.bound
+                && f.face.is_some_and(|p| map.pieces[p as usize].rung == Rung::Analytic) =>
+        {
+            true
+        }
         _ => f.face.or(f.other).is_some_and(|face| crossed.contains(&face)),
     };
     Ok(findings.iter().filter(|f| !doubtful(f)).map(|f| obstacle(brep, f)).collect())

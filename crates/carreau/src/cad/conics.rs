@@ -332,6 +332,9 @@ pub fn seam(surface: &Surface, across: usize, at: f64) -> Option<Curve> {
             let (a, b) = (surface.point(at, 0.0), surface.point(at, 1.0));
             Curve::Line { origin: a, direction: (b - a).normalize_or_zero() }
         }
+        (Surface::Extrusion { profile, direction }, 0) => {
+            Curve::Line { origin: profile.point(at), direction: *direction }
+        }
         (Surface::Sphere { frame, radius }, 0) => {
             let x = frame.radial(at);
             Curve::Circle { frame: Frame { origin: frame.origin, z: x.cross(frame.z), x }, radius: *radius }

@@ -6,6 +6,7 @@ use super::model::Obstacle;
 use super::regions::{Map, Rung};
 use super::topology::Graph;
 use super::tuning::{FREE, GAP, STEPS};
+use crate::brep::Curve;
 use crate::mesh::NONE;
 use crate::numeric::eigen3::{Eigen3, outer};
 use glam::{DMat3, DVec3};
@@ -39,6 +40,7 @@ pub fn place(map: &Map<'_>, graph: &Graph, tracks: &mut [Track], draft: &mut Dra
             off = off.max(track.curve.point(t).distance(point));
             let closed = graph.chains[k].vertices[0] == graph.chains[k].vertices[graph.chains[k].vertices.len() - 1];
             match (closed, track.curve.period()) {
+                (true, Some(_)) if matches!(track.curve, Curve::Spline(_)) => track.range = track.curve.domain(),
                 (true, Some(period)) if side == 0 => track.range = [t, t + period],
                 (true, Some(_)) => {}
                 _ => track.range[side] = t,

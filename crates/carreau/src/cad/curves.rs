@@ -43,6 +43,13 @@ pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal:
             return best;
         }
     }
+    // A generator of a swept surface.
+    if let Some(line) = straight(polyline, named) {
+        let line = measured(line, &a.surface, &b.surface, polyline.len());
+        if line.gap <= named {
+            return Some(line);
+        }
+    }
     let (spline, gap) = trace(&a.surface, &b.surface, polyline, TRACED * diagonal)?;
     let range = spline.knots().domain();
     let curve = Curve::Spline(spline);

@@ -86,13 +86,17 @@ impl Draft {
     pub fn vertex_on(&mut self, edge: u32, t: f64, diagonal: f64) -> u32 {
         let e = &self.edges[edge as usize];
         let point = e.curve.point(t);
-        let Some(ends) = e.ends else {
-            let period = e.range[1] - e.range[0];
-            let v = self.vertex(point, 0.0);
+        if e.ends.is_none() {
+            // A closed spline begins where it begins: other programs cannot go past its ends.
+            let range = e.range;
+            let start = if matches!(e.curve, Curve::Spline(_)) { range[0] } else { t };
+            let at = e.curve.point(start);
+            let v = self.vertex(at, 0.0);
             let e = &mut self.edges[edge as usize];
-            (e.range, e.ends) = ([t, t + period], Some([v, v]));
-            return v;
-        };
+            (e.range, e.ends) = ([start, start + (range[1] - range[0])], Some([v, v]));
+        }
+        let e = &self.edges[edge as usize];
+        let ends = e.ends.unwrap_or_default();
         // A parameter of a ring may be a period off.
         let mut t = t;
         if let Some(period) = e.curve.period() {

@@ -280,6 +280,9 @@ impl Seams<'_> {
         for ring in [Some(a), b].into_iter().flatten() {
             for &(e, _) in &face.loops[ring] {
                 let edge = &draft.edges[e as usize];
+                if edge.ends.is_none() && matches!(edge.curve, Curve::Spline(_)) {
+                    places.push((surface.project(edge.curve.point(edge.range[0]))[self.k], 1));
+                }
                 let ends = edge.ends.into_iter().flatten().chain(edge.splits.iter().map(|s| s.1));
                 for v in ends {
                     places.push((surface.project(draft.vertices[v as usize].point)[self.k], 1));

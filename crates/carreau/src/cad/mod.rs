@@ -7,6 +7,7 @@
 //! |---|---|
 //! | regions and their surfaces | [`crate::segment`] |
 //! | the map: neighbours on one surface made one, crumbs absorbed | `regions` |
+//! | extrusions among the regions without a surface | `swept` |
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
@@ -29,6 +30,7 @@ mod ladder;
 mod model;
 mod regions;
 mod shells;
+mod swept;
 #[cfg(test)]
 mod tests;
 mod topology;
@@ -116,7 +118,9 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let segmentation = segment(mesh, &wanted, context)?;
     let mut map = {
         let _stage = context.stage("map");
-        Map::new(triangles, mesh.diagonal(), &segmentation)
+        let mut map = Map::new(triangles, mesh.diagonal(), &segmentation);
+        swept::sweep(&mut map);
+        map
     };
     let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
     if options.max_faces.is_some_and(|most| brep.faces.len() > most as usize) {

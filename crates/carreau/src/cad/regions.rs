@@ -6,7 +6,7 @@
 use super::tuning::{COPLANAR, COPLANAR_DISTANCE, FILE};
 use crate::brep::Surface;
 use crate::geometry::normals::{angle_between, unit};
-use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_within, refine};
+use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
 use crate::segment::Segmentation;
 use glam::DVec3;
@@ -220,6 +220,14 @@ pub fn vertices(t: Triangles<'_>, triangles: &[u32]) -> Vec<DVec3> {
     ids.into_iter().map(|v| t.points()[v as usize]).collect()
 }
 
+/// Mean normals of the distinct vertices of triangles, in the order of [`vertices`].
+fn normals(t: Triangles<'_>, triangles: &[u32]) -> Vec<DVec3> {
+    let mut at: Vec<(u32, u32)> = triangles.iter().flat_map(|&k| t.triangle(k).map(|v| (v, k))).collect();
+    at.sort_unstable();
+    let sum = |corners: &[(u32, u32)]| corners.iter().map(|c| area_vector(t, c.1)).sum::<DVec3>().normalize_or_zero();
+    at.chunk_by(|a, b| a.0 == b.0).map(sum).collect()
+}
+
 /// Connected parts of labels, and the label of each, in the order of their first triangles.
 fn connected(t: Triangles<'_>, label: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let mut part = vec![NONE; label.len()];
@@ -252,17 +260,17 @@ fn straighter(t: Triangles<'_>, triangles: &[u32], p: Primitive, far: f64, diago
         return p;
     }
     let points = vertices(t, triangles);
-    let normals = vec![DVec3::ZERO; points.len()];
+    let normals = normals(t, triangles);
     let mut scratch = Scratch::default();
     let room = (2.0 * far).max(1e-2 * FILE * diagonal);
     let of = |p: &Primitive| -> f64 {
         let side = |c: u32| p.distance(0.5 * (t.point(c) + t.point(t.next(c)))).powi(2);
         triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(side).sum()
     };
-    let mut best = (p, 0.9 * of(&p));
+    let mut best = (p, of(&p));
     for kind in [Kind::Cylinder, Kind::Cone] {
-        if points.len() > kind.parameters()
-            && let Some(found) = fit_within(kind, &points, &normals, room, &mut scratch)
+        if points.len() > kind.parameters() + 1
+            && let Some(found) = fit(kind, &points, &normals, &mut scratch).filter(|f| f.max <= room)
             && of(&found.primitive) < best.1
         {
             best = (found.primitive, of(&found.primitive));
@@ -285,7 +293,7 @@ impl Shared<'_, '_> {
         self.label.iter().zip(0u32..).for_each(|(&l, k)| members[l as usize].push(k));
         for own in 0..members.len() as u32 {
             let triangles = &members[own as usize];
-            if triangles.is_empty() || triangles.len() > CRUMB || self.primitives[own as usize].is_some() {
+            if triangles.is_empty() || triangles.len() > CRUMB {
                 continue;
             }
             let mut around: Vec<u32> = triangles
@@ -302,13 +310,24 @@ impl Shared<'_, '_> {
             let far = |l: u32| {
                 let p = self.primitives[l as usize]?;
                 let d = points.iter().map(|&q| p.distance(q).abs()).fold(0.0, f64::max);
-                (d <= self.tolerance).then_some((d, l))
+                // A plane face of its own may have its corners on a curved neighbour; then it is farther inside than the
+                // neighbour's facets.
+                let own_plane = self.primitives[own as usize].is_some();
+                let allowed = if own_plane { 1.2 * self.sagitta(&members[l as usize], &p) } else { f64::INFINITY };
+                let curved = !own_plane || p.kind() != Kind::Plane;
+                (d <= self.tolerance && curved && self.sagitta(triangles, &p) <= allowed).then_some((d, l))
             };
             let best = around.iter().filter_map(|&l| far(l)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             if let Some((_, home)) = best {
                 triangles.iter().for_each(|&k| self.label[k as usize] = home);
             }
         }
+    }
+
+    /// Largest distance of the middles of triangles' sides from a surface.
+    fn sagitta(&self, triangles: &[u32], p: &Primitive) -> f64 {
+        let middle = |c: u32| 0.5 * (self.t.point(c) + self.t.point(self.t.next(c)));
+        triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| p.distance(middle(c)).abs()).fold(0.0, f64::max)
     }
 
     /// Makes one of neighbours that lie on one surface.

@@ -110,6 +110,7 @@ impl Graph {
     }
 
     /// First and last vertex of a use.
+    #[cfg(test)]
     pub fn ends(&self, of: ChainUse) -> [u32; 2] {
         let v = &self.chains[of.chain as usize].vertices;
         let [a, b] = [v[0], v[v.len() - 1]];

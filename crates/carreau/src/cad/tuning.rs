@@ -47,5 +47,13 @@ pub const BRANCH: f64 = 2e-3;
 pub const NEAR: f64 = 1e-3;
 /// Gaps are sampled, here and in the validator, at different places: what is stated exceeds what was measured by this factor.
 pub const STATED: f64 = 1.5;
+/// Of the largest: the triangles of an extrusion contain its direction, within this angle in radians (float precision of
+/// triangles as small as a thousandth of the part).
+pub const ALONG: f64 = 1e-4;
+/// Share of the diagonal: vertices that are this near to each other, seen along an extrusion, are one place of its profile.
+pub const COLUMN: f64 = 1e-6;
 /// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
 pub const NEAR_VERTEX: f64 = 12.0;
+/// Analytic faces that are farther from their region than this many times what its facets cut off are on a wrong branch; the
+/// estimate of that from a few long facets is off by as much.
+pub const SWING: f64 = 8.0;
