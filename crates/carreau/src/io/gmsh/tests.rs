@@ -59,10 +59,7 @@ fn version_4_with_entities_and_parametric_nodes() {
     assert_eq!(mesh.edge_tags, [3]);
     assert_eq!(
         mesh.notes,
-        [
-            "1 entities have several physical tags: the first is kept",
-            "1 point element without a physical tag left out"
-        ]
+        ["1 entities have several physical tags: the first is kept", "1 point element without a physical tag left out"]
     );
 }
 
