@@ -24,7 +24,8 @@ use std::path::PathBuf;
 ///
 /// The skeleton of a surface is found first (see `carreau skeleton`), or given. A skeleton is a graph with radii: .cgr, .cg, .skel,
 /// .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches, and every cell is certified to have
-/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the open ends.
+/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the open ends; or after the groups of the
+/// surface (face label ref), where its file has some, with open ends above these.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau hex vessel.stl -o vessel.vtu --picture vessel.png\n  \

@@ -137,7 +137,8 @@ struct Options {
 impl Patch {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
-        let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.as_deref());
+        let files =
+            Outputs::of(&self.common).reads(&self.input, ResultKind::SurfaceOrCad).needs(self.features.as_deref());
         files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also(
             "--layout",
             self.layout.as_deref(),

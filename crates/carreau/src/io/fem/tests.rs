@@ -1,6 +1,8 @@
+use super::super::Source;
 use super::super::round_trips::written;
 use crate::mesh::{Cells, Column, Polygons, RawMesh};
 use glam::DVec3;
+use std::path::Path;
 
 fn cube() -> RawMesh {
     let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
@@ -67,7 +69,9 @@ fn nastran_lines_fit_their_fields() {
 #[test]
 fn decks_are_not_read_and_say_what_to_do() {
     for extension in ["inp", "bdf"] {
-        let message = super::super::round_trips::read(extension, b"*NODE\n").unwrap_err().to_string();
+        let name = format!("a.{extension}");
+        let source = Source { path: Path::new(&name), bytes: b"*NODE\n" };
+        let message = super::read(&source).unwrap_err().to_string();
         assert!(message.contains("meshio"), "{message}");
     }
 }

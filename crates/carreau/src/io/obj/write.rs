@@ -147,12 +147,15 @@ fn write_corner(vertex: u32, uv: Option<u64>, normal: Option<u64>, out: &mut Vec
     }
 }
 
-/// The column that becomes groups: `group`, or in its absence the only other column of labels.
+/// The column that becomes groups: `group`, or in its absence `region`, or the only other column of labels.
 fn group_column(mesh: &RawMesh) -> &str {
     let columns = &mesh.attributes.face;
     let free = |name: &str| NAMES.iter().all(|&(_, taken)| taken != name);
     let mut labels =
         columns.iter().filter(|(name, c)| matches!(c, Column::Label(_)) && free(name)).map(|(name, _)| name);
+    if !columns.contains_key("group") && matches!(columns.get("region"), Some(Column::Label(_))) {
+        return "region";
+    }
     match (columns.contains_key("group"), labels.next(), labels.next()) {
         (false, Some(only), None) => only,
         _ => "group",
