@@ -207,7 +207,9 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
     if options.rung == 1 {
         attempts.map(&mut tried, context)?;
     }
-    if options.rung <= 2 && !tried.is_useful() {
+    // Between features other quads may be better ones; the best count.
+    let is_done = if source.edges.is_empty() { tried.is_useful() } else { tried.will_do() };
+    if options.rung <= 2 && !is_done {
         attempts.run(&mut tried)?;
     }
     if !tried.is_useful()

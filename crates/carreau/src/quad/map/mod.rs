@@ -31,7 +31,7 @@ mod locate;
 mod seamless;
 mod tuning;
 
-use super::pair::{coarse, field_of};
+use super::pair::{Follow, coarse, field_of};
 use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
@@ -40,7 +40,7 @@ use flat::Flat;
 use framed::Framed;
 use locate::Locator;
 use seamless::Map;
-use tuning::{CANCELLED, NUMBER, SIZES};
+use tuning::{CANCELLED, NUMBER, SIZES, WORKING_SMALLEST};
 
 pub use tuning::WORKING_EDGES;
 
@@ -52,8 +52,6 @@ pub struct Wish {
     pub quads: Option<usize>,
     /// Edges of the working mesh over those of the quads.
     pub working: f64,
-    /// How much less closely than it should the working mesh follows the surface.
-    pub loose: f64,
     /// Smallest angle of features.
     pub feature_deg: f64,
 }
@@ -63,7 +61,7 @@ pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<s
     let framed = {
         let _stage = context.stage("working mesh");
         let edges = wish.working * wish.length;
-        let Some(coarse) = coarse(source, edges, wish.loose, wish.feature_deg, context)? else {
+        let Some(coarse) = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)? else {
             return Ok(Err("its features were not found again".into()));
         };
         let field = field_of(&coarse, context)?;
@@ -137,3 +135,6 @@ fn sized(
     let locator = Locator::new(framed, map, scale);
     Ok(extract::extract(&whole, framed, &locator, context)?.map_err(String::from))
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,8 @@
 /// Edges of the working mesh over those of the quads: 2 to 3 triangles a quad carry as many singularities as the quads can show.
 /// The others are for where nothing comes of the first.
 pub const WORKING_EDGES: [f64; 3] = [0.95, 0.75, 0.6];
+/// Shortest edges of the working mesh over its longest: about one size, or the field has the singularities of smaller quads.
+pub const WORKING_SMALLEST: f64 = 0.5;
 /// Singularities of opposite sign nearer than so many edges of quads are cancelled: they are noise at this size.
 pub const CANCELLED: f64 = 1.2;
 /// What holds frames that no feature and no neighbour gives a direction, relative to the weight of an edge.
