@@ -40,7 +40,7 @@ use flat::Flat;
 use framed::Framed;
 use locate::Locator;
 use seamless::Map;
-use tuning::{CANCELLED, NUMBER, SIZES, WORKING_SMALLEST};
+use tuning::{CANCELLED, MOST_QUADS, NUMBER, QUADS_EACH, SIZES, WORKING_SMALLEST};
 
 pub use tuning::WORKING_EDGES;
 
@@ -58,6 +58,10 @@ pub struct Wish {
 
 /// Quads before their vertices are moved; or why there are none.
 pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+    let about = source.area / wish.length.powi(2);
+    if about > MOST_QUADS {
+        return Ok(Err("so many quads are too many for a map".into()));
+    }
     let framed = {
         let _stage = context.stage("working mesh");
         let edges = wish.working * wish.length;
@@ -69,6 +73,9 @@ pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<s
             return Ok(Err("its working mesh is not sound".into()));
         }
         tracing::debug!(target: "carreau::quad", triangles = field.mesh.face_count(), singular = field.singularities(), "working mesh");
+        if field.singularities() as f64 * QUADS_EACH > about {
+            return Ok(Err("the field has too many singularities for so few quads".into()));
+        }
         match Framed::new(&coarse, &field) {
             Ok(framed) => framed,
             Err(why) => return Ok(Err(why)),

@@ -125,7 +125,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
     decimate(&mut flat, &framed.is_kept, &context).unwrap();
     let unknowns = Unknowns::new(&flat, flat.faces().collect());
     let order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
-    let lattice = Lattice::new(&unknowns, &order).unwrap();
+    let lattice = Lattice::new(&unknowns, &order, &context).unwrap().unwrap();
     let mut whole: Vec<i64> = Vec::new();
     for k in 0..lattice.free.len() {
         let n = 7 * k as i64 % 11 - 5;
