@@ -10,7 +10,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::{Brep, SurfaceKind};
 use carreau::cad::{self, CadModel, CadOptions, Style};
-use carreau::io::{self, ResultKind, CAD_EXTENSIONS, WriteOptions, extension};
+use carreau::io::{self, CAD_EXTENSIONS, ResultKind, StepSchema, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -119,7 +119,7 @@ impl Cad {
 
     fn write_cad(&self, session: &mut Session, file: &Path, brep: &Brep, options: &Options) -> Result<(), Error> {
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let cad = io::CadOptions { unit: options.common.unit, name, ..io::CadOptions::default() };
+        let cad = io::CadOptions { unit: options.common.unit, name, schema: StepSchema::Ap242, ..io::CadOptions::default() };
         let mut bytes = Vec::new();
         io::write_cad(file, brep, &cad, &mut bytes)?;
         session.write_bytes(file, &bytes)

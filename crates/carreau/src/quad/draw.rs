@@ -3,7 +3,7 @@
 
 use super::cut::open_holes;
 use super::layout::{Fault, audit};
-use super::pair::{Coarse, coarse, field_of};
+use super::pair::{Coarse, Follow, coarse, field_of};
 use super::sheet::Sheet;
 use super::source::Source;
 use super::trace::{Traced, cut, trace};
@@ -36,7 +36,7 @@ pub fn draw(
     feature_deg: f64,
     context: &Context,
 ) -> Result<std::result::Result<Drawn, String>> {
-    let Some(coarse) = coarse(source, edges, 1.0, feature_deg, context)? else {
+    let Some(coarse) = coarse(source, edges, Follow::loose(1.0), feature_deg, context)? else {
         return Ok(Err("its features were not found again".into()));
     };
     let field = field_of(&coarse, context)?;

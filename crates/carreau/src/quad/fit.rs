@@ -39,13 +39,20 @@ const LEFT: f64 = 0.35;
 /// It stays where it would move by a smaller share of the mean.
 const LITTLE: f64 = 0.003;
 
-/// Moves the vertices inside regions.
-pub fn fit(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
+/// Moves the vertices inside regions, those that are to be moved.
+pub fn fit(
+    work: &mut Work,
+    around: &Around,
+    source: &Source,
+    is_wanted: impl Fn(u32) -> bool,
+    context: &Context,
+) -> Result<()> {
     let mut moves = Moves::new(work);
     for round in 0..ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
             if let Place::Region(region) = work.place[v as usize]
+                && is_wanted(v)
                 && moves.any_since(round, 1, work, around, v)
                 && let Some(to) = settled(work, around, source, v, region)
                 && to.distance(work.points[v as usize]) > LITTLE * around.mean_edge(work, v)

@@ -78,6 +78,17 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
     Ok(Gap::new(work, source, &now, far))
 }
 
+/// The vertices of quads that are too far from the surface.
+pub fn far_vertices(work: &Work, source: &Source) -> Vec<bool> {
+    let far = FAR * source.diagonal;
+    let gaps = Gaps::new(work, source, far).of(work, &vec![true; work.points.len()]);
+    let mut is_far = vec![false; work.points.len()];
+    for (face, _) in work.faces.iter().zip(&gaps).filter(|(_, gap)| gap.length() > far) {
+        face.iter().for_each(|&v| is_far[v as usize] = true);
+    }
+    is_far
+}
+
 /// What a vertex has to move by: the most that one of its quads asks for.
 fn step(work: &Work, around: &Around, gaps: &[DVec3], v: usize, far: f64) -> Option<DVec3> {
     let gap = around.quads[v]

@@ -4,12 +4,13 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `attempts`, `tried`, `regular` | the motorcycle graph of a frame field (Protais et al., as in room `field`), grids and patterns in its patches |
+//! | 1 | `mapped`, `map` | global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
+//! | 1 | `attempts`, `tried`, `regular` | where that is refused, or less than good between features: the field's motorcycle graph, grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
 //!
-//! | stages of rung 1 | file |
+//! | stages of rung 1, by the graph | file |
 //! |---|---|
 //! | from the surface to its graph | `draw` |
 //! | triangles that tracks are drawn into | `sheet` |
@@ -211,7 +212,9 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
     if options.rung == 1 {
         attempts.map(&mut tried, context)?;
     }
-    if options.rung <= 2 && !tried.is_useful() {
+    // Between features other quads may be better ones; the best count.
+    let is_done = if source.edges.is_empty() { tried.is_useful() } else { tried.will_do() };
+    if options.rung <= 2 && !is_done {
         attempts.run(&mut tried)?;
     }
     if !tried.is_useful()

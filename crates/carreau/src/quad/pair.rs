@@ -40,10 +40,10 @@ const STEPS: f64 = 1e6;
 const LEAST_JACOBIAN: f64 = 0.15;
 const MOST_FOLD: f64 = 0.6;
 
-/// Triangles with sides up to a length that keep the features, paired; `loose` as in [`coarse`]. `None` where features could
+/// Triangles with sides up to a length that keep the features, paired; `loose` as in [`Follow::loose`]. `None` where features could
 /// not be found again.
 pub fn paired(source: &Source, length: f64, loose: f64, feature_deg: f64, context: &Context) -> Result<Option<Work>> {
-    let Some(coarse) = coarse(source, length, loose, feature_deg, context)? else { return Ok(None) };
+    let Some(coarse) = coarse(source, length, Follow::loose(loose), feature_deg, context)? else { return Ok(None) };
     let frames = frames(&coarse, context)?;
     let _stage = context.stage("pairs");
     let Some(t) = Triangles::of(&coarse.mesh) else { return Ok(None) };
@@ -150,9 +150,37 @@ pub struct Coarse {
     pub region: Vec<u32>,
 }
 
-/// Triangles with sides up to a length that keep the features; `None` where these could not be found again. They follow the
-/// surface `loose` times less closely than they should: where it bends a lot they would be too many.
-pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, context: &Context) -> Result<Option<Coarse>> {
+/// How closely triangles follow a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Follow {
+    /// Angle between the surface and edges, in degrees.
+    pub deviation: f64,
+    /// Sizes where the surface bends, as a share of the largest.
+    pub smallest: f64,
+    /// How far features may move before their new vertices go back to them, as a share of the diagonal.
+    pub ridge_tolerance: f64,
+}
+
+impl Follow {
+    /// So many times less closely than they should: where a surface bends a lot they would be too many.
+    pub fn loose(loose: f64) -> Self {
+        Follow { deviation: loose * DEVIATION, smallest: SMALLEST, ridge_tolerance: loose * RIDGE_TOLERANCE }
+    }
+
+    /// Triangles of about one size, that keep the features.
+    pub fn even(smallest: f64) -> Self {
+        Follow { deviation: 3.0 * DEVIATION, smallest, ridge_tolerance: RIDGE_TOLERANCE }
+    }
+}
+
+/// Triangles with sides up to a length that keep the features; `None` where these could not be found again.
+pub fn coarse(
+    source: &Source,
+    length: f64,
+    follow: Follow,
+    feature_deg: f64,
+    context: &Context,
+) -> Result<Option<Coarse>> {
     let mut mesh = source.surface.mesh.clone();
     mesh.attributes = Default::default();
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
@@ -160,12 +188,12 @@ pub fn coarse(source: &Source, length: f64, loose: f64, feature_deg: f64, contex
     mesh.tagged_edges.extend(held);
     let largest = length / source.diagonal;
     let options = RemeshOptions {
-        deviation: loose * DEVIATION,
+        deviation: follow.deviation,
         feature_angle: feature_deg,
         labels: Some("region".into()),
-        min_size: SMALLEST * largest,
+        min_size: follow.smallest * largest,
         max_size: largest,
-        ridge_tolerance: loose * RIDGE_TOLERANCE,
+        ridge_tolerance: follow.ridge_tolerance,
         ragged_borders: false,
         held_tag: Some(HELD),
         ..RemeshOptions::default()

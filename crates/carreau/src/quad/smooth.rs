@@ -117,7 +117,16 @@ impl Smoothing {
         work.place.clone_from(place);
         {
             let _stage = context.stage("smooth");
-            fit(work, &self.around, source, context)?;
+            fit(work, &self.around, source, |_| true, context)?;
+        }
+        self.finish(work, source, context)
+    }
+
+    /// Takes some of the vertices of quads that are done nearer to the surface.
+    pub fn fit_some(&self, work: &mut Work, source: &Source, is_wanted: &[bool], context: &Context) -> Result<()> {
+        {
+            let _stage = context.stage("smooth");
+            fit(work, &self.around, source, |v| is_wanted[v as usize], context)?;
         }
         self.finish(work, source, context)
     }

@@ -70,7 +70,7 @@ fn rounded(unknowns: &Unknowns, random: Option<&mut Random>, context: &Context) 
     }
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
-    let Some(lattice) = Lattice::new(unknowns, &order) else { return Ok(None) };
+    let Some(lattice) = Lattice::new(unknowns, &order, context)? else { return Ok(None) };
     context.check()?;
     let weight: Vec<f64> = (0..unknowns.real.len()).map(|c| 1.0 / length(c / 2).max(1.0)).collect();
     let Some(mut rounding) = Rounding::new(unknowns, &lattice, &weight) else { return Ok(None) };

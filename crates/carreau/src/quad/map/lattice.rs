@@ -8,6 +8,8 @@ use super::cell::Cell;
 use super::flat::Flat;
 use super::framed::turned;
 use super::tuning::MOST_UNKNOWNS;
+use crate::context::Context;
+use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec2;
 
@@ -92,6 +94,9 @@ impl Unknowns {
     }
 }
 
+/// Other unknowns whose sum has the parity of one, and whether it is odd beside them.
+type Relation = (Vec<u32>, bool);
+
 /// The assignments: q = constant + Σ free z.
 pub struct Lattice {
     /// Free unknowns, in the order in which they are to be rounded.
@@ -100,17 +105,17 @@ pub struct Lattice {
     /// For every unknown what it is of the free ones.
     pub of_free: Vec<Vec<(u32, f64)>>,
     /// The parity of a free one from those before it: these, and a constant.
-    pub parity: Vec<Option<(Vec<u32>, bool)>>,
+    pub parity: Vec<Option<Relation>>,
 }
 
 const EPSILON: f64 = 1e-7;
 
 impl Lattice {
     /// `order`: the unknowns, those to be free first. `None` where nothing closes, or it would be too much.
-    pub fn new(unknowns: &Unknowns, order: &[u32]) -> Option<Self> {
+    pub fn new(unknowns: &Unknowns, order: &[u32], context: &Context) -> Result<Option<Self>> {
         let n = unknowns.real.len();
         if n > MOST_UNKNOWNS {
-            return None;
+            return Ok(None);
         }
         let mut at = vec![0; n];
         order.iter().enumerate().for_each(|(k, &c)| at[c as usize] = k);
@@ -118,6 +123,7 @@ impl Lattice {
         let mut pivot_row = vec![usize::MAX; n];
         let mut first = 0;
         for column in (0..n).rev() {
+            context.check()?;
             let Some(best) = (first..rows.len())
                 .max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()).then(b.cmp(&a)))
             else {
@@ -130,9 +136,8 @@ impl Lattice {
             let scale = 1.0 / rows[first][column];
             rows[first].iter_mut().for_each(|a| *a *= scale);
             let pivot = rows[first].clone();
-            for (r, row) in rows.iter_mut().enumerate().filter(|(r, row)| *r != first && row[column] != 0.0) {
+            for (_, row) in rows.iter_mut().enumerate().filter(|(r, row)| *r != first && row[column] != 0.0) {
                 let factor = row[column];
-                debug_assert!(r != first);
                 row.iter_mut().zip(&pivot).for_each(|(a, p)| *a -= factor * p);
                 row[column] = 0.0;
             }
@@ -141,7 +146,7 @@ impl Lattice {
         }
         // What is left says that nothing is nothing, or it closes nowhere.
         if rows[first..].iter().any(|row| row[n].abs() > EPSILON) {
-            return None;
+            return Ok(None);
         }
         let free_columns: Vec<usize> = (0..n).filter(|&c| pivot_row[c] == usize::MAX).collect();
         let (mut constant, mut of_free) = (vec![0.0; n], vec![Vec::new(); n]);
@@ -154,8 +159,9 @@ impl Lattice {
             let terms = free_columns.iter().enumerate().filter(|(_, f)| row[**f].abs() > EPSILON);
             of_free[order[c] as usize] = terms.map(|(k, &f)| (k as u32, -row[f])).collect();
         }
-        let parity = parities(&constant, &of_free, free_columns.len())?;
-        Some(Lattice { free: free_columns.iter().map(|&c| order[c]).collect(), constant, of_free, parity })
+        let parity = parities(&constant, &of_free, free_columns.len());
+        let free = free_columns.iter().map(|&c| order[c]).collect();
+        Ok(parity.map(|parity| Lattice { free, constant, of_free, parity }))
     }
 
     /// The parity that a free unknown must have, given those before it.
@@ -189,7 +195,7 @@ fn rows(unknowns: &Unknowns, at: &[usize], n: usize) -> Vec<Vec<f64>> {
 }
 
 /// The relations that make all unknowns whole, each solved for the last free one in it; `None` where they contradict each other.
-fn parities(constant: &[f64], of_free: &[Vec<(u32, f64)>], free: usize) -> Option<Vec<Option<(Vec<u32>, bool)>>> {
+fn parities(constant: &[f64], of_free: &[Vec<(u32, f64)>], free: usize) -> Option<Vec<Option<Relation>>> {
     let words = free / 64 + 1;
     // One more bit for the constant, which is never a pivot.
     let mut found: Vec<Option<Vec<u64>>> = vec![None; free];

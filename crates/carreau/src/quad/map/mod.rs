@@ -31,7 +31,7 @@ mod locate;
 mod seamless;
 mod tuning;
 
-use super::pair::{coarse, field_of};
+use super::pair::{Follow, coarse, field_of};
 use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
@@ -40,7 +40,7 @@ use flat::Flat;
 use framed::Framed;
 use locate::Locator;
 use seamless::Map;
-use tuning::{CANCELLED, NUMBER, SIZES};
+use tuning::{CANCELLED, MOST_QUADS, NUMBER, QUADS_EACH, SIZES, WORKING_SMALLEST};
 
 pub use tuning::WORKING_EDGES;
 
@@ -52,18 +52,20 @@ pub struct Wish {
     pub quads: Option<usize>,
     /// Edges of the working mesh over those of the quads.
     pub working: f64,
-    /// How much less closely than it should the working mesh follows the surface.
-    pub loose: f64,
     /// Smallest angle of features.
     pub feature_deg: f64,
 }
 
 /// Quads before their vertices are moved; or why there are none.
 pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+    let about = source.area / wish.length.powi(2);
+    if about > MOST_QUADS {
+        return Ok(Err("so many quads are too many for a map".into()));
+    }
     let framed = {
         let _stage = context.stage("working mesh");
         let edges = wish.working * wish.length;
-        let Some(coarse) = coarse(source, edges, wish.loose, wish.feature_deg, context)? else {
+        let Some(coarse) = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)? else {
             return Ok(Err("its features were not found again".into()));
         };
         let field = field_of(&coarse, context)?;
@@ -71,6 +73,9 @@ pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<s
             return Ok(Err("its working mesh is not sound".into()));
         }
         tracing::debug!(target: "carreau::quad", triangles = field.mesh.face_count(), singular = field.singularities(), "working mesh");
+        if field.singularities() as f64 * QUADS_EACH > about {
+            return Ok(Err("the field has too many singularities for so few quads".into()));
+        }
         match Framed::new(&coarse, &field) {
             Ok(framed) => framed,
             Err(why) => return Ok(Err(why)),
@@ -137,3 +142,6 @@ fn sized(
     let locator = Locator::new(framed, map, scale);
     Ok(extract::extract(&whole, framed, &locator, context)?.map_err(String::from))
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,14 @@
 /// Edges of the working mesh over those of the quads: 2 to 3 triangles a quad carry as many singularities as the quads can show.
 /// The others are for where nothing comes of the first.
 pub const WORKING_EDGES: [f64; 3] = [0.95, 0.75, 0.6];
+/// Shortest edges of the working mesh over its longest: about one size, or the field has the singularities of smaller quads.
+pub const WORKING_SMALLEST: f64 = 0.5;
 /// Singularities of opposite sign nearer than so many edges of quads are cancelled: they are noise at this size.
 pub const CANCELLED: f64 = 1.2;
+/// Fewer quads than so many for each singularity have no room for the map: it would be tried in vain.
+pub const QUADS_EACH: f64 = 4.0;
+/// More quads than these are not mapped: memory for the factor of the map's matrix grows with about their 1.3th power.
+pub const MOST_QUADS: f64 = 200_000.0;
 /// What holds frames that no feature and no neighbour gives a direction, relative to the weight of an edge.
 pub const HOLD: f64 = 1e-9;
 
@@ -43,11 +49,11 @@ pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];
 /// Rounds of flips of faces that are not positive.
 pub const REPAIRS: usize = 40;
 /// More unknowns than this are too many for dense factors (memory grows with the square, time with the cube).
-pub const MOST_UNKNOWNS: usize = 5_000;
+pub const MOST_UNKNOWNS: usize = 2_500;
 
 /// Numbers of quads are met within this share; sizes that are tried for that.
 pub const NUMBER: f64 = 0.02;
-pub const SIZES: usize = 6;
+pub const SIZES: usize = 10;
 /// Cells that are looked at in the box of one face at most.
 pub const MOST_CELLS: i64 = 100_000_000;
 /// Triangles that a straight line crosses at most.
