@@ -31,7 +31,7 @@ fn tube() -> String {
     for k in 0..4 {
         writeln!(out, "vt {} {}\nvn 0 {} 1", k % 2, k / 2, f64::from(k)).unwrap();
     }
-    let mut quad = |ids: [usize; 4], out: &mut String| {
+    let quad = |ids: [usize; 4], out: &mut String| {
         let corners: Vec<String> = ids.iter().zip(1..).map(|(v, k)| format!("{}/{k}/{k}", v + 1)).collect();
         writeln!(out, "f {}", corners.join(" ")).unwrap();
     };

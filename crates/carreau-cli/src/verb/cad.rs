@@ -3,9 +3,9 @@
 use super::segment::read_labels;
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
-use crate::prepare::PrepareFlags;
-use crate::outputs::Outputs;
 use crate::host::Found;
+use crate::outputs::Outputs;
+use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::{Brep, SurfaceKind};
@@ -119,7 +119,8 @@ impl Cad {
 
     fn write_cad(&self, session: &mut Session, file: &Path, brep: &Brep, options: &Options) -> Result<(), Error> {
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let cad = io::CadOptions { unit: options.common.unit, name, schema: StepSchema::Ap242, ..io::CadOptions::default() };
+        let cad =
+            io::CadOptions { unit: options.common.unit, name, schema: StepSchema::Ap242, ..io::CadOptions::default() };
         let mut bytes = Vec::new();
         io::write_cad(file, brep, &cad, &mut bytes)?;
         session.write_bytes(file, &bytes)

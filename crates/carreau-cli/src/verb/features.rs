@@ -48,7 +48,7 @@ pub struct FeatureValues {
 impl FeatureFlags {
     /// The file that lists edges.
     pub fn file(&self) -> Option<&Path> {
-        self.features.as_deref()
+        self.features.as_ref().and_then(|given| given.0.as_deref())
     }
 
     /// These flags laid over values from an options file.
@@ -65,7 +65,7 @@ impl FeatureFlags {
 impl FeatureValues {
     /// Refuses an angle that is none.
     pub fn validate(&self) -> Result<(), Error> {
-        angle("feature-angle", self.feature_angle)
+        self.feature_angle.map_or(Ok(()), |degrees| angle("feature-angle", degrees))
     }
 
     /// Features by angle, borders, tags and the listed edges, which are read here.

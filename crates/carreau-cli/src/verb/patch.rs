@@ -7,6 +7,7 @@ use crate::outputs::{Content, Outputs};
 use crate::prepare::{PrepareFlags, edges_of_surface};
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::geometry::features::Creases;
 use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};

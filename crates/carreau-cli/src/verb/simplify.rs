@@ -8,7 +8,7 @@ use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::{ResultKind, holds_numbers};
-use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
+use carreau::mesh::{PrepareOptions, Prepared, RawMesh, SurfaceMesh};
 use carreau::remesh::{self, RemeshOptions, Remeshed};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
@@ -207,11 +207,12 @@ impl Remesh {
             wanted.tags = features.tags;
             wanted.feature_edges = features.edges;
             let result = context.install(|| method(&prepared.mesh, &wanted, &context))?;
-            self.tell(session, &prepared.mesh, result)
+            self.tell(session, &prepared, result)
         })
     }
 
-    fn tell(&self, session: &mut Session, source: &SurfaceMesh, result: Remeshed) -> Result<(), Error> {
+    fn tell(&self, session: &mut Session, prepared: &Prepared, result: Remeshed) -> Result<(), Error> {
+        let source = &prepared.mesh;
         let context = session.context.clone();
         let mut quality = result.quality;
         // Distances take as long as the method itself: only a record asks for them.
@@ -222,13 +223,6 @@ impl Remesh {
         let q = &quality;
         let (before, after) = (source.faces().fan().0.len(), result.mesh.face_count());
         session.say(format!("{after} triangles, before {before}"));
-        if session.record.verb() == "simplify" && after > before {
-            session.warn(format!(
-                "the result has {after} triangles, more than the {before} of the input, because the size map asks for edges \
-                 shorter than the input's: even ones of the length that --deviation, --gradation and --max-size allow; a larger \
-                 --deviation or --max-size leaves fewer, --geometric keeps long thin triangles"
-            ));
-        }
         session.say(format!("shape: min {:.3}, mean {:.3}", q.shape_min, q.shape_mean));
         session.say(format!(
             "edges in the metric: {:.2} to {:.2}, mean {:.3}; {:.2} % in [0.6, 1.7]",
@@ -242,7 +236,7 @@ impl Remesh {
             q.deviation_mean_deg, q.deviation_area_mean_deg, q.deviation_max_deg
         ));
         session.record.set("quality", quality);
-        warn_missing(&result.missing, session);
+        warn_missing(&result.missing, prepared, session);
         tell_features(&result.features, session);
         let (mut mesh, found) = (RawMesh::from(result.mesh), result.features);
         session.carry(source, &mut mesh)?;

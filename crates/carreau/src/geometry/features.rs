@@ -302,7 +302,7 @@ mod tests {
     #[test]
     fn angles_out_of_range_are_refused() {
         for wrong in [-1.0, 181.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(feature_edges(&grid(1), &with_angle(wrong)), Err(Error::Options(_))));
+            assert!(matches!(feature_edges(&grid(1), &with_angle(wrong)), Err(crate::Error::Options(_))));
         }
     }
 

@@ -5,6 +5,7 @@ use super::draw::draw;
 use super::graft::Donor;
 use super::regular::{MOST, Wish, regular};
 use super::*;
+use crate::error::Error;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::Topology;
 use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, together, triangles, turned, without};
