@@ -296,25 +296,6 @@ fn smoothed(mesh: &SurfaceMesh) -> SurfaceMesh {
     triangles(&points, &faces)
 }
 
-/// Caps without height and needles on edges, off by `off`: every so many triangles one is divided, with the triangle beyond.
-fn with_slivers(mesh: &SurfaceMesh, step: usize, off: f64) -> (SurfaceMesh, Vec<usize>) {
-    let mut points = mesh.points().to_vec();
-    let mut faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
-    let mut parent: Vec<usize> = (0..faces.len()).collect();
-    for f in (0..mesh.face_count()).step_by(step) {
-        let [a, b, c] = faces[f];
-        let at = if f % (2 * step) == 0 { 0.4 } else { 1e-7 };
-        let side = if f % 3 == 0 { off } else { -off };
-        points.push(points[a as usize].lerp(points[b as usize], at) + DVec3::new(side, 0.5 * side, -side));
-        let m = points.len() as u32 - 1;
-        // The edge stays: the cap (a, b, m) fills what is left.
-        faces[f] = [a, m, c];
-        faces.extend([[m, b, c], [a, b, m]]);
-        parent.extend([f, f]);
-    }
-    (triangles(&points, &faces), parent)
-}
-
 #[test]
 fn smoothed_parts_keep_their_faces() {
     let mesh = subdivided(&subdivided(&subdivided(&cube(DVec3::ZERO, 2.0).triangulated().unwrap())));
@@ -322,19 +303,6 @@ fn smoothed_parts_keep_their_faces() {
     let found = default(&smoothed(&mesh));
     assert_eq!(kinds(&found), kinds(&exact));
     assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
-}
-
-#[test]
-fn slivers_have_no_vote() {
-    for name in ["bracket", "cube-cylinders"] {
-        let mesh = model(name);
-        let exact = default(&mesh);
-        let (cut, parent) = with_slivers(&mesh, 20, 1e-8 * mesh.diagonal());
-        let found = default(&cut);
-        assert_eq!(kinds(&found), kinds(&exact), "{name}");
-        let truth: Vec<u32> = parent.iter().map(|&f| exact.labels[f]).collect();
-        assert_eq!(covered(&found.labels, &truth, 0.9), exact.regions.len(), "{name}");
-    }
 }
 
 fn mesh_area(mesh: &SurfaceMesh) -> f64 {
