@@ -3,7 +3,7 @@
 //! Regions come from [`crate::segment`]. Before any topology, neighbours on one surface become one piece, and crumbs go to
 //! the neighbour that they lie on.
 
-use super::tuning::{COPLANAR, COPLANAR_DISTANCE, FILE};
+use super::tuning::{COARSEST, COPLANAR, COPLANAR_DISTANCE, FILE};
 use crate::brep::Surface;
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
@@ -110,6 +110,7 @@ impl<'a> Map<'a> {
                     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive);
                     Some(again.filter(|q| far(q) <= 2.0 * far(&p)).map_or((p, far(&p)), |q| (q, far(&q))))
                 });
+                let fit = fit.filter(|(p, _)| sagitta(t, &triangles, p) <= COARSEST * self.diagonal);
                 let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));
                 let (primitive, max) = (fit.map(|f| f.0), fit.map_or(0.0, |f| f.1));
                 let surface = primitive.map_or(
@@ -365,4 +366,13 @@ impl Shared<'_, '_> {
         }
         self.label.iter_mut().for_each(|l| *l = root(&home, *l));
     }
+}
+
+/// How far facets cut off their surface: the largest distance of the middles of triangles and edges.
+fn sagitta(t: Triangles<'_>, triangles: &[u32], primitive: &Primitive) -> f64 {
+    let middles = triangles.iter().flat_map(|&k| {
+        let [a, b, c] = [0, 1, 2].map(|i| t.point(3 * k + i));
+        [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]
+    });
+    middles.map(|p| primitive.distance(p).abs()).fold(0.0, f64::max)
 }

@@ -206,9 +206,10 @@ mod tests {
                 assert_eq!(graph.ends(u)[1], graph.ends(uses[(k + 1) % 4])[0]);
             }
         }
-        // One region less: an edge less and, where it was, still the corners that have three edges.
-        let merged: Vec<u32> = label.iter().map(|&l| l.min(4)).collect();
+        // Two neighbours as one region: the edge between them goes, and its ends are corners no more.
+        let merged: Vec<u32> = label.iter().map(|&l| if l == 5 { 3 } else { l }).collect();
         let graph = Graph::of(Triangles::of(&mesh).unwrap(), &merged, 5, &[]).unwrap();
+        assert_eq!((graph.corners.len(), graph.chains.len()), (6, 9));
         assert_eq!(graph.loops.iter().map(Vec::len).sum::<usize>(), 5);
     }
 }

@@ -35,6 +35,9 @@ pub const CAP: f64 = 1.35;
 /// Rounds of the ladder; every round demotes one face at least, from a finite number of rungs, but rounds cost time. The last
 /// ones demote everything that is still in the way at once.
 pub const ROUNDS: usize = 24;
+/// Share of the diagonal: facets that cut off more than this speak against their surface. Programs tessellate within half a radian a
+/// facet, which is 1.1 % for a circle as wide as the part; four corners of two flat sides always lie on some circle.
+pub const COARSEST: f64 = 0.02;
 /// Radians: triangles of one plane facet differ by no more than this.
 pub const COPLANAR: f64 = 1e-6;
 /// Share of the diagonal: the same as a distance.

@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | renumbering by place | `canonical` | – |
 //! | areas, sharp edges and vertices, the automatic sharp angle | `surface` | §4.1 |
+//! | normals of slivers | `slivers` | – |
 //! | enrichment of triangles with three sharp vertices | `enrich` | §4.1 |
 //! | classification of vertices | `classify` | §4.2 |
 //! | growth of regions | `growth` | §4.3 |
@@ -19,6 +20,7 @@
 //! | planar facets | `facets` | – |
 //! | recognition of curved surfaces | `recognise` | – |
 //! | whether there are surfaces at all | `probe` | – |
+//! | how exact the file is | `precision` | – |
 //! | rows of flat strips | `strips` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
 //! | parts whose vertices have noise | `noisy` | – |
@@ -49,11 +51,13 @@ mod junctions;
 mod merge;
 mod noisy;
 mod paper;
+mod precision;
 mod price;
 mod probe;
 mod recognise;
 mod regions;
 mod score;
+mod slivers;
 mod strips;
 mod surface;
 mod surfaces;
@@ -64,7 +68,7 @@ use crate::bounds::positive;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
-use crate::geometry::primitive::{Fit, Kind};
+use crate::geometry::primitive::{Fit, Kind, Primitive};
 use crate::mesh::{SurfaceMesh, Triangles, UnitScale};
 use canonical::Canonical;
 use paper::{CurvatureRegions, Demand, curvature_regions};
@@ -285,8 +289,6 @@ impl Segmentation {
 
 /// Share of the area that must lie on recognised surfaces for the mesh to be a part.
 const PART: f64 = 0.02;
-/// Where less of it does, the vertices may have noise.
-const MOST: f64 = 0.5;
 /// Largest distance of a vertex from the surface of its region, as a share of the extent.
 const TOLERANCE: f64 = 3e-5;
 /// The same on noisy parts, in standard deviations of the noise.
@@ -346,7 +348,16 @@ fn in_order_of_place(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Con
         Some(degrees) => degrees.to_radians(),
         None => surface::sharp_angle(&surface, context)?,
     };
-    Segmenter { surface: &surface, order: &order, options, context, sharp: Sharp::new(&surface, angle), angle }.run()
+    Segmenter {
+        surface: &surface,
+        order: &order,
+        options,
+        context,
+        sharp: Sharp::new(&surface, angle),
+        angle,
+        known: Vec::new(),
+    }
+    .run()
 }
 
 /// The inputs of all stages.
@@ -357,6 +368,8 @@ struct Segmenter<'a> {
     context: &'a Context,
     sharp: Sharp,
     angle: f64,
+    /// The surface that every triangle was given, where noise hides which it is; empty elsewhere.
+    known: Vec<Option<Primitive>>,
 }
 
 impl Segmenter<'_> {
@@ -401,7 +414,7 @@ impl Segmenter<'_> {
     }
 
     /// Given labels, or those of the surfaces of a part; `None` where there are neither.
-    fn start(&self, extent: f64, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
+    fn start(&mut self, extent: f64, chosen: &mut Chosen) -> Result<Option<Vec<u32>>> {
         if let Some(labels) = &self.options.labels {
             return Ok(Some(regions::dense(labels)));
         }
@@ -409,13 +422,12 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         let _stage = self.context.stage("surfaces");
-        let found = surfaces::find(self.surface, self.order, extent, self.angle, self.context)?;
+        let found = surfaces::find(self.surface, self.order, extent, self.angle, self.options.tolerance, self.context)?;
         chosen.recognised = found.share(self.surface);
-        if chosen.recognised < MOST {
+        {
             let _stage = self.context.stage("surfaces with noise");
-            let held = (chosen.recognised >= PART).then_some(found.tolerance);
-            let noisy = noisy::find(self.surface, self.order, held, self.context)?;
-            if let Some(noisy) = noisy.filter(|noisy| noisy.share > chosen.recognised) {
+            let before = noisy::Before { exact: &found, share: chosen.recognised, tolerance: self.options.tolerance };
+            if let Some(noisy) = noisy::find(self.surface, self.order, &before, self.context)? {
                 return Ok(Some(self.take_noisy(noisy, chosen)));
             }
         }
@@ -427,7 +439,10 @@ impl Segmenter<'_> {
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
     }
 
-    fn take_noisy(&self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
+    fn take_noisy(&mut self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
+        if !found.primitives.is_empty() {
+            self.known = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
+        }
         chosen.basis = Basis::Surfaces;
         chosen.recognised = found.share;
         chosen.noise = found.sigma;
@@ -541,7 +556,10 @@ impl Segmenter<'_> {
         let kinds: &[Kind] = if scan { &[Kind::Plane] } else { &Kind::ALL };
         let fits: Vec<Option<Fit>> = (0..count as u32)
             .into_par_iter()
-            .map(|l| regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds))
+            .map(|l| match self.known.get(groups.of(l)[0] as usize) {
+                Some(known) => known.and_then(|p| regions::measure(self.surface, groups.of(l), p)),
+                None => regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds),
+            })
             .collect();
         self.context.check()?;
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);

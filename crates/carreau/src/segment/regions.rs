@@ -215,6 +215,15 @@ pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kind
     best.map(|b| b.0)
 }
 
+/// A surface with the distances of a region's vertices.
+pub fn measure(surface: &Surface<'_>, triangles: &[u32], primitive: Primitive) -> Option<Fit> {
+    let corners = Corners::of(surface, triangles);
+    let d = (0..corners.len()).map(|k| primitive.distance(corners.point(surface, k)).abs());
+    let (max, sum) = d.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d * d));
+    let rms = (sum / corners.len().max(1) as f64).sqrt();
+    rms.is_finite().then_some(Fit { primitive, rms, max })
+}
+
 /// The simplest surface that most of a region lies on, for regions with spoiled borders: fitted to the triangles that only
 /// have neighbours of their region, if there are enough of them.
 pub fn fit_most(surface: &Surface<'_>, label: &[u32], triangles: &[u32], tolerance: f64) -> Option<Primitive> {

@@ -1,6 +1,7 @@
 //! The triangles as the stages see them: areas, sharp edges and vertices (§4.1), a numbering-free order.
 
 use super::enrich::Enriched;
+use super::slivers;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, face_normal, face_normals};
@@ -14,7 +15,7 @@ use std::cmp::Ordering;
 pub struct Surface<'a> {
     pub mesh: &'a SurfaceMesh,
     pub triangles: Triangles<'a>,
-    /// Unit normals; zero where a triangle has no area.
+    /// Unit normals; slivers have that of a neighbour, and where there is none it is zero.
     pub normals: Vec<DVec3>,
     pub areas: Vec<f64>,
     pub total_area: f64,
@@ -28,9 +29,10 @@ const INSIDE: f64 = 1e-3;
 
 impl<'a> Surface<'a> {
     pub fn new(mesh: &'a SurfaceMesh, triangles: Triangles<'a>) -> Self {
-        let normals = face_normals(mesh);
+        let mut normals = face_normals(mesh);
         let count = triangles.len() as u32;
         let areas: Vec<f64> = (0..count).into_par_iter().map(|t| area(triangles, t)).collect();
+        slivers::borrow_normals(triangles, &areas, &mut normals);
         // Once per edge: the half-edge with the larger number gets the angle of the other.
         let bend = |c: u32| if triangles.opposite(c) < c { 0.0 } else { bend(triangles, &normals, c) };
         let mut bend: Vec<f32> = (0..3 * count).into_par_iter().map(bend).collect();

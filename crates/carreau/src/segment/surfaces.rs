@@ -2,6 +2,7 @@
 //! that are no strips, and free triangles that lie on a neighbour's surface join it.
 
 use super::facets::Facets;
+use super::precision;
 use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
 use super::regions::{Groups, count};
@@ -10,7 +11,7 @@ use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::angle_between;
-use crate::geometry::primitive::{Kind, Primitive};
+use crate::geometry::primitive::{Kind, Primitive, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -42,6 +43,9 @@ const STRAY: f64 = 20.0;
 const STRIP_BEND: f64 = 0.105;
 /// Rounds of freeing fragments of strips.
 const FRAGMENT_ROUNDS: usize = 4;
+/// Triangles and steps of the fit of a plane.
+const PLANE_SAMPLES: usize = 300;
+const PLANE_STEPS: usize = 8;
 /// Surfaces with a smaller share of the area do not make a part.
 pub const WORTH: f64 = 2e-4;
 /// Free pieces of no more triangles than this are none of their own.
@@ -57,18 +61,18 @@ pub struct Surfaces {
 }
 
 /// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers, `extent` is that of the
-/// surface.
+/// surface. `most` is the loosest tolerance, where one is given.
 pub fn find(
     surface: &Surface<'_>,
     order: &[u32],
     extent: f64,
     sharp_angle: f64,
+    most: Option<f64>,
     context: &Context,
 ) -> Result<Surfaces> {
-    let floor = floor(surface, extent);
+    let floor = precision::floor(surface, extent).min(most.unwrap_or(f64::INFINITY));
     let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
-    let rungs: Vec<f64> =
-        [floor].into_iter().chain(RUNGS.map(|r| r * extent).into_iter().filter(|&r| r > floor)).collect();
+    let rungs = rungs(surface, extent, floor, most);
     let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
     let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
     if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
@@ -79,23 +83,29 @@ pub fn find(
         found.climb(surface, &by_area, sharp_angle, &accuracy(distance), k + 1 == rungs.len(), context)?;
         found.tolerance = distance;
     }
-    found.absorb(surface, found.tolerance, |_| true);
+    found.absorb(surface, &joining(found.tolerance), |_| true);
     found.unite(surface);
     found.free_strips(surface, sharp_angle);
     Ok(found)
 }
 
-/// How exactly vertices can lie on a surface, single or double precision.
-fn floor(surface: &Surface<'_>, extent: f64) -> f64 {
-    let points = surface.triangles.points();
-    let single = points.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
-    let (low, high) = surface.mesh.bounds();
-    let largest = low.abs().max(high.abs()).max_element();
-    if single {
-        4.0 * f64::from(f32::EPSILON) * largest.max(extent / 4.0)
-    } else {
-        1e-9 * extent + 64.0 * f64::EPSILON * largest
+/// The tolerances, increasing: those of kernels, and what the file rounds to. `most` ends them.
+fn rungs(surface: &Surface<'_>, extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
+    let mut all: Vec<f64> =
+        RUNGS.iter().map(|r| r * extent).chain(precision::decimal(surface.triangles.points())).collect();
+    if let Some(most) = most {
+        all.push(most);
+        all.retain(|&r| r <= most);
     }
+    all.retain(|&r| r > floor);
+    all.push(floor);
+    all.sort_unstable_by(f64::total_cmp);
+    all
+}
+
+/// What a free triangle must do to join a surface beside it.
+fn joining(distance: f64) -> Lies {
+    Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY }
 }
 
 impl Surfaces {
@@ -109,6 +119,9 @@ impl Surfaces {
         last: bool,
         context: &Context,
     ) -> Result<()> {
+        // What a tighter rung refused for a vertex that is off is no surface of its own.
+        let close = Lies { distance: accuracy.distance, turn: TURN, spread: MAX_BEND + TURN };
+        self.absorb(surface, &close, |_| true);
         let free: Vec<bool> = self.label.iter().map(|&l| l == NONE).collect();
         let facets = Facets::new(surface, &free, by_area, accuracy.distance, accuracy.turn, context)?;
         let (owner, curved) = recognise(surface, &facets, accuracy, context)?;
@@ -116,7 +129,7 @@ impl Surfaces {
         self.primitives.extend(curved.iter().map(|found| found.primitive));
         if last {
             self.assign(&facets, &owner, base);
-            self.absorb(surface, STRAY * accuracy.distance, |t| {
+            self.absorb(surface, &joining(STRAY * accuracy.distance), |t| {
                 facets.of[t as usize] == NONE || facets.triangles(facets.of[t as usize]).len() <= 2
             });
         }
@@ -168,9 +181,8 @@ impl Surfaces {
 
     /// Gives free triangles to a neighbouring surface that all their vertices lie on and whose normals they follow: slivers,
     /// and triangles that bend more than the rest.
-    fn absorb(&mut self, surface: &Surface<'_>, distance: f64, may: impl Fn(u32) -> bool) {
+    fn absorb(&mut self, surface: &Surface<'_>, demand: &Lies, may: impl Fn(u32) -> bool) {
         let t = surface.triangles;
-        let demand = Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY };
         let mut queue: VecDeque<u32> = (0..surface.len() as u32).filter(|&k| self.label[k as usize] != NONE).collect();
         while let Some(k) = queue.pop_front() {
             let label = self.label[k as usize];
@@ -178,7 +190,7 @@ impl Surfaces {
             let sign = surface.side(k, &p);
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if self.label[n as usize] == NONE && may(n) && surface.lies_on(n, &p, sign, &demand) {
+                if self.label[n as usize] == NONE && may(n) && surface.lies_on(n, &p, sign, demand) {
                     self.label[n as usize] = label;
                     queue.push_back(n);
                 }
@@ -358,8 +370,15 @@ pub struct Planes<'a> {
 
 impl Planes<'_> {
     fn plane(&self, f: u32) -> Primitive {
-        let origin = self.surface.triangles.point(3 * self.facets.triangles(f)[0]);
-        Primitive::Plane { origin, normal: self.facets.normal[f as usize] }
+        let triangles = self.facets.triangles(f);
+        let t = self.surface.triangles;
+        let origin = t.point(3 * triangles[0]);
+        let rough = Primitive::Plane { origin, normal: self.facets.normal[f as usize] };
+        // The normals of the triangles say where it looks; its vertices, farther apart, where it lies.
+        let step = triangles.len().div_ceil(PLANE_SAMPLES).max(1);
+        let points: Vec<DVec3> =
+            triangles.iter().step_by(step).flat_map(|&k| t.triangle(k)).map(|v| t.points()[v as usize]).collect();
+        refine(rough, &points, None, PLANE_STEPS).map_or(rough, |fit| fit.primitive)
     }
 
     /// Whether a facet is a plane of the part.

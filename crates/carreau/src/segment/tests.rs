@@ -281,6 +281,30 @@ fn parts_with_noise_keep_their_faces() {
     }
 }
 
+/// Every vertex half the way to the mean of its neighbours.
+fn smoothed(mesh: &SurfaceMesh) -> SurfaceMesh {
+    let mut sum = vec![(DVec3::ZERO, 0.0); mesh.vertex_count()];
+    for f in mesh.faces().iter() {
+        for k in 0..3 {
+            let (own, other) = (&mut sum[f[k] as usize], mesh.points()[f[(k + 1) % 3] as usize]);
+            *own = (own.0 + other, own.1 + 1.0);
+        }
+    }
+    let points: Vec<DVec3> =
+        mesh.points().iter().zip(sum).map(|(&p, (sum, n))| if n > 0.0 { p.lerp(sum / n, 0.5) } else { p }).collect();
+    let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    triangles(&points, &faces)
+}
+
+#[test]
+fn smoothed_parts_keep_their_faces() {
+    let mesh = subdivided(&subdivided(&subdivided(&cube(DVec3::ZERO, 2.0).triangulated().unwrap())));
+    let exact = default(&mesh);
+    let found = default(&smoothed(&mesh));
+    assert_eq!(kinds(&found), kinds(&exact));
+    assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
+}
+
 fn mesh_area(mesh: &SurfaceMesh) -> f64 {
     let p = |v: u32| mesh.points()[v as usize];
     mesh.faces().iter().map(|f| 0.5 * (p(f[1]) - p(f[0])).cross(p(f[2]) - p(f[0])).length()).sum()

@@ -29,18 +29,21 @@ pub struct Energy<'a> {
     pub surface: &'a Surface<'a>,
     pub noise: &'a Noise,
     pub models: Vec<Model>,
+    /// Triangles that keep their label.
+    pub fixed: &'a [bool],
     /// Price of a boundary on every half-edge.
     boundary: Vec<f64>,
 }
 
 impl<'a> Energy<'a> {
-    pub fn new(surface: &'a Surface<'a>, noise: &'a Noise, models: Vec<Model>) -> Self {
+    pub fn new(surface: &'a Surface<'a>, noise: &'a Noise, models: Vec<Model>, fixed: &'a [bool]) -> Self {
         let boundary = |c: u32| {
             let bend = f64::from(surface.bend[c as usize]) / (SHARP * noise.bend(surface, c).max(1e-9));
-            LAMBDA * (surface.edge_length(c) / noise.edge).min(3.0) / (1.0 + bend * bend)
+            noise.triangles_a_sample.sqrt() * LAMBDA * (surface.edge_length(c) / noise.edge).min(3.0)
+                / (1.0 + bend * bend)
         };
         let boundary = (0..3 * surface.len() as u32).map(boundary).collect();
-        Energy { surface, noise, models, boundary }
+        Energy { surface, noise, models, fixed, boundary }
     }
 
     /// The price of a triangle with a label; [`NONE`] is no surface.
@@ -129,7 +132,9 @@ impl<'a> Energy<'a> {
         let t = self.surface.triangles;
         let (mut members, mut offered) = (Vec::new(), Vec::new());
         if alpha == NONE {
-            for k in (0..label.len() as u32).filter(|&k| label[k as usize] != NONE && price[k as usize] > 0.5 * FREE) {
+            for k in (0..label.len() as u32)
+                .filter(|&k| label[k as usize] != NONE && price[k as usize] > 0.5 * FREE && !self.fixed[k as usize])
+            {
                 node[k as usize] = members.len() as u32;
                 members.push(k);
                 offered.push(FREE);
@@ -139,7 +144,7 @@ impl<'a> Energy<'a> {
         let enter = |k: u32, members: &mut Vec<u32>, offered: &mut Vec<f64>, node: &mut [u32]| {
             for o in (3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE) {
                 let n = o / 3;
-                if label[n as usize] == alpha || node[n as usize] != NONE {
+                if label[n as usize] == alpha || node[n as usize] != NONE || self.fixed[n as usize] {
                     continue;
                 }
                 let offer = self.price(n, alpha);

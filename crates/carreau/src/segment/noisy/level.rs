@@ -3,7 +3,7 @@
 use super::patch::Patches;
 use crate::mesh::NONE;
 use crate::numeric::levenberg::solve_cholesky;
-use crate::segment::surface::Surface;
+use crate::segment::surface::{Surface, quantile};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -11,35 +11,52 @@ use rayon::prelude::*;
 const SAMPLES: usize = 800;
 /// Triangles of a patch.
 const SIZE: usize = 24;
+/// Triangles of a patch that a cubic surface is fitted to.
+const CUBIC_SIZE: usize = 40;
 /// Fewer patches say nothing.
 const LEAST_PATCHES: usize = 8;
 /// Patches end where the mesh bends by more, in radians.
 const FOLD: f64 = 0.7;
 /// The quartile of the root mean square of about 13 normal numbers, over their deviation.
 const QUARTILE: f64 = 0.86;
-/// Coefficients of a paraboloid.
-const UNKNOWNS: usize = 6;
+/// Coefficients of a paraboloid, and of a cubic surface.
+const PARABOLOID: usize = 6;
+const CUBIC: usize = 10;
 
 /// The standard deviation of the vertices from a smooth surface, along the normal, as the quieter part of the mesh has it;
 /// `None` where there are too few patches to tell.
 pub fn level(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
+    let mut residuals = residuals::<PARABOLOID>(surface, order, SIZE);
+    let enough = residuals.len() >= LEAST_PATCHES;
+    let quartile = quantile(&mut residuals, 0.25, f64::total_cmp)?;
+    enough.then_some(quartile / QUARTILE)
+}
+
+/// How rough the rougher part of some triangles is: the upper quartile of the residuals from cubic surfaces, which all that is
+/// smooth follows over a few edges; `None` where there are too few patches to tell.
+pub fn roughness(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
+    let mut residuals = residuals::<CUBIC>(surface, order, CUBIC_SIZE);
+    let enough = residuals.len() >= LEAST_PATCHES;
+    quantile(&mut residuals, 0.75, f64::total_cmp).filter(|_| enough)
+}
+
+/// Residuals of patches around some of the triangles.
+fn residuals<const N: usize>(surface: &Surface<'_>, order: &[u32], size: usize) -> Vec<f64> {
     let barrier = |c: u32| f64::from(surface.bend[c as usize]) > FOLD;
     let mut patches = Patches::new(surface);
     let mut residuals = Vec::new();
     for &seed in order.iter().step_by(order.len().div_ceil(SAMPLES).max(1)) {
-        patches.around(seed, SIZE, &barrier);
-        if patches.triangles.len() == SIZE {
-            residuals.extend(residual(surface, &patches.triangles, &patches.points));
+        patches.around(seed, size, &barrier);
+        if patches.triangles.len() == size {
+            residuals.extend(residual::<N>(surface, &patches.triangles, &patches.points));
         }
     }
-    let quarter = residuals.len() / 4;
-    let enough = residuals.len() >= LEAST_PATCHES;
-    enough.then(|| *residuals.select_nth_unstable_by(quarter, f64::total_cmp).1 / QUARTILE)
+    residuals
 }
 
-/// Root mean square residual of points from their paraboloid over the mean plane of triangles.
-fn residual(surface: &Surface<'_>, triangles: &[u32], points: &[DVec3]) -> Option<f64> {
-    if points.len() < UNKNOWNS + 4 {
+/// Root mean square residual of points from their polynomial surface of `N` coefficients over the mean plane of triangles.
+fn residual<const N: usize>(surface: &Surface<'_>, triangles: &[u32], points: &[DVec3]) -> Option<f64> {
+    if points.len() < N + 4 {
         return None;
     }
     let up = triangles.iter().map(|&k| surface.normals[k as usize] * surface.areas[k as usize]).sum::<DVec3>();
@@ -51,12 +68,13 @@ fn residual(surface: &Surface<'_>, triangles: &[u32], points: &[DVec3]) -> Optio
     let row = |p: DVec3| {
         let d = (p - mean) / size;
         let (x, y) = (d.dot(u), d.dot(v));
-        ([1.0, x, y, x * x, x * y, y * y], d.dot(up))
+        let all = [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y];
+        (std::array::from_fn::<f64, N, _>(|k| all[k.min(9)]), d.dot(up))
     };
-    let (mut matrix, mut rhs) = ([[0.0; UNKNOWNS]; UNKNOWNS], [0.0; UNKNOWNS]);
+    let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
     for (r, z) in points.iter().map(|&p| row(p)) {
-        for i in 0..UNKNOWNS {
-            (0..UNKNOWNS).for_each(|j| matrix[i][j] += r[i] * r[j]);
+        for i in 0..N {
+            (0..N).for_each(|j| matrix[i][j] += r[i] * r[j]);
             rhs[i] += r[i] * z;
         }
     }
@@ -66,15 +84,17 @@ fn residual(surface: &Surface<'_>, triangles: &[u32], points: &[DVec3]) -> Optio
         (z - r.iter().zip(&c).map(|(a, b)| a * b).sum::<f64>()).powi(2)
     };
     let sum: f64 = points.iter().map(|&p| square(p)).sum();
-    let rms = size * (sum / (points.len() - UNKNOWNS) as f64).sqrt();
+    let rms = size * (sum / (points.len() - N) as f64).sqrt();
     rms.is_finite().then_some(rms)
 }
 
 /// What noise of a given deviation does to the triangles.
 pub struct Noise {
     pub sigma: f64,
-    /// Mean length of an edge.
+    /// Length of an edge.
     pub edge: f64,
+    /// Triangles that say what one says whose noise is independent of that of its neighbours.
+    pub triangles_a_sample: f64,
     /// Deviation of the normal of every triangle, in radians, about each of two axes.
     pub turn: Vec<f64>,
     /// Per corner: the half-edge is a border or bends more than noise does.
@@ -88,8 +108,12 @@ const LEAST_CREASE: f64 = 0.35;
 const LARGEST_TURN: f64 = 1.0;
 
 impl Noise {
-    pub fn new(surface: &Surface<'_>, sigma: f64) -> Self {
-        let edge = surface.mean_edge();
+    /// Noise that is independent from vertex to vertex.
+    pub fn white(surface: &Surface<'_>, sigma: f64) -> Self {
+        Self::new(surface, sigma, surface.mean_edge(), 1.0)
+    }
+
+    pub fn new(surface: &Surface<'_>, sigma: f64, edge: f64, triangles_a_sample: f64) -> Self {
         let turn: Vec<f64> = (0..surface.len() as u32)
             .into_par_iter()
             .map(|k| {
@@ -100,7 +124,7 @@ impl Noise {
             })
             .collect();
         let crease = (0..3 * surface.len() as u32).into_par_iter().map(|c| is_crease(surface, &turn, c)).collect();
-        Noise { sigma, edge, turn, crease }
+        Noise { sigma, edge, triangles_a_sample, turn, crease }
     }
 
     /// Deviation of the bend of a half-edge, in radians.

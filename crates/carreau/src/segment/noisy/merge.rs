@@ -10,25 +10,34 @@ use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Merges neighbours while that pays; returns whether any were. Labels without triangles stay behind, without harm.
-pub fn merge(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &mut [u32], context: &Context) -> Result<bool> {
+/// Merges neighbours while that pays; returns whether any were. Labels without triangles stay behind, without harm. The first
+/// `held` models stay what they are.
+pub fn merge(
+    energy: &mut Energy<'_>,
+    fitter: &mut Fitter<'_>,
+    label: &mut [u32],
+    held: u32,
+    context: &Context,
+) -> Result<bool> {
     let mut any = false;
     // Pairs that were found not to pay.
     let mut settled: FxHashSet<(u32, u32)> = FxHashSet::default();
     loop {
         let groups = Groups::new(label, energy.models.len());
         let own: Vec<f64> = (0..groups.len() as u32)
-            .map(|l| price(energy, groups.of(l), &energy.models[l as usize]) + energy.models[l as usize].cost())
+            .map(|l| {
+                price(energy, groups.of(l), &energy.models[l as usize]) + energy.models[l as usize].cost(energy.noise)
+            })
             .collect();
         let mut gains: Vec<(f64, u32, u32, Model)> = Vec::new();
         for ((a, b), boundary) in neighbours(energy, label) {
             context.check()?;
-            if settled.contains(&(a, b)) {
+            if settled.contains(&(a, b)) || a.max(b) < held {
                 continue;
             }
             let both: Vec<u32> = groups.of(a).iter().chain(groups.of(b)).copied().collect();
             let before = own[a as usize] + own[b as usize] + boundary;
-            match best(energy, fitter, [a, b], &both) {
+            match best(energy, fitter, [a, b], held, &both) {
                 Some((model, after)) if after < before => gains.push((before - after, a, b, model)),
                 _ => {
                     settled.insert((a, b));
@@ -59,14 +68,18 @@ fn price(energy: &Energy<'_>, triangles: &[u32], model: &Model) -> f64 {
 }
 
 /// The best surface for the triangles of two labels: one of theirs, or one fitted to both.
-fn best(energy: &Energy<'_>, fitter: &mut Fitter<'_>, pair: [u32; 2], both: &[u32]) -> Option<(Model, f64)> {
+fn best(energy: &Energy<'_>, fitter: &mut Fitter<'_>, pair: [u32; 2], held: u32, both: &[u32]) -> Option<(Model, f64)> {
     let mut best: Option<(Model, f64)> = None;
     let mut offer = |model: Model| {
-        let total = price(energy, both, &model) + model.cost();
+        let total = price(energy, both, &model) + model.cost(energy.noise);
         if best.as_ref().is_none_or(|b| total < b.1) {
             best = Some((model, total));
         }
     };
+    if let Some(&l) = pair.iter().find(|&&l| l < held) {
+        offer(energy.models[l as usize]);
+        return best;
+    }
     pair.iter().for_each(|&l| offer(energy.models[l as usize]));
     for kind in Kind::ALL {
         if let Some(fit) = fitter.fit(kind, both, None) {

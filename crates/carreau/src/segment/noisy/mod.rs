@@ -4,27 +4,41 @@
 //! proposed from patches all over the mesh, the triangles divided among them by α-expansion, the surfaces fitted again to
 //! what they got, and so on; surfaces that pay less than their parameters are merged with their neighbours.
 //!
+//! Noise is of two kinds. White noise is the same everywhere and independent from vertex to vertex: its deviation is measured, and
+//! decides. All else (chords of a remeshed part, edges that smoothing rounded, waves, scans) is within a tolerance in proportion to
+//! the edges, neighbours deviate alike, and triangles that exact surfaces hold for certain stay theirs.
+//!
 //! | file | holds |
 //! |---|---|
+//! | `held` | which exact surfaces are no chance |
 //! | `level` | how large the noise is, and what it does to normals and creases |
 //! | `patch` | patches of triangles |
 //! | `model` | a surface as an explanation: prices, growth, fit |
 //! | `propose` | hypotheses |
 //! | `expand` | which surface every triangle belongs to |
 //! | `merge` | fewer, simpler surfaces |
+//! | `ambiguous` | surfaces that are pieces of freeform ones |
+//! | `settle` | rounded edges, which are no faces |
+//! | `simplest` | the simplest kind for what a surface got |
 
+mod ambiguous;
 mod expand;
+mod held;
 mod level;
 mod merge;
 mod model;
 mod patch;
 mod propose;
+mod settle;
+mod simplest;
 
 use super::growth;
 use super::regions::{Groups, connected, count};
-use super::surface::Surface;
+use super::surface::{Surface, quantile};
+use super::surfaces::Surfaces;
 use crate::context::Context;
 use crate::error::Result;
+use crate::geometry::primitive::Primitive;
 use crate::mesh::NONE;
 use expand::Energy;
 use level::Noise;
@@ -39,13 +53,36 @@ const LOUDEST: f64 = 0.15;
 const SAME_NOISE: f64 = 1.28;
 /// Some of the seeds are enough where they are apart by more.
 const OTHER_NOISE: f64 = 1.55;
+/// The rougher part of a mesh with white noise is rougher than the quieter part by no more than this factor.
+const EVEN: f64 = 2.5;
 /// Noise that is larger than a distance by this factor cannot hide in it.
 const CLEARLY: f64 = 6.0;
 /// Share of the seeds, and of the area, that lies on surfaces where the mesh is a part.
 const PROBED: f64 = 0.25;
 const PART: f64 = 0.6;
+/// Exact surfaces on a larger share of the area say that the mesh is a part.
+const SOME: f64 = 0.02;
+/// Where exact surfaces hold more than this there is no noise that is the same everywhere.
+const MOST: f64 = 0.5;
+/// What no exact surface is sure to hold is crumbs where it is no more than this share of the area, and so is what none holds.
+const NEARLY_ALL: f64 = 2e-3;
+const CRUMBS: f64 = 1e-4;
+/// Height over longest side of the middle triangle below which triangles are those of a kernel: smoothing, remeshing and scanning
+/// leave better ones, 0.87 at most.
+const WELL_SHAPED: f64 = 0.3;
+/// Free triangles whose vertices lie on a smooth surface up to this share of an edge are freeform, beside exact surfaces.
+const SMOOTH: f64 = 5e-3;
+/// The tolerance of triangles that came about somehow, as a share of their edges: noise, chords and the waves of smoothing are
+/// within that.
+const TOLERANT: f64 = 0.045;
+/// Triangles that say as much as a single one with independent noise would: such deviations are those of the neighbours too.
+const SAMPLE: f64 = 4.0;
+/// Share of the seeds whose surfaces are large where the mesh is a part.
+const LARGE_PROBES: f64 = 0.8;
 /// Larger meshes would take minutes.
 const LARGEST: usize = 400_000;
+/// So would more triangles that no exact surface holds.
+const MOST_OPEN: usize = 60_000;
 /// Rounds of division and fit.
 const ROUNDS: usize = 4;
 const EXPANSIONS: usize = 3;
@@ -57,59 +94,202 @@ const FREE_CRUMB: usize = 10;
 pub struct Noisy {
     /// Region of every triangle.
     pub label: Vec<u32>,
+    /// Their surfaces, where these cannot be fitted to all vertices because those of rounded edges are far off; regions beyond
+    /// have none.
+    pub primitives: Vec<Primitive>,
     /// Standard deviation of the vertices from their surfaces.
     pub sigma: f64,
     /// Share of the area on recognised surfaces.
     pub share: f64,
 }
 
-/// The faces of a part with noise; `None` for other meshes. `held`: the distance from their vertices of surfaces that
-/// were found already, if any were.
-pub fn find(surface: &Surface<'_>, order: &[u32], held: Option<f64>, context: &Context) -> Result<Option<Noisy>> {
+/// What was found exactly before, and what the user asks for.
+pub struct Before<'a> {
+    pub exact: &'a Surfaces,
+    /// Share of the area that lies on its surfaces.
+    pub share: f64,
+    /// Largest distance of a vertex from its surface.
+    pub tolerance: Option<f64>,
+}
+
+/// The faces of a part with noise; `None` for other meshes.
+pub fn find(surface: &Surface<'_>, order: &[u32], before: &Before<'_>, context: &Context) -> Result<Option<Noisy>> {
     if surface.len() > LARGEST {
         return Ok(None);
     }
-    let Some(noise) = noise_of_part(surface, order, held, context)? else { return Ok(None) };
-    let proposals = propose::propose(surface, &noise, order, context)?;
-    let (models, mut label) = propose::choose(surface, &noise, &proposals);
-    let mut energy = Energy::new(surface, &noise, models);
-    let mut fitter = Fitter::new(surface, &noise);
+    let white = if before.share < MOST { noise_of_part(surface, order, before, context)? } else { None };
+    if let Some(noise) = white {
+        let start = Start { models: Vec::new(), label: vec![NONE; surface.len()], fixed: vec![false; surface.len()] };
+        return divide(surface, &noise, order, start, true, context);
+    }
+    let start = Start::of(surface, before.exact);
+    match tolerant(surface, order, before, &start, context)? {
+        Some(noise) => divide(surface, &noise, order, start, false, context),
+        None => Ok(None),
+    }
+}
+
+/// Where the division starts from.
+struct Start {
+    /// Models that are held.
+    models: Vec<Model>,
+    label: Vec<u32>,
+    /// Triangles of the models that are held.
+    fixed: Vec<bool>,
+}
+
+impl Start {
+    /// The exact surfaces that are no chance.
+    fn of(surface: &Surface<'_>, exact: &Surfaces) -> Self {
+        let held = held::held(surface, exact);
+        let groups = Groups::new(&exact.label, exact.primitives.len());
+        let mut start =
+            Start { models: Vec::new(), label: vec![NONE; surface.len()], fixed: vec![false; surface.len()] };
+        let held: Vec<u32> =
+            (0..groups.len() as u32).filter(|&l| held[l as usize] && !groups.of(l).is_empty()).collect();
+        let members: Vec<&[u32]> = held.iter().map(|&l| groups.of(l)).collect();
+        start.models = held
+            .iter()
+            .zip(&members)
+            .map(|(&l, members)| Model::of(exact.primitives[l as usize], surface, members))
+            .collect();
+        let home = held::same(surface, &start.models, &members, held::TWIN * exact.tolerance);
+        for (members, &home) in members.iter().zip(&home) {
+            for &k in *members {
+                (start.label[k as usize], start.fixed[k as usize]) = (home, true);
+            }
+        }
+        start
+    }
+}
+
+/// Divides the triangles that are not held among surfaces.
+fn divide(
+    surface: &Surface<'_>,
+    noise: &Noise,
+    order: &[u32],
+    start: Start,
+    white: bool,
+    context: &Context,
+) -> Result<Option<Noisy>> {
+    let Start { mut models, mut label, fixed } = start;
+    let held = models.len() as u32;
+    let proposals = propose::propose(surface, noise, order, &fixed, context)?;
+    propose::choose(surface, noise, &proposals, &mut models, &mut label);
+    let mut energy = Energy::new(surface, noise, models, &fixed);
+    let mut fitter = Fitter::new(surface, noise, &fixed);
     for _ in 0..ROUNDS {
         let changed = energy.minimise(&mut label, EXPANSIONS, context)?;
-        refit(&mut energy, &mut fitter, &label);
-        let merged = merge::merge(&mut energy, &mut fitter, &mut label, context)?;
+        refit(&mut energy, &mut fitter, &label, held);
+        let merged = merge::merge(&mut energy, &mut fitter, &mut label, held, context)?;
         if !changed && !merged {
             break;
         }
     }
     energy.minimise(&mut label, EXPANSIONS, context)?;
-    free_wrong(&energy, &mut label);
+    if white {
+        free_wrong(&energy, &mut label);
+    } else {
+        ambiguous::free(&energy, &mut label, held);
+    }
     let on = label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE).map(|(_, a)| a).sum::<f64>();
     let share = on / surface.total_area.max(f64::MIN_POSITIVE);
     if share < PART {
         return Ok(None);
     }
-    let label = complete(surface, &noise, &energy, label, order, context)?;
-    Ok(Some(Noisy { label, sigma: noise.sigma, share }))
+    let mut label = complete(surface, noise, &energy, label, order, white, context)?;
+    if !white {
+        settle::settle(&energy, &mut label, &fixed, order, context)?;
+        let next = count(&label) as u32;
+        label.iter_mut().filter(|l| **l == NONE).for_each(|l| *l = next);
+    }
+    refit(&mut energy, &mut fitter, &label, held);
+    if !white {
+        simplest::simplify(&mut energy, &mut fitter, &label, held);
+    }
+    let primitives = if white { Vec::new() } else { energy.models.iter().map(|m| m.primitive).collect() };
+    Ok(Some(Noisy { label, primitives, sigma: noise.sigma, share }))
 }
 
 /// The noise of a mesh that looks like a part with noise. Few probes decide: a scan of a million triangles is told in a
 /// fraction of a second.
-fn noise_of_part(surface: &Surface<'_>, order: &[u32], held: Option<f64>, context: &Context) -> Result<Option<Noise>> {
+fn noise_of_part(
+    surface: &Surface<'_>,
+    order: &[u32],
+    before: &Before<'_>,
+    context: &Context,
+) -> Result<Option<Noise>> {
     let Some(sigma) = level::level(surface, order) else { return Ok(None) };
     // No surface could hold its vertices as closely.
-    if held.is_some_and(|held| sigma > CLEARLY * held) {
+    if before.share >= SOME && sigma > CLEARLY * before.exact.tolerance {
         return Ok(None);
     }
     let edge = surface.mean_edge();
     if !(QUIETEST * edge..LOUDEST * edge).contains(&sigma) {
         return Ok(None);
     }
-    let first = Noise::new(surface, sigma);
+    // White noise is the same everywhere; smoothed edges are rougher than what lies between.
+    let rough = level::roughness(surface, order).unwrap_or_default();
+    if rough > EVEN * sigma {
+        return Ok(None);
+    }
+    let first = Noise::white(surface, sigma);
     let hopeless = |probe: &Probe| probe.sigma > OTHER_NOISE * sigma;
     let probe = propose::probe(surface, &first, order, hopeless, context)?;
     let is_part = probe.share >= PROBED && probe.sigma <= SAME_NOISE * sigma && probe.sigma > 0.0;
-    Ok(is_part.then(|| if probe.sigma < sigma { Noise::new(surface, probe.sigma) } else { first }))
+    Ok(is_part.then(|| if probe.sigma < sigma { Noise::white(surface, probe.sigma) } else { first }))
+}
+
+/// The tolerance of a mesh that looks like a part, however its triangles came about; `None` where what is free is as smooth as a
+/// freeform surface beside exact ones.
+fn tolerant(
+    surface: &Surface<'_>,
+    order: &[u32],
+    before: &Before<'_>,
+    start: &Start,
+    context: &Context,
+) -> Result<Option<Noise>> {
+    let open: Vec<u32> = order.iter().copied().filter(|&k| !start.fixed[k as usize]).collect();
+    if open.len() > MOST_OPEN {
+        return Ok(None);
+    }
+    let area: f64 = open.iter().map(|&k| surface.areas[k as usize]).sum();
+    let free: f64 =
+        open.iter().filter(|&&k| before.exact.label[k as usize] == NONE).map(|&k| surface.areas[k as usize]).sum();
+    let nothing_left = area <= NEARLY_ALL * surface.total_area || free <= CRUMBS * surface.total_area;
+    if nothing_left && before.tolerance.is_none() {
+        return Ok(None);
+    }
+    let mut areas: Vec<f64> = open.iter().map(|&k| surface.areas[k as usize]).collect();
+    let middle = quantile(&mut areas, 0.5, f64::total_cmp).unwrap_or_default();
+    let edge = (middle * 4.0 / 3f64.sqrt()).sqrt();
+    // Where there are too few patches to tell there are too few triangles to divide.
+    let Some(rough) = level::roughness(surface, &open) else { return Ok(None) };
+    let shape = |&k: &u32| {
+        let longest = (3 * k..3 * k + 3).map(|c| surface.edge_length(c)).fold(0.0, f64::max);
+        2.0 * surface.areas[k as usize] / (longest * longest).max(f64::MIN_POSITIVE)
+    };
+    let mut shapes: Vec<f64> = open.iter().map(shape).collect();
+    if before.tolerance.is_none() && quantile(&mut shapes, 0.5, f64::total_cmp).is_none_or(|s| s < WELL_SHAPED) {
+        return Ok(None);
+    }
+    if before.share >= SOME && rough < SMOOTH * edge && before.tolerance.is_none() {
+        return Ok(None);
+    }
+    let measured = level::level(surface, &open).unwrap_or_default();
+    let sigma = match before.tolerance {
+        Some(tolerance) => tolerance / model::REACH,
+        None => measured.clamp(TOLERANT * edge, LOUDEST * edge),
+    };
+    let noise = Noise::new(surface, sigma, edge, SAMPLE);
+    let never = |_: &Probe| false;
+    if before.share < SOME {
+        let probe = propose::probe(surface, &noise, order, never, context)?;
+        if probe.large < LARGE_PROBES {
+            return Ok(None);
+        }
+    }
+    Ok(Some(noise))
 }
 
 /// Takes the surfaces away that are pieces of freeform ones, found because noise hides what they are wrong by.
@@ -122,10 +302,12 @@ fn free_wrong(energy: &Energy<'_>, label: &mut [u32]) {
     }
 }
 
-/// Fits every surface to the triangles it has.
-fn refit(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32]) {
-    let groups = Groups::new(label, energy.models.len());
-    for l in 0..groups.len() as u32 {
+/// Fits every surface that is not held to the triangles it has.
+fn refit(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32], held: u32) {
+    // Labels beyond the models are free.
+    let own: Vec<u32> = label.iter().map(|&l| if (l as usize) < energy.models.len() { l } else { NONE }).collect();
+    let groups = Groups::new(&own, energy.models.len());
+    for l in held..groups.len() as u32 {
         let old = energy.models[l as usize];
         let on: Vec<u32> =
             groups.of(l).iter().copied().filter(|&k| old.holds(energy.surface, energy.noise, k)).collect();
@@ -143,11 +325,15 @@ fn complete(
     energy: &Energy<'_>,
     mut label: Vec<u32>,
     order: &[u32],
+    white: bool,
     context: &Context,
 ) -> Result<Vec<u32>> {
     let models = energy.models.len() as u32;
     // Free pieces end at creases.
     let next = surface.flood(order, &mut label, models, |c| !noise.crease[c as usize], |_, _| ());
+    if !white {
+        return Ok(label);
+    }
     let part = connected(surface, &label, order);
     let mut size = vec![0usize; count(&part)];
     part.iter().for_each(|&p| size[p as usize] += 1);

@@ -70,8 +70,8 @@ impl Model {
     }
 
     /// The price of the surface itself.
-    pub fn cost(&self) -> f64 {
-        SURFACE + PER_PARAMETER * self.primitive.kind().parameters() as f64
+    pub fn cost(&self, noise: &Noise) -> f64 {
+        noise.triangles_a_sample * (SURFACE + PER_PARAMETER * self.primitive.kind().parameters() as f64)
     }
 
     /// Mean product of the distances at the two ends of edges, in variances of the noise, and the number of edges: about 0
@@ -116,12 +116,15 @@ pub struct Fitter<'a> {
     pub patches: Patches<'a>,
     /// Triangles that a surface grows over at most.
     pub most: usize,
+    /// Triangles that no surface grows over.
+    pub fixed: &'a [bool],
     scratch: Scratch,
 }
 
 impl<'a> Fitter<'a> {
-    pub fn new(surface: &'a Surface<'a>, noise: &'a Noise) -> Self {
-        Fitter { surface, noise, patches: Patches::new(surface), most: usize::MAX, scratch: Scratch::default() }
+    pub fn new(surface: &'a Surface<'a>, noise: &'a Noise, fixed: &'a [bool]) -> Self {
+        let patches = Patches::new(surface);
+        Fitter { surface, noise, patches, most: usize::MAX, fixed, scratch: Scratch::default() }
     }
 
     /// A surface of a kind through the gathered points, if they are on one.
@@ -148,14 +151,14 @@ impl<'a> Fitter<'a> {
 
     /// The model through a start, grown from a seed and fitted again, and its triangles.
     pub fn grow(&mut self, start: Model, seed: u32) -> Option<(Model, Vec<u32>)> {
-        let (surface, noise) = (self.surface, self.noise);
+        let (surface, noise, fixed) = (self.surface, self.noise, self.fixed);
         let mut model = start;
         let mut best: Option<(Model, Vec<u32>)> = None;
         for _ in 0..ROUNDS {
             if !model.holds(surface, noise, seed) {
                 break;
             }
-            self.patches.reach(seed, self.most, &|_, k| model.holds(surface, noise, k));
+            self.patches.reach(seed, self.most, &|_, k| !fixed[k as usize] && model.holds(surface, noise, k));
             let before = best.as_ref().map_or(0, |b| b.1.len());
             if self.patches.triangles.len() <= before {
                 break;

@@ -13,6 +13,8 @@ use rustc_hash::FxHashSet;
 const SIZES: [usize; 4] = [160, 64, 26, 10];
 /// Seeds that are asked at most; parts have tens to hundreds.
 const MOST_SEEDS: usize = 3000;
+/// A triangle that was in so many patches without a surface is no seed any more.
+const MOST_FAILURES: u32 = 3;
 /// A triangle this cheap on a surface that was proposed is no seed any more.
 const EXPLAINED: f64 = 2.0;
 /// A surface that ends at creases with this share of its border needs no rival.
@@ -27,6 +29,8 @@ const PROBES: usize = 48;
 const PROBE_ROUNDS: usize = 8;
 const PROBE_SIZE: usize = 1000;
 const PROBE_SAMPLES: usize = 100;
+/// A surface of so many triangles is large.
+const LARGE_SIZE: usize = 200;
 /// Standard deviation of a normal distribution over its median absolute value.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
 
@@ -37,13 +41,20 @@ pub struct Proposal {
 }
 
 /// Surfaces proposed from all over the mesh.
-pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Context) -> Result<Vec<Proposal>> {
-    let mut fitter = Fitter::new(surface, noise);
-    let mut explained = vec![false; surface.len()];
+pub fn propose(
+    surface: &Surface<'_>,
+    noise: &Noise,
+    order: &[u32],
+    fixed: &[bool],
+    context: &Context,
+) -> Result<Vec<Proposal>> {
+    let mut fitter = Fitter::new(surface, noise, fixed);
+    let mut explained = fixed.to_vec();
+    let mut failures = vec![0u32; surface.len()];
     let mut all = Vec::new();
     let mut asked = 0;
     for seed in seeds(surface, noise, order) {
-        if explained[seed as usize] {
+        if explained[seed as usize] || failures[seed as usize] >= MOST_FAILURES {
             continue;
         }
         context.check()?;
@@ -58,6 +69,9 @@ pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Co
                 explained[k as usize] |= found.model.price(surface, noise, k) <= EXPLAINED;
             }
             all.push(found);
+        } else {
+            // The last patch was the smallest; its triangles see nearly the same.
+            fitter.patches.triangles.iter().for_each(|&k| failures[k as usize] += 1);
         }
     }
     Ok(all)
@@ -65,6 +79,8 @@ pub fn propose(surface: &Surface<'_>, noise: &Noise, order: &[u32], context: &Co
 
 /// What a few hypotheses, evenly spread over the mesh, tell about its noise.
 pub struct Probe {
+    /// Share of the seeds whose surface is large, or ends at creases.
+    pub large: f64,
     /// Share of the seeds that lie on a surface which noise alone keeps them from.
     pub share: f64,
     /// The deviation of the vertices from the surfaces that were found, whatever keeps them from these.
@@ -79,18 +95,22 @@ pub fn probe(
     hopeless: impl Fn(&Probe) -> bool,
     context: &Context,
 ) -> Result<Probe> {
-    let mut fitter = Fitter::new(surface, noise);
+    let fixed = vec![false; surface.len()];
+    let mut fitter = Fitter::new(surface, noise, &fixed);
     fitter.most = PROBE_SIZE;
     let step = (order.len() / PROBES).max(1);
     let seeds: Vec<u32> = order.iter().copied().skip(order.len() / PROBES / 2).step_by(step).collect();
-    let (mut asked, mut hits) = (0.0, 0.0);
+    let (mut asked, mut hits, mut large) = (0.0, 0.0, 0.0);
     let mut distances = Vec::new();
-    let mut answer = Probe { share: 0.0, sigma: noise.sigma };
+    let mut answer = Probe { large: 0.0, share: 0.0, sigma: noise.sigma };
     for round in 0..PROBE_ROUNDS {
         for &seed in seeds.iter().skip(round).step_by(PROBE_ROUNDS) {
             context.check()?;
             asked += 1.0;
             let Some(found) = best_from(&mut fitter, seed) else { continue };
+            if found.triangles.len() >= LARGE_SIZE || found.bounded(surface, noise) >= BOUNDED {
+                large += 1.0;
+            }
             if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
                 hits += 1.0;
             }
@@ -100,6 +120,7 @@ pub fn probe(
         }
         let median = quantile(&mut distances, 0.5, f64::total_cmp);
         answer.share = hits / f64::max(asked, 1.0);
+        answer.large = large / f64::max(asked, 1.0);
         answer.sigma = median.map_or(noise.sigma, |median| NORMAL_OVER_MEDIAN * median);
         if hopeless(&answer) {
             break;
@@ -136,7 +157,10 @@ fn best_from(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
     let noise = fitter.noise;
     let mut last = usize::MAX;
     for size in SIZES {
-        fitter.patches.around(seed, size, &|c| noise.crease[c as usize]);
+        let fixed = fitter.fixed;
+        let triangles = fitter.surface.triangles;
+        let outside = |c: u32| triangles.opposite(c) != NONE && fixed[triangles.opposite(c) as usize / 3];
+        fitter.patches.around(seed, size, &|c| noise.crease[c as usize] || outside(c));
         let (count, points) = (fitter.patches.triangles.len(), fitter.patches.points.len());
         if count >= last || points < Kind::Plane.parameters() + 1 {
             continue;
@@ -199,21 +223,25 @@ impl Proposal {
 }
 
 /// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE`] and a surface its own price.
-/// Returns the models and the label of every triangle, [`NONE`] where no chosen proposal reaches.
-pub fn choose(surface: &Surface<'_>, noise: &Noise, proposals: &[Proposal]) -> (Vec<Model>, Vec<u32>) {
+/// Adds the models, and labels the triangles that no model had.
+pub fn choose(
+    surface: &Surface<'_>,
+    noise: &Noise,
+    proposals: &[Proposal],
+    models: &mut Vec<Model>,
+    label: &mut [u32],
+) {
     let prices: Vec<Vec<f32>> = proposals
         .iter()
         .map(|p| p.triangles.iter().map(|&k| p.model.price(surface, noise, k) as f32).collect())
         .collect();
-    let mut label = vec![NONE; surface.len()];
-    let mut current = vec![FREE as f32; surface.len()];
+    let mut current: Vec<f32> = label.iter().map(|&l| if l == NONE { FREE as f32 } else { 0.0 }).collect();
     let saving = |p: usize, current: &[f32]| -> f64 {
         let each = proposals[p].triangles.iter().zip(&prices[p]).map(|(&k, &x)| f64::from(current[k as usize] - x));
-        each.filter(|&x| x > 0.0).sum::<f64>() - proposals[p].model.cost()
+        each.filter(|&x| x > 0.0).sum::<f64>() - proposals[p].model.cost(noise)
     };
     // What a proposal saves only falls: the first in the queue whose value is up to date is the best.
     let mut queue: Vec<(f64, usize)> = (0..proposals.len()).map(|p| (saving(p, &current), p)).collect();
-    let mut models = Vec::new();
     loop {
         queue.retain(|q| q.0 > 0.0);
         queue.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -233,5 +261,4 @@ pub fn choose(surface: &Surface<'_>, noise: &Noise, proposals: &[Proposal]) -> (
             models.push(proposals[p].model);
         }
     }
-    (models, label)
 }

@@ -1,0 +1,81 @@
+//! Which of the surfaces that were found exactly stay as they are. The others are facets that happen to be flat: of chords, of
+//! edges that were rounded, of strips that were cut up; they are hypotheses like all others.
+
+use super::model::Model;
+use crate::geometry::primitive::Kind;
+use crate::mesh::NONE;
+use crate::segment::surface::{Lies, Surface, quantile};
+use crate::segment::surfaces::Surfaces;
+
+/// A surface with so many vertices inside is no chance: strips of chords have none.
+const INNER: usize = 4;
+/// Nor is one with this share of its border at creases and the area of more than one triangle of the middle size.
+const CREASED: f64 = 0.8;
+const SIZE: f64 = 1.5;
+/// Curved surfaces are what they seem where no more than this share of the area is free or on planes that may be chance.
+const CLEAN: f64 = 0.1;
+/// Bends from here on are creases, in radians.
+const CREASE: f64 = 0.35;
+/// Normals of two pieces of a surface agree to this angle, in radians.
+const TURN: f64 = 0.0175;
+/// Twins agree to so many times the tolerance.
+pub const TWIN: f64 = 4.0;
+
+/// The exact surfaces of a mesh that are held, per surface.
+pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
+    let t = surface.triangles;
+    let count = exact.primitives.len();
+    // The only surface around every vertex.
+    let mut around = vec![None; t.points().len()];
+    for c in 0..3 * surface.len() as u32 {
+        let l = exact.label[c as usize / 3];
+        let own = around[t.vertex(c) as usize].get_or_insert(l);
+        if *own != l || t.opposite(c) == NONE || t.opposite(t.previous(c)) == NONE {
+            *own = NONE;
+        }
+    }
+    let mut inner = vec![0usize; count];
+    around.into_iter().flatten().filter(|&l| l != NONE).for_each(|l| inner[l as usize] += 1);
+    let (mut area, mut creased, mut border) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    for (k, &l) in exact.label.iter().enumerate().filter(|(_, l)| **l != NONE) {
+        let l = l as usize;
+        area[l] += surface.areas[k];
+        for c in 3 * k as u32..3 * k as u32 + 3 {
+            let o = t.opposite(c);
+            if o != NONE && exact.label[o as usize / 3] == l as u32 {
+                continue;
+            }
+            let length = surface.edge_length(c);
+            border[l] += length;
+            creased[l] += if f64::from(surface.bend[c as usize]) > CREASE { length } else { 0.0 };
+        }
+    }
+    let middle = quantile(&mut surface.areas.clone(), 0.5, f64::total_cmp).unwrap_or_default();
+    let is_plane = |l: usize| exact.primitives[l].kind() == Kind::Plane;
+    let sure = |l: usize| inner[l] >= INNER || creased[l] >= CREASED * border[l] && area[l] >= SIZE * middle;
+    let free: f64 = surface.total_area - area.iter().sum::<f64>();
+    let doubtful: f64 = free + (0..count).filter(|&l| is_plane(l) && !sure(l)).map(|l| area[l]).sum::<f64>();
+    // The strips of a coarse tessellation have no vertex inside either: beside other exact surfaces they are no chance.
+    let clean = doubtful <= CLEAN * surface.total_area;
+    (0..count).map(|l| sure(l) || clean && !is_plane(l)).collect()
+}
+
+/// For every held surface the first, larger one that is the same: pieces of one face that what lies between has parted.
+pub fn same(surface: &Surface<'_>, models: &[Model], groups: &[&[u32]], distance: f64) -> Vec<u32> {
+    let mut order: Vec<usize> = (0..models.len()).collect();
+    order.sort_by_key(|&l| std::cmp::Reverse(groups[l].len()));
+    let mut home: Vec<u32> = (0..models.len() as u32).collect();
+    for (k, &l) in order.iter().enumerate() {
+        let lies = |other: &Model| {
+            let demand = Lies { distance, turn: TURN, spread: f64::INFINITY };
+            groups[l].iter().all(|&k| surface.lies_on(k, &other.primitive, other.sign, &demand))
+        };
+        let kind = models[l].primitive.kind();
+        let twin =
+            order[..k].iter().find(|&&o| home[o] == o as u32 && models[o].primitive.kind() == kind && lies(&models[o]));
+        if let Some(&twin) = twin {
+            home[l] = twin as u32;
+        }
+    }
+    home
+}

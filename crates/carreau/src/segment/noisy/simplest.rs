@@ -1,0 +1,45 @@
+//! The simplest kind that will do: rounded borders bend a cylinder into a cone and a cone into a torus, so the triangles away from
+//! the border decide.
+
+use super::expand::Energy;
+use super::model::{Fitter, Model};
+use super::settle::rings;
+use crate::geometry::primitive::Kind;
+use crate::mesh::NONE;
+use crate::segment::regions::Groups;
+
+/// Rings of triangles beside the border that have no say, where enough is left.
+const RINGS: u32 = 2;
+const ENOUGH: f64 = 0.3;
+/// A simpler kind may cost so much more per triangle, over what the dearer one costs.
+const SLACK: f64 = 0.15;
+const FACTOR: f64 = 1.25;
+
+/// Gives every surface that is not held the simplest kind that explains its inner triangles as well.
+pub fn simplify(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32], held: u32) {
+    let own: Vec<u32> = label.iter().map(|&l| if (l as usize) < energy.models.len() { l } else { NONE }).collect();
+    let groups = Groups::new(&own, energy.models.len());
+    let ring = rings(energy, label);
+    for l in held..groups.len() as u32 {
+        let all = groups.of(l);
+        let inner: Vec<u32> = all.iter().copied().filter(|&k| ring[k as usize] >= RINGS).collect();
+        let members = if inner.len() as f64 >= ENOUGH * all.len() as f64 { &inner } else { all };
+        let old = energy.models[l as usize];
+        let price = |model: &Model| members.iter().map(|&k| model.price(energy.surface, energy.noise, k)).sum::<f64>();
+        let most = FACTOR * price(&old) + SLACK * members.len() as f64;
+        let simpler = Kind::ALL.into_iter().take_while(|&kind| kind != old.primitive.kind()).find_map(|kind| {
+            let fit = fitter.fit(kind, members, None)?;
+            let model = Model::of(fit.primitive, energy.surface, members);
+            (price(&model) <= most).then_some(model)
+        });
+        // The same kind, fitted to what has a say.
+        let again = || {
+            let fit = fitter.fit(old.primitive.kind(), members, Some(old.primitive))?;
+            let model = Model::of(fit.primitive, energy.surface, members);
+            (price(&model) <= most).then_some(model)
+        };
+        if let Some(model) = simpler.or_else(again) {
+            energy.models[l as usize] = model;
+        }
+    }
+}
