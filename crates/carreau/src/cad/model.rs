@@ -130,10 +130,10 @@ fn track(map: &Map<'_>, chain: &Chain) -> Option<Track> {
     let b = b.unwrap_or(a);
     let facets = a.rung >= Rung::Planes && b.rung >= Rung::Planes;
     let flat = |p: &Piece| matches!(p.surface, Surface::Plane { .. });
-    if facets || (chain.sides[1] == NONE && flat(a)) {
-        if let Some(track) = straight(&polyline, SAME_POINT * 10.0 * map.diagonal) {
-            return Some(track);
-        }
+    if (facets || (chain.sides[1] == NONE && flat(a)))
+        && let Some(track) = straight(&polyline, SAME_POINT * 10.0 * map.diagonal)
+    {
+        return Some(track);
     }
     // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.
     let room = 4.0 * (a.max + b.max) + super::tuning::FILE * map.diagonal;

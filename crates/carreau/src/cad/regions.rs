@@ -102,13 +102,13 @@ impl<'a> Map<'a> {
             .zip(regions)
             .map(|(triangles, region)| {
                 let start = primitives[region as usize];
-                let fit = start.and_then(|p| {
+                let fit = start.map(|p| {
                     let points = vertices(t, &triangles);
                     let step = points.len().div_ceil(MOST_SAMPLES).max(1);
                     let some: Vec<DVec3> = points.iter().copied().step_by(step).collect();
                     let far = |p: &Primitive| points.iter().map(|&q| p.distance(q).abs()).fold(0.0, f64::max);
                     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive);
-                    Some(again.filter(|q| far(q) <= 2.0 * far(&p)).map_or((p, far(&p)), |q| (q, far(&q))))
+                    again.filter(|q| far(q) <= 2.0 * far(&p)).map_or((p, far(&p)), |q| (q, far(&q)))
                 });
                 let fit = fit.filter(|(p, _)| sagitta(t, &triangles, p) <= COARSEST * self.diagonal);
                 let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));

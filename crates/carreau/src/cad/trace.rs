@@ -84,7 +84,7 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
     }
     // Two points give no direction.
     while points.len() < 4 {
-        points = doubled(&points, |p, d| place(p, d), |_| true);
+        points = doubled(&points, place, |_| true);
     }
     let mut best: Option<(BSplineCurve, f64)> = None;
     for _ in 0..DOUBLINGS {
@@ -114,7 +114,7 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
         }
         // The neighbours too: knots that grade gently make no waves.
         let bad = |k: usize| (k.saturating_sub(1)..=(k + 1).min(error.len() - 1)).any(|j| error[j] > tolerance);
-        points = doubled(&points, |p, d| place(p, d), bad);
+        points = doubled(&points, place, bad);
     }
     best
 }

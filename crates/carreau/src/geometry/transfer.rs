@@ -66,7 +66,8 @@ pub fn transfer(source: &SurfaceMesh, target: &mut RawMesh, context: &Context) -
     let vertex = wanted(&from.vertex, &own.vertex);
     let face = wanted(&from.face, &own.face);
     let corner = wanted(&from.corner, &own.corner);
-    if !source.faces().is_empty() && !(vertex.is_empty() && face.is_empty() && corner.is_empty()) {
+    let has_columns = [&vertex, &face, &corner].into_iter().any(|columns| !columns.is_empty());
+    if has_columns && !source.faces().is_empty() {
         let surface = Surface::new(source, &corner, context)?;
         if !vertex.is_empty() {
             let at = |p: &DVec3| surface.mixture(surface.tree.closest(*p));

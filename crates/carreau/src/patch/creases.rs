@@ -16,7 +16,6 @@ pub(super) fn barriers(mesh: &SurfaceMesh, options: &PatchOptions) -> Result<Vec
         borders: false,
         tags: options.tagged_edges,
         edges: options.feature_edges.clone(),
-        ..FeatureOptions::default()
     };
     let tagged = limits.tags && !mesh.tagged_edges.is_empty();
     if limits.angle_deg.is_none() && limits.edges.is_empty() && !tagged {

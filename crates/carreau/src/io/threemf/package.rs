@@ -34,7 +34,7 @@ impl<'a> Package<'a> {
             source.error(Place::File, format!("this is no 3MF package (a ZIP archive): {e}"))
         };
         let archive = ZipArchive::new(Cursor::new(source.bytes)).map_err(wrong)?;
-        let left = (source.bytes.len() as u64).saturating_mul(EXPANSION).max(ALWAYS).min(LARGEST);
+        let left = (source.bytes.len() as u64).saturating_mul(EXPANSION).clamp(ALWAYS, LARGEST);
         Ok(Package { source, archive, left })
     }
 

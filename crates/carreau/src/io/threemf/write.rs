@@ -136,7 +136,7 @@ impl Looks {
         group += if base { "</basematerials>\n" } else { "</m:colorgroup>\n" };
         let member = |color: &[u8; 4]| used.binary_search(color).ok().map(|k| k as u32);
         let members = colors.iter().map(member).collect();
-        Looks { group, column: Some(("color", on)), members, ..none }
+        Looks { group, column: Some(("color", on)), members }
     }
 
     /// The members of the corners of a triangle.

@@ -53,7 +53,7 @@ impl<'a> Locator<'a> {
         if way.length() < 1e-9 {
             return self.framed.points[side.vertex as usize];
         }
-        self.from_vertex(side.vertex, side.post + side.vector.angle_to(way), way.length() / self.scale)
+        self.walked_from(side.vertex, side.post + side.vector.angle_to(way), way.length() / self.scale)
     }
 
     /// The point at a length along the feature that a half-edge lies on.
@@ -98,7 +98,7 @@ impl<'a> Locator<'a> {
         None
     }
 
-    fn from_vertex(&self, v: u32, angle: f64, length: f64) -> DVec3 {
+    fn walked_from(&self, v: u32, angle: f64, length: f64) -> DVec3 {
         let star = &self.stars[v as usize];
         let angle = if star.is_closed { angle.rem_euclid(star.whole) } else { angle.clamp(0.0, star.whole) };
         let Some(&(from, h)) = star.edges.iter().rev().find(|e| e.0 <= angle).or(star.edges.first()) else {
