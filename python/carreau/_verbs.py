@@ -111,8 +111,8 @@ class Preparation(Common, total=False):
     weld : float or str
         Vertices nearer than this become one (0: those at equal positions).
     keep : {"all", "largest"} or float or str
-        Pieces that stay: all, the largest, or those with at least this share of the largest one's area. By default all; the
-        largest where a method takes one body.
+        Pieces that stay: all, the largest, or those with at least this share of the largest one's area. By default all;
+        the largest where a method takes one body.
     as_is : bool
         The surface is taken as it is: nothing is welded, left out or turned.
     """
@@ -272,7 +272,8 @@ def enrich(
     gradation : float or "off", optional
         Largest ratio of sizes over one unit of length (1.5).
     feature_angle : float, optional
-        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35° alone).
+        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35°
+        alone).
     features : "auto", array_like of int (k, 2) or path, optional
         "auto": creases at the size of the result stay; or these besides: pairs of vertices, or a file.
     labels : array_like of int or str, optional
@@ -337,7 +338,8 @@ def simplify(
     gradation : float or "off", optional
         Largest ratio of sizes over one unit of length (1.5).
     feature_angle : float, optional
-        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35° alone).
+        Every edge with a larger angle between its faces stays, in degrees (180: none; without it: creases of 35°
+        alone).
     features : "auto", array_like of int (k, 2) or path, optional
         "auto": creases at the size of the result stay; or these besides: pairs of vertices, or a file.
     labels : array_like of int or str, optional
@@ -442,8 +444,8 @@ def patch(
     ignore_tags : bool
         Cross marked edges, too.
     fit : {"auto", "bilinear", "bicubic"}, optional
-        CAD faces: planes, and patches divided at their bends; curved patches as splines within the tolerance, too; or one
-        face a patch, whose area and volume many programs get wrong ("auto").
+        CAD faces: planes, and patches divided at their bends; curved patches as splines within the tolerance, too; or
+        one face a patch, whose area and volume many programs get wrong ("auto").
     tolerance : float or str, optional
         Largest distance of a vertex from a bicubic face ("0.1%").
     trimmed : bool
@@ -502,8 +504,8 @@ def field(
     lean : float, optional
         Largest angle by which the two directions lean towards each other, in degrees (60).
     feature_angle : float, optional
-        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
-        alone).
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of
+        35° alone).
     features : "auto", array_like of int (k, 2) or path, optional
         "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool
@@ -553,8 +555,8 @@ def motorcycle(
     edge_length : float or str, optional
         Length of their edges instead.
     feature_angle : float, optional
-        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
-        alone).
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of
+        35° alone).
     features : "auto", array_like of int (k, 2) or path, optional
         "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool
@@ -600,8 +602,8 @@ def quad(
     edge_length : float or str, optional
         Length of the edges instead.
     feature_angle : float, optional
-        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of 35°
-        alone).
+        Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of
+        35° alone).
     features : "auto", array_like of int (k, 2) or path, optional
         "auto": creases at the size of the result; or these besides: pairs of vertices, or a file.
     ignore_tags : bool

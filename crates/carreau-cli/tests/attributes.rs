@@ -55,7 +55,7 @@ fn tube() -> String {
             quad(if ring == 0 { [a, d, c, b] } else { ids }, &mut out);
         }
     }
-    out + "l 1 9 17\n"
+    out
 }
 
 const LIBRARY: &str = "newmtl red paint\nKd 0.8 0.1 0.1\nnewmtl rubber\nKd 0.1 0.1 0.1\nmap_Kd skin.png\n";

@@ -80,7 +80,7 @@ pub(super) fn moved_by_single_precision(mesh: &RawMesh) -> Option<f64> {
     let high = mesh.points.iter().fold(DVec3::NEG_INFINITY, |a, &p| a.max(p));
     let moved = |p: &DVec3| (p.as_vec3().as_dvec3() - *p).abs().max_element();
     let most = mesh.points.iter().map(moved).fold(0.0, f64::max);
-    (most > UNSEEN * (high - low).max_element()).then_some(most)
+    (most > 0.0 && most > UNSEEN * (high - low).max_element()).then_some(most)
 }
 
 /// The note about elements of higher order, of which readers keep the corners: `elements` is their number.

@@ -209,13 +209,16 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
     let mut warnings = source.surface.repaired.clone();
     let attempts = Attempts::new(source, options, context);
     let mut tried = attempts.none();
-    if options.rung == 1 {
+    // Between features the graph's grids are straighter; without any it has nothing to start from.
+    let is_smooth = source.edges.is_empty();
+    if options.rung == 1 && is_smooth {
         attempts.map(&mut tried, context)?;
     }
-    // Between features other quads may be better ones; the best count.
-    let is_done = if source.edges.is_empty() { tried.is_useful() } else { tried.will_do() };
-    if options.rung <= 2 && !is_done {
+    if options.rung <= 2 && !(is_smooth && tried.is_useful()) {
         attempts.run(&mut tried)?;
+    }
+    if options.rung == 1 && !is_smooth && !tried.is_useful() {
+        attempts.map(&mut tried, context)?;
     }
     if !tried.is_useful()
         && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?

@@ -168,7 +168,9 @@ impl RemeshOptions {
             return Err(Error::Options("gradation must be above 1, or off".into()));
         }
         angle("feature-angle", self.feature_angle)?;
-        positive("min-size", self.min_size)?;
+        if !(self.min_size >= 0.0 && self.min_size.is_finite()) {
+            return Err(Error::Options(format!("min-size is {}, it must not be below 0", self.min_size)));
+        }
         positive("max-size", self.max_size)?;
         if self.min_size > self.max_size {
             return Err(Error::Options("min-size is above max-size: no edge could be as long as both allow".into()));

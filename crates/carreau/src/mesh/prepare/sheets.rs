@@ -80,21 +80,6 @@ impl Sheets {
         Ok(sheets)
     }
 
-    /// Edges of two faces alone.
-    pub fn without_pairs(soup: &Soup) -> Self {
-        let half_edges = soup.half_edges();
-        let repeats = soup.faces_with_repeats();
-        let face_of = soup.faces.face_of_corners();
-        let mut mate = vec![NONE; soup.faces.corners().len()];
-        for edge in half_edges.groups() {
-            let mut sides = edge.corners().filter(|&c| !repeats[face_of[c as usize] as usize]);
-            if let (Some(c), Some(d), None) = (sides.next(), sides.next(), sides.next()) {
-                (mate[c as usize], mate[d as usize]) = (d, c);
-            }
-        }
-        Sheets { half_edges, mate, loose: Vec::new(), paired: Vec::new(), left: Vec::new() }
-    }
-
     /// Takes guessed pairs apart where the sheet is open.
     fn dissolve(&mut self, guesses: &[[u32; 2]], crowded: &[Crowded], face_of: &[u32], faces: usize) {
         let mut sets = DisjointSets::new(faces);

@@ -4,9 +4,9 @@
 //! |---|---|---|---|
 //! | 1 | `weld` | vertices at one place become one | `weld` |
 //! | 2 | `degenerate` | faces without area go, the surface stays closed | `degenerate` |
-//! | 3 | `prepare::doubles` | of several faces on the same vertices one stays, or two as the wall between bodies | `duplicates` |
+//! | 3 | `duplicates` | of several faces on the same vertices one stays | `duplicates` |
 //! | 4 | `orient` | neighbours are turned until they agree | `orient` |
-//! | 5 | `split` | bodies that touch come apart (`prepare::sheets`), what else is not manifold is cut | `split` |
+//! | 5 | `split` | non-manifold edges and vertices are cut into sheets | `split` |
 //! | 6 | `orient` | closed components look outward, cavities inward | `outward` |
 //! | 7 | `soup` | unreferenced vertices are dropped | `unreferenced` |
 //!
@@ -15,13 +15,14 @@
 //! repaired mesh is left as it is by a second repair with the same options.
 
 pub(super) mod degenerate;
+mod duplicates;
 pub(super) mod orient;
 mod sound;
 mod soup;
 mod split;
 mod weld;
 
-use super::prepare::{body_labels, doubles};
+use super::prepare::body_labels;
 use super::surface::SurfaceMesh;
 use super::topology::Topology;
 use crate::context::Context;
@@ -129,14 +130,11 @@ pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) ->
     done(1)?;
     let flat = if options.degenerate { degenerate::remove(&mut soup, diagonal, context)? } else { Default::default() };
     done(2)?;
-    let dropped_duplicates = if options.duplicates { doubles::drop(&mut soup, mesh).len() } else { 0 };
+    let dropped_duplicates = if options.duplicates { duplicates::drop(&mut soup) } else { 0 };
     done(3)?;
-    let mut turned = if options.orient { orient::agree(&mut soup) } else { vec![false; soup.faces.len()] };
+    let turned = if options.orient { orient::agree(&mut soup) } else { vec![false; soup.faces.len()] };
     done(4)?;
-    let split_vertices = if options.split { split::into_sheets(&mut soup, mesh, context)? } else { 0 };
-    if options.orient && split_vertices > 0 {
-        orient::agree(&mut soup).into_iter().zip(&mut turned).for_each(|(again, turned)| *turned ^= again);
-    }
+    let split_vertices = if options.split { split::into_sheets(&mut soup) } else { 0 };
     let turned_faces = turned.into_iter().filter(|&t| t).count();
     done(5)?;
     let names = body_labels(mesh);

@@ -16,19 +16,40 @@
 //! the result to be manifold, and two bodies that touch along an edge come apart as two closed bodies.
 
 use super::soup::Soup;
-use crate::context::Context;
-use crate::error::Result;
-use crate::mesh::prepare::Sheets;
-use crate::mesh::surface::SurfaceMesh;
+use crate::mesh::connectivity::{copies_of_edge, umbrellas, vertices_of_umbrellas};
+use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::id::VertexId;
+use crate::mesh::surface::TaggedEdge;
 
-/// Duplicates vertices until no edge has more than two faces and no vertex more than one umbrella. Bodies that touch are told
-/// apart first; what is left is cut. Returns the number of new vertices. Faces that use a vertex twice are left alone.
-pub fn into_sheets(soup: &mut Soup, original: &SurfaceMesh, context: &Context) -> Result<usize> {
-    let before = soup.points.len();
-    Sheets::of(soup, original, context)?.separate(soup, original, true);
-    // A body that touches itself in one edge cannot come apart there: it is cut.
-    if soup.half_edges().groups().any(|edge| edge.len() > 2) {
-        Sheets::without_pairs(soup).separate(soup, original, true);
+/// Duplicates vertices until no edge has more than two faces and no vertex more than one umbrella. Returns the number of
+/// new vertices. Faces that use a vertex twice are left alone.
+pub fn into_sheets(soup: &mut Soup) -> usize {
+    let half_edges = soup.half_edges();
+    let repeats = soup.faces_with_repeats();
+    let umbrella = umbrellas(&soup.faces, &half_edges, &repeats, |_, sides| sides <= 2);
+    let (new_id, copied) = vertices_of_umbrellas(&soup.faces, &umbrella, &repeats, soup.points.len());
+    for &v in &copied {
+        soup.points.push(soup.points[v as usize]);
+        soup.vertex_source.push(soup.vertex_source[v as usize]);
     }
-    Ok(soup.points.len() - before)
+    if !copied.is_empty() {
+        let next = soup.faces.next_corners();
+        soup.tagged = copies_of_tagged(&soup.tagged, &half_edges, &new_id, &next);
+        soup.faces.corners_mut().copy_from_slice(&new_id);
+    }
+    copied.len()
+}
+
+/// Every tagged edge once for each of the edges it was cut into; free lines as they were.
+fn copies_of_tagged(tagged: &[TaggedEdge], half_edges: &HalfEdges, new_id: &[u32], next: &[u32]) -> Vec<TaggedEdge> {
+    let mut out = Vec::with_capacity(tagged.len());
+    for edge in tagged {
+        match copies_of_edge(edge.ends.map(|v| v.0), half_edges, new_id, next) {
+            Some(copies) => {
+                out.extend(copies.into_iter().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: edge.tag }));
+            }
+            None => out.push(*edge),
+        }
+    }
+    out
 }

@@ -160,7 +160,9 @@ fn component_signs(model: &Model) -> BTreeMap<i32, usize> {
 #[test]
 fn exact_models_are_the_mesh() {
     for (name, model) in models::all() {
-        let CadModel { brep, warnings, .. } = exact(&model);
+        let CadModel { brep, mut warnings, .. } = exact(&model);
+        // That faces with bends weigh wrong in other programs is said, too.
+        warnings.retain(|what| !what.contains("default rule"));
         assert_edges_lie_on_surfaces(&brep, 1e-12);
         assert_loop_senses(&brep);
         // Every surface passes through the mesh vertices of its cells, bit for bit, and together they have them all.
@@ -275,7 +277,8 @@ fn what_does_not_fit_the_mesh_is_refused() {
     assert!(!refused(&|_| {}));
     // The same patch twice: four faces meet at its border, the result is open but consistent.
     let twice: Vec<Patch> = good.patches.iter().chain(&good.patches[..1]).cloned().collect();
-    let model = to_brep(&good.mesh(), &twice, &[], &BrepOptions::default(), &Context::new()).unwrap();
+    let options = BrepOptions { fit: Fit::Bilinear, ..Default::default() };
+    let model = to_brep(&good.mesh(), &twice, &[], &options, &Context::new()).unwrap();
     assert!(model.brep.solids.is_empty());
 }
 

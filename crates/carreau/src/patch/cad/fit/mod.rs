@@ -8,7 +8,7 @@
 //! | `stencil` | the equations of that, solved |
 //!
 //! Sides are never changed by a surface, so neighbours meet without gap or tolerance (C0), at T-nodes, too. A surface must
-//! keep the tolerance, must not bend inside, and must weigh right; otherwise the block is left to the next rung.
+//! keep the tolerance, and must not bend inside; otherwise the block is left to the next rung.
 
 mod curve;
 pub mod side;
@@ -18,7 +18,6 @@ mod surface;
 use super::chain::Chains;
 use super::piece::Block;
 use super::scene::Scene;
-use super::weigh;
 use crate::error::Result;
 use crate::geometry::bspline::{BSplineSurface, Knots};
 pub use curve::{ChainCurve, Shape};
@@ -40,8 +39,7 @@ pub struct Smooth {
     pub deviation: f64,
 }
 
-/// A bicubic surface between the curves of a block's chains, if there is one within the tolerance that bends nowhere and
-/// weighs right.
+/// A bicubic surface between the curves of a block's chains, if there is one within the tolerance that bends nowhere.
 pub fn smooth(
     scene: &Scene,
     block: Block,
@@ -61,22 +59,7 @@ pub fn smooth(
     let limit = 2 * (block.size[0] as usize + 1) * (block.size[1] as usize + 1);
     let Some(fit) = Problem::new(scene, &block, &frame, tolerance, limit.max(16)).solve()? else { return Ok(None) };
     let border = uses.iter().map(|of| curves(of.chain).deviation).fold(0.0, f64::max);
-    let [m, n] = block.size;
-    // The right side, from node to node, with the knots that its edges will have.
-    let right = uses.iter().filter(|of| (n..n + m).contains(&of.start)).map(|of| {
-        let from = of.start - n;
-        let to = (from + chains.paths[of.chain as usize].len() as u32 - 1).min(m);
-        let [a, b] = [from, to].map(|r| scale[1][r as usize]);
-        match curves(of.chain).shape {
-            Shape::Spline(c) => {
-                let c = if of.reversed { c.reversed() } else { c };
-                c.knots().rescaled([a, b]).breaks()
-            }
-            Shape::Polyline(_) => vec![a, b],
-        }
-    });
-    let right: Vec<Vec<f64>> = right.collect();
-    if bends(&fit.surface) || !weigh::is_right(&fit.surface, &right) {
+    if bends(&fit.surface) {
         return Ok(None);
     }
     Ok(Some(Smooth { surface: fit.surface, scale, deviation: fit.deviation.max(border) }))
