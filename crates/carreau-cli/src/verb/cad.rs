@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Makes a CAD model of a mesh: closed bodies become solids with the faces that the part really has
+/// Makes a CAD model of a mesh: closed bodies become solids
 ///
 /// A bore is one cylinder with its radius, a fillet one cylinder or torus, a plate a plane with its holes. What lies on no
 /// such surface is written as plane facets; the summary says which regions those are. An open surface becomes a shell.
