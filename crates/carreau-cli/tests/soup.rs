@@ -115,7 +115,7 @@ fn every_verb_gives_what_it_gives_for_the_clean_surface() {
     let folder = TempDir::new().unwrap();
     let context = Context::new();
     let cases: [(&str, u32, &[&[&str]]); 2] = [
-        ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"], &["quad", "--quads", "300"]]),
+        ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"]]),
         ("tube-tree", 30, &[&["skeleton"], &["hex"]]),
     ];
     for (model, resolution, verbs) in cases {
