@@ -116,7 +116,7 @@ fn every_verb_gives_what_it_gives_for_the_clean_surface() {
     let context = Context::new();
     let cases: [(&str, u32, &[&[&str]]); 2] = [
         ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"]]),
-        ("tube-tree", 30, &[&["skeleton"], &["hex"]]),
+        ("tube-tree", 50, &[&["skeleton"], &["hex"]]),
     ];
     for (model, resolution, verbs) in cases {
         let clean = in_order_of_use(&sample::make(model, Some(resolution), &context).unwrap());

@@ -185,6 +185,7 @@ impl Remesh {
         for (name, length) in [("min-size", all.min_size), ("max-size", all.max_size), ("distance", all.distance)] {
             positive_length(name, length)?;
         }
+        all.features.validate()?;
         all.check_sizes()?;
         all.remesh.validate()?;
         Ok(all)
