@@ -132,7 +132,7 @@ impl Features {
 /// Finds the feature edges of a mesh.
 ///
 /// # Errors
-/// [`Error::Options`] for an angle outside 0 to 180.
+/// [`Error::Options`](crate::Error::Options) for an angle outside 0 to 180.
 pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Features> {
     feature_edges_in(mesh, options, &Context::new())
 }
@@ -140,7 +140,7 @@ pub fn feature_edges(mesh: &SurfaceMesh, options: &FeatureOptions) -> Result<Fea
 /// The same in a context: creases at the size of elements take their time.
 ///
 /// # Errors
-/// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
+/// [`Error::Options`](crate::Error::Options) for an angle outside 0 to 180, [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn feature_edges_in(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Features> {
     options.validate()?;
     let normals = face_normals(mesh);
@@ -210,7 +210,7 @@ impl FeaturedSurface {
     /// diagonals that divide polygons are none.
     ///
     /// # Errors
-    /// [`Error::Options`] for an angle outside 0 to 180, [`Error::Cancelled`], [`Error::Deadline`].
+    /// [`Error::Options`](crate::Error::Options) for an angle outside 0 to 180, [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn new(mesh: &SurfaceMesh, options: &FeatureOptions, context: &Context) -> Result<Self> {
         let _stage = context.stage("features");
         let found = feature_edges_in(mesh, options, context)?;

@@ -169,8 +169,8 @@ const LEFT_OUT: &str = "it leaves part of the surface out";
 /// ```
 ///
 /// # Errors
-/// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Cancelled`],
-/// [`Error::Deadline`].
+/// [`Error::Options`](crate::Error::Options) for options out of range, [`Error::Input`](crate::Error::Input) for a mesh without faces, [`Error::Cancelled`](crate::Error::Cancelled),
+/// [`Error::Deadline`](crate::Error::Deadline).
 pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
@@ -261,7 +261,7 @@ impl QuadOptions {
     /// Refuses values out of range.
     ///
     /// # Errors
-    /// [`Error::Options`].
+    /// [`Error::Options`](crate::Error::Options).
     pub fn validate(&self) -> Result<()> {
         self.features.validate()?;
         check_size(self.quads, self.edge_length)?;
