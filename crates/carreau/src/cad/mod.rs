@@ -120,6 +120,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         let _stage = context.stage("map");
         let mut map = Map::new(triangles, mesh.diagonal(), &segmentation);
         swept::sweep(&mut map);
+        map.free_coarse();
         map
     };
     let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;

@@ -110,7 +110,6 @@ impl<'a> Map<'a> {
                     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive);
                     again.filter(|q| far(q) <= 2.0 * far(&p)).map_or((p, far(&p)), |q| (q, far(&q)))
                 });
-                let fit = fit.filter(|(p, _)| sagitta(t, &triangles, p) <= COARSEST * self.diagonal);
                 let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));
                 let (primitive, max) = (fit.map(|f| f.0), fit.map_or(0.0, |f| f.1));
                 let surface = primitive.map_or(
@@ -126,6 +125,18 @@ impl<'a> Map<'a> {
         self.label = part;
         self.free = (0..pieces.len() as u32).filter(|&p| pieces[p as usize].primitive.is_none()).collect();
         self.pieces = pieces;
+    }
+
+    /// Surfaces of which facets cut off too much are none: their pieces are free.
+    pub fn free_coarse(&mut self) {
+        let is_coarse = |piece: &Piece| {
+            piece.rung < Rung::Planes && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
+        };
+        let coarse: Vec<u32> =
+            (0u32..).zip(&self.pieces).filter(|(_, piece)| is_coarse(piece)).map(|(p, _)| p).collect();
+        self.free.extend(coarse);
+        self.free.sort_unstable();
+        self.free.dedup();
     }
 
     /// Puts plane facets in the place of pieces: sets of coplanar triangles, or single ones.
@@ -369,10 +380,10 @@ impl Shared<'_, '_> {
 }
 
 /// How far facets cut off their surface: the largest distance of the middles of triangles and edges.
-fn sagitta(t: Triangles<'_>, triangles: &[u32], primitive: &Primitive) -> f64 {
+fn sagitta(t: Triangles<'_>, triangles: &[u32], surface: &Surface) -> f64 {
     let middles = triangles.iter().flat_map(|&k| {
         let [a, b, c] = [0, 1, 2].map(|i| t.point(3 * k + i));
         [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]
     });
-    middles.map(|p| primitive.distance(p).abs()).fold(0.0, f64::max)
+    middles.map(|p| surface.distance(p).abs()).fold(0.0, f64::max)
 }
