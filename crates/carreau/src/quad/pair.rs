@@ -186,7 +186,8 @@ pub fn coarse(
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
     let held = source.held_edges().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: HELD });
     mesh.tagged_edges.extend(held);
-    let largest = length / source.diagonal;
+    // A share beneath the doubles stands as the least of them.
+    let largest = (length / source.diagonal).max(f64::MIN_POSITIVE);
     let options = RemeshOptions {
         deviation: follow.deviation,
         feature_angle: feature_deg,
