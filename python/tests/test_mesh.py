@@ -134,7 +134,7 @@ def test_files_that_are_not_there_or_unknown(tmp_path):
     with pytest.raises(cr.ReadError) as caught:
         cr.read(tmp_path / "no.ply")
     assert isinstance(caught.value, OSError) and "no.ply" in str(caught.value)
-    with pytest.raises(cr.ReadError, match="unknown extension"):
+    with pytest.raises(cr.WriteError, match="unknown extension"):
         cr.write(tmp_path / "mesh.xyz", rich())
     with pytest.raises(cr.OptionsError, match=r"cr\.patch"):
         rich().write(tmp_path / "part.step")
