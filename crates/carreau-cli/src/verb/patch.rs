@@ -11,7 +11,7 @@ use carreau::geometry::features::Creases;
 use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::{FaceId, PrepareOptions, Prepared};
+use carreau::mesh::{FaceId, PrepareOptions, Prepared, Takes};
 use carreau::patch::cad::{self, BrepOptions, Fit};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
@@ -212,7 +212,13 @@ impl Patch {
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let prepared = session.read_fans(&self.input, &options.prepare)?;
+        let mut prepared = session.read_fans(&self.input, &options.prepare)?;
+        if self.layout.is_some() && prepared.is_changed() {
+            // A vertex of the prepared surface may stand for several of the file, of which a triangle names one.
+            session.warn("the layout names vertices of the file, so the surface is taken as it is there");
+            let as_is = PrepareOptions { as_is: true, ..options.prepare.clone() };
+            prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
+        }
         let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut limits = options.patch.clone();
