@@ -216,7 +216,7 @@ impl Patch {
         if self.layout.is_some() && prepared.is_changed() {
             // A vertex of the prepared surface may stand for several of the file, of which a triangle names one.
             session.warn("the layout names vertices of the file, so the surface is taken as it is there");
-            let as_is = PrepareOptions { as_is: true, ..options.prepare.clone() };
+            let as_is = PrepareOptions { as_is: true, ..options.prepare };
             prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
         }
         let mesh = &prepared.mesh;
