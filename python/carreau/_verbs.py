@@ -165,6 +165,7 @@ def cad(
 
     Examples
     --------
+    >>> import carreau as cr
     >>> result = cr.cad(cr.sample("bracket"))
     >>> result.record["faces"], result.record["solids"]
     (13, 1)
