@@ -13,6 +13,7 @@ use carreau::cad::{self, CadModel, CadOptions, Style};
 use carreau::io::{self, CAD_EXTENSIONS, ResultKind, StepSchema, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
 use carreau::report::page::Scene;
+use carreau::words::counted;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -142,11 +143,10 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
     let kinds: Vec<(&str, usize)> =
         SurfaceKind::ALL.into_iter().map(|k| (k.name(), count(k))).filter(|(_, n)| *n > 0).collect();
     let words: Vec<String> = kinds.iter().map(|(name, n)| format!("{n} {name}")).collect();
-    let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     session.say(format!(
         "{}, {}: {}",
-        plural(brep.solids.len(), "solid"),
-        plural(brep.faces.len(), "face"),
+        counted(brep.solids.len(), "solid", "solids"),
+        counted(brep.faces.len(), "face", "faces"),
         words.join(", ")
     ));
     for f in &model.fallback {

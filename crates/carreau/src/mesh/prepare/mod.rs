@@ -148,7 +148,7 @@ fn mend(mesh: &SurfaceMesh, leader: Option<Vec<u32>>, context: &Context) -> Resu
     context.check()?;
     let sheets = Sheets::of(&soup, mesh, context)?;
     report.note_sheets(&sheets, |v| soup.vertex_source[v as usize]);
-    let (copies, _) = sheets.separate(&mut soup, mesh, false);
+    let (copies, _) = sheets.separate(&mut soup, mesh);
     report.split_vertices = copies;
     orient::agree(&mut soup).into_iter().zip(&mut turned).for_each(|(again, turned)| *turned ^= again);
     context.check()?;

@@ -19,12 +19,10 @@
 //!
 //! What 3 to 5 say counts only where the sheet comes out closed: plates that cross stay as they are.
 
-use super::super::connectivity::copies_of_edge;
 use super::super::disjoint_sets::DisjointSets;
 use super::super::half_edges::HalfEdges;
-use super::super::id::VertexId;
-use super::super::repair::Soup;
-use super::super::surface::{SurfaceMesh, TaggedEdge};
+use super::super::repair::{Soup, copies_of_tagged};
+use super::super::surface::SurfaceMesh;
 use super::super::triangles::NONE;
 use super::radial::pairs_around;
 use crate::context::Context;
@@ -116,9 +114,9 @@ impl Sheets {
     }
 
     /// Gives every umbrella of a vertex a vertex of its own: that of the file, where it had one. Sides without a mate stay
-    /// together, or are cut. Returns how many vertices are copies, and one that was copied.
-    pub fn separate(&self, soup: &mut Soup, original: &SurfaceMesh, cut: bool) -> (usize, Option<u32>) {
-        let umbrella = self.umbrellas(soup, cut);
+    /// together. Returns how many vertices are copies, and one that was copied.
+    pub fn separate(&self, soup: &mut Soup, original: &SurfaceMesh) -> (usize, Option<u32>) {
+        let umbrella = self.umbrellas(soup);
         let own: Vec<u32> = soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
         let repeats = soup.faces_with_repeats();
         let face_of = soup.faces.face_of_corners();
@@ -160,7 +158,7 @@ impl Sheets {
     }
 
     /// The umbrella of every corner, by its smallest corner.
-    fn umbrellas(&self, soup: &Soup, cut: bool) -> Vec<u32> {
+    fn umbrellas(&self, soup: &Soup) -> Vec<u32> {
         let (start, next) = (soup.faces.corners(), soup.faces.next_corners());
         let mut sets = DisjointSets::new(start.len());
         // The corners of a half-edge at the smaller and the larger vertex.
@@ -176,25 +174,9 @@ impl Sheets {
         for (c, &d) in (0u32..).zip(&self.mate).filter(|&(c, &d)| d != NONE && c < d) {
             link(c, d);
         }
-        if !cut {
-            self.loose.iter().flat_map(|sides| sides.windows(2)).for_each(|w| link(w[0], w[1]));
-        }
+        self.loose.iter().flat_map(|sides| sides.windows(2)).for_each(|w| link(w[0], w[1]));
         sets.leaders()
     }
-}
-
-/// Every tagged edge once for each of the edges it was cut into; free lines as they were.
-fn copies_of_tagged(tagged: &[TaggedEdge], half_edges: &HalfEdges, new_id: &[u32], next: &[u32]) -> Vec<TaggedEdge> {
-    let mut out = Vec::with_capacity(tagged.len());
-    for edge in tagged {
-        match copies_of_edge(edge.ends.map(|v| v.0), half_edges, new_id, next) {
-            Some(copies) => {
-                out.extend(copies.into_iter().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: edge.tag }));
-            }
-            None => out.push(*edge),
-        }
-    }
-    out
 }
 
 /// What is known about the sides of an edge.

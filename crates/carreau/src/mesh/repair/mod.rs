@@ -34,6 +34,7 @@ pub(super) use sound::is_umbrella;
 pub use sound::sound;
 pub(crate) use sound::{divided, is_flawed};
 pub(super) use soup::Soup;
+pub(super) use split::copies_of_tagged;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

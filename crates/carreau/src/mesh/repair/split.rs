@@ -41,7 +41,12 @@ pub fn into_sheets(soup: &mut Soup) -> usize {
 }
 
 /// Every tagged edge once for each of the edges it was cut into; free lines as they were.
-fn copies_of_tagged(tagged: &[TaggedEdge], half_edges: &HalfEdges, new_id: &[u32], next: &[u32]) -> Vec<TaggedEdge> {
+pub fn copies_of_tagged(
+    tagged: &[TaggedEdge],
+    half_edges: &HalfEdges,
+    new_id: &[u32],
+    next: &[u32],
+) -> Vec<TaggedEdge> {
     let mut out = Vec::with_capacity(tagged.len());
     for edge in tagged {
         match copies_of_edge(edge.ends.map(|v| v.0), half_edges, new_id, next) {
