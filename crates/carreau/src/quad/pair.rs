@@ -3,7 +3,7 @@
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::field::{self, Field, FieldOptions};
 use crate::geometry::features::FeatureOptions;
 use crate::geometry::quality::scaled_jacobian;
@@ -199,7 +199,11 @@ pub fn coarse(
         held_tag: Some(HELD),
         ..RemeshOptions::default()
     };
-    let made = simplify(&mesh, &options, context)?.mesh;
+    let made = match simplify(&mesh, &options, context) {
+        Ok(made) => made.mesh,
+        Err(Error::Numeric(_)) => return Ok(None),
+        Err(other) => return Err(other),
+    };
     let Some(Column::Label(labels)) = made.attributes.face.get("region") else { return Ok(None) };
     let region: Vec<u32> = labels.iter().map(|&r| r as u32).collect();
     Ok(features(source, made, region, feature_deg))

@@ -5,7 +5,7 @@ use super::relocate::Accept;
 use super::target;
 use super::work::Work;
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Edges above are split, edges below collapsed, while the mesh is balanced.
@@ -13,6 +13,10 @@ const LONG: f64 = 1.45;
 const SHORT: f64 = 0.85;
 /// Relocations of all vertices after every round.
 const SMOOTHINGS: usize = 2;
+
+/// Edges of size one that a mesh may be divided into: 100 million, some tens of gigabytes. Sizes that a vertex far away makes
+/// tiny against the edges to it ask for any number.
+const MOST_EDGES: f64 = 1e8;
 
 /// Rounds of splits, collapses, flips and relocations, and relocations for better shapes at the end: for scans, and for clean
 /// models, whose ridges want more of them.
@@ -38,6 +42,7 @@ impl Work<'_> {
             if let Some(wanted) = wanted {
                 self.steer(1.06 * wanted as f64);
             }
+            self.check_lengths()?;
             self.balance(context)?;
             if let Some(wanted) = wanted
                 && round == rounds
@@ -87,6 +92,17 @@ impl Work<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses sizes at which the edges alone would be too many.
+    fn check_lengths(&self) -> Result<()> {
+        let edges: f64 = self.mesh.edges().map(|h| self.edge_length(h)).sum();
+        if edges <= MOST_EDGES {
+            return Ok(());
+        }
+        Err(Error::Numeric(format!(
+            "the sizes ask for {edges:.0e} edges, more than {MOST_EDGES:.0e}; a larger least size or a larger deviation asks for fewer"
+        )))
     }
 
     /// Splits what is too long, collapses what is too short, flips to good shapes and regular valences.

@@ -105,6 +105,16 @@ fn ridges_get_as_few_edges_as_their_sag_allows() {
     assert!((rims.len() as f64) < 1.35 * fewest, "{} edges, {fewest} would do", rims.len());
 }
 
+/// A vertex far away makes the other edges as short as one likes: no size is so small that dividing does not end.
+#[test]
+fn sizes_that_ask_for_too_many_edges_are_refused() {
+    for max_size in [1e-10, 1e-200, f64::MIN_POSITIVE] {
+        let options = RemeshOptions { min_size: 0.0, max_size, ..RemeshOptions::default() };
+        let refused = simplify(&model("bracket"), &options, &Context::new()).unwrap_err();
+        assert!(refused.exit_code() == 4 && refused.to_string().contains("edges"), "{max_size}: {refused}");
+    }
+}
+
 #[test]
 fn least_error_is_nearer_than_good_shapes_and_stops_at_the_count() {
     let (mesh, context) = (model("torus"), Context::new());
