@@ -192,9 +192,10 @@ impl Patch {
             }
             all.patch.strategy = Strategy::Matching;
         }
-        // A face that bends weighs wrong, so faces end where the mesh bends.
-        if self.is_divided(&all) && all.patch.feature_angle.is_none() {
-            all.patch.feature_angle = Some(CREASE_ANGLE);
+        // A face that bends or folds weighs wrong.
+        if self.is_divided(&all) {
+            all.patch.faces = true;
+            all.patch.feature_angle = all.patch.feature_angle.or(Some(CREASE_ANGLE));
         }
         all.schema = self.schema.unwrap_or(all.schema);
         all.features = self.features.clone().or(all.features);
@@ -213,8 +214,10 @@ impl Patch {
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mut prepared = session.read_fans(&self.input, &options.prepare)?;
-        if self.layout.is_some() && prepared.is_changed() {
-            // A vertex of the prepared surface may stand for several of the file, of which a triangle names one.
+        let report = &prepared.report;
+        if self.layout.is_some() && report.welded_vertices + report.degenerate_faces > 0 {
+            // A vertex of the prepared surface may stand for several of the file, of which a triangle names one, and an edge
+            // for a triangle.
             session.warn("the layout names vertices of the file, so the surface is taken as it is there");
             let as_is = PrepareOptions { as_is: true, ..options.prepare };
             prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;

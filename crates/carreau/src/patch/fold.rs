@@ -36,6 +36,10 @@ const FOLD_SHARE: f64 = 5e-7;
 /// each folds by little, and refusing them would cost patches all over the surface.
 const LARGE_CELL: f64 = 5e-4;
 
+/// Largest folded area of a cell that becomes a face of a CAD model, as a share of its own area: all of them together put
+/// the area of the model wrong by 2e-6 at worst.
+const SLIGHT: f64 = 1e-6;
+
 /// How much the cells of one mesh may fold.
 pub(super) struct FoldLimit {
     /// Length that counts as one, so that products of tiny or huge coordinates neither vanish nor overflow.
@@ -57,6 +61,12 @@ impl FoldLimit {
     pub fn is_exceeded(&self, corners: [DVec3; 4]) -> bool {
         let [area, folded] = areas(corners, self.unit);
         area > LARGE_CELL * self.area && folded > FOLD_SHARE * self.area
+    }
+
+    /// Whether this quad folds so little that it may be a face.
+    pub fn is_slight(&self, corners: [DVec3; 4]) -> bool {
+        let [area, folded] = areas(corners, self.unit);
+        folded <= SLIGHT * area
     }
 }
 
@@ -180,6 +190,17 @@ mod tests {
             let result = decompose(&dart_and_square(dart, square), &options, &Context::new()).unwrap();
             let expected = if area > 5e-4 && folded > 5e-7 { 1 } else { 2 };
             prop_assert_eq!(result.figures.cells, expected, "area {} folded {}", area, folded);
+        }
+    }
+
+    /// As faces, darts are triangles wherever their bilinear surface has another area than they, however small they are.
+    #[test]
+    fn a_dart_that_folds_is_no_face() {
+        for (depth, expected) in [(-0.3, 1), (-0.05, 1), (-1e-3, 2), (0.1, 2)] {
+            let mesh = dart_and_square(dart(depth, 0.0), 1e6);
+            let options = PatchOptions { min_cells: 1, q_max: 180.0, faces: true, ..PatchOptions::default() };
+            let result = decompose(&mesh, &options, &Context::new()).unwrap();
+            assert_eq!(result.figures.cells, expected, "depth {depth}");
         }
     }
 

@@ -121,6 +121,8 @@ pub struct PatchOptions {
     pub adapt_dihedral: bool,
     /// Accepts no quad with a corner above 180°.
     pub convex_only: bool,
+    /// Accepts only quads whose bilinear surface has the area and volume that programs will show, as faces of CAD files must.
+    pub faces: bool,
     /// How candidate quads are ranked.
     pub quality: Quality,
     /// How polygons are cut into rectangles (not for [`Strategy::Grow`]).
@@ -154,6 +156,7 @@ impl Default for PatchOptions {
             dihedral: 30.0,
             adapt_dihedral: false,
             convex_only: false,
+            faces: false,
             quality: Quality::default(),
             dissection: Dissection::default(),
             merge: true,
@@ -210,6 +213,7 @@ impl PatchOptions {
             dihedral: self.dihedral.to_radians(),
             adapt_dihedral: self.adapt_dihedral,
             convex_only: self.convex_only,
+            faces: self.faces,
         }
     }
 

@@ -16,6 +16,7 @@
 //! All sums are formed so that their last bit does not depend on the numbering of vertices and triangles, and ties
 //! are broken by position: relabelling the mesh does not change the result.
 
+use super::cad::cell_weighs_right;
 use super::fold::FoldLimit;
 use crate::context::Context;
 use crate::error::Result;
@@ -50,6 +51,7 @@ pub(super) struct Filters {
     /// Relaxes the dihedral limit where the surrounding edges bend as much as the pair itself.
     pub adapt_dihedral: bool,
     pub convex_only: bool,
+    pub faces: bool,
 }
 
 /// All acceptable pairs of triangles.
@@ -193,7 +195,11 @@ impl Rater<'_> {
         }
         let corners = [h, t.previous(o), o, t.previous(h)];
         let is_reflex = alpha.iter().any(|&a| a > PI);
-        if is_reflex && (f.convex_only || self.fold.is_exceeded(corners.map(|c| t.point(c)))) {
+        let corners = corners.map(|c| t.point(c));
+        if is_reflex && (f.convex_only || self.fold.is_exceeded(corners)) {
+            return None;
+        }
+        if f.faces && !(self.fold.is_slight(corners) && cell_weighs_right(corners)) {
             return None;
         }
         Some(match (f.quality, self.targets) {

@@ -12,6 +12,9 @@ pub struct BSplineCurve {
     points: Vec<DVec3>,
 }
 
+/// Turns in [`BSplineCurve::pull_through`]: what is missing falls to a tenth or less in each.
+const SWEEPS: usize = 12;
+
 impl BSplineCurve {
     /// A curve with one control point per basis function.
     pub fn new(knots: Knots, points: Vec<DVec3>) -> Result<Self> {
@@ -102,6 +105,55 @@ impl BSplineCurve {
         points.extend_from_slice(&self.points[k..]);
         self.knots = self.knots.with(t);
         self.points = points;
+    }
+
+    /// The parts before and behind an inner parameter, over their parts of the domain.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] where the parameter is not inside.
+    pub fn split(&self, t: f64) -> Result<[Self; 2]> {
+        let [low, high] = self.knots.domain();
+        if !(low < t && t < high) {
+            return Err(Error::Bug("a curve was split at its end".into()));
+        }
+        let mut whole = self.clone();
+        let degree = whole.knots.degree();
+        for _ in whole.knots.multiplicity(t)..degree {
+            whole.insert(t);
+        }
+        let values = whole.knots.values();
+        let at = values.partition_point(|&x| x < t);
+        let before = values[..at + degree].iter().copied().chain([t]).collect();
+        let behind = [t].into_iter().chain(values[at..].iter().copied()).collect();
+        Ok([
+            Self::new(Knots::new(degree, before)?, whole.points[..at].to_vec())?,
+            Self::new(Knots::new(degree, behind)?, whole.points[at - 1..].to_vec())?,
+        ])
+    }
+
+    /// Moves inner control points by as little as it takes for the curve to go through points, each at a parameter. For curves
+    /// that nearly do: points whose control points overlap are taken in turn.
+    pub fn pull_through(&mut self, points: &[(f64, DVec3)]) {
+        let last = self.points.len() - 1;
+        for _ in 0..SWEEPS {
+            for &(t, target) in points {
+                let (first, basis) = self.knots.basis(t);
+                let missing = target - self.point(t);
+                let inner: Vec<(usize, f64)> =
+                    (first..).zip(basis).take(self.knots.degree() + 1).filter(|(k, _)| (1..last).contains(k)).collect();
+                let weight: f64 = inner.iter().map(|(_, b)| b * b).sum();
+                if weight > 0.0 {
+                    inner.into_iter().for_each(|(k, b)| self.points[k] += b / weight * missing);
+                }
+            }
+        }
+    }
+
+    /// The same curve with another first and last point.
+    pub fn between(mut self, [first, last]: [DVec3; 2]) -> Self {
+        let end = self.points.len() - 1;
+        (self.points[0], self.points[end]) = (first, last);
+        self
     }
 
     /// The same curve on a knot vector that contains its own.

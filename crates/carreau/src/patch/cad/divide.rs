@@ -106,19 +106,20 @@ pub fn is_creased(scene: &Scene, block: &Block) -> bool {
 
 fn weighs_right(scene: &Scene, block: Block) -> Result<bool> {
     let under = exact::block_by_length(scene, block)?;
-    let right: Vec<Vec<f64>> = under.scale.iter().flat_map(|[_, v]| v.windows(2)).map(<[f64]>::to_vec).collect();
+    let right: Vec<Vec<f64>> =
+        under.border.iter().flat_map(|[_, right, ..]| right.windows(2)).map(<[f64]>::to_vec).collect();
     Ok(matches!(under.surface, Surface::Spline(surface) if weigh::is_right(&surface, &right)))
 }
 
 /// Whether the rule is right on a single cell. It is where no two corner normals are more than 60° apart.
-pub fn cell_weighs_right(corners: [DVec3; 4]) -> Result<bool> {
+pub fn cell_weighs_right(corners: [DVec3; 4]) -> bool {
     let normal = |k: usize| (corners[(k + 1) % 4] - corners[k]).cross(corners[(k + 3) % 4] - corners[k]);
     let normals = [0, 1, 2, 3].map(normal);
     let apart = |a: DVec3, b: DVec3| a.dot(b) < 0.5 * a.length() * b.length();
     if !(0..4).any(|k| (0..k).any(|j| apart(normals[j], normals[k]))) {
-        return Ok(true);
+        return true;
     }
     let [a, b, c, d] = corners;
-    let surface = BSplineSurface::new(Knots::index(1), Knots::index(1), vec![a, b, d, c])?;
-    Ok(weigh::is_right(&surface, &[vec![0.0, 1.0]]))
+    let surface = BSplineSurface::new(Knots::index(1), Knots::index(1), vec![a, b, d, c]);
+    surface.is_ok_and(|surface| weigh::is_right(&surface, &[vec![0.0, 1.0]]))
 }

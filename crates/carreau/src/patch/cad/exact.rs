@@ -43,7 +43,7 @@ pub fn block(scene: &Scene, block: Block) -> Result<PieceSurface> {
     let node = |r, c| scene.point(block.vertex(scene.patches, r, c));
     let points = (0..=m).flat_map(|r| (0..=n).map(move |c| node(r, c))).collect();
     let surface = Surface::Spline(BSplineSurface::new(Knots::index(n), Knots::index(m), points)?);
-    Ok(PieceSurface { surface, scale: None, trimmed: false })
+    Ok(PieceSurface { surface, border: None, trimmed: false })
 }
 
 /// The same surface with parameters by length, so that it is as smooth as its cells.
@@ -54,10 +54,10 @@ pub fn block_by_length(scene: &Scene, block: Block) -> Result<PieceSurface> {
     let [m, n] = block.size;
     let node = |r, c| scene.point(block.vertex(scene.patches, r, c));
     let points = (0..=m).flat_map(|r| (0..=n).map(move |c| node(r, c))).collect();
-    let scale = side::scale(scene, &block);
-    let [u, v] = [&scale[0], &scale[1]].map(|at| Knots::from_breaks(1, at, 1));
-    let surface = Surface::Spline(BSplineSurface::new(u?, v?, points)?);
-    Ok(PieceSurface { surface, scale: Some(scale), trimmed: false })
+    let [u, v] = side::scale(scene, &block);
+    let knots = |at: &[f64]| Knots::from_breaks(1, at, 1);
+    let surface = Surface::Spline(BSplineSurface::new(knots(&u)?, knots(&v)?, points)?);
+    Ok(PieceSurface { surface, border: Some([u.clone(), v.clone(), u, v]), trimmed: false })
 }
 
 /// The plane of a part of a flat region: through the middle of its border, an axis along its longest side.
@@ -74,12 +74,12 @@ pub fn plane_of_flat(scene: &Scene, piece: &Piece, normal: DVec3) -> PieceSurfac
     let axis = axis.try_normalize().unwrap_or(normal.any_orthonormal_vector());
     let frame = Frame { origin: point(longest) + height * normal, z: normal, x: axis };
     let surface = Surface::Plane { frame };
-    PieceSurface { surface, scale: None, trimmed: true }
+    PieceSurface { surface, border: None, trimmed: true }
 }
 
 /// The plane of a leftover triangle.
 pub fn triangle(scene: &Scene, t: FaceId) -> PieceSurface {
-    PieceSurface { surface: plane(scene.corners(t)), scale: None, trimmed: true }
+    PieceSurface { surface: plane(scene.corners(t)), border: None, trimmed: true }
 }
 
 /// The plane through three points. The longest side lies in it exactly, also where the triangle is a sliver: the normal

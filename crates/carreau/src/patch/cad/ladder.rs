@@ -13,33 +13,31 @@
 //! beside it. What falls becomes planes and cells, which changes the other faces' borders at corners at most; so all is put
 //! together anew until nothing falls. That ends, for nothing ever rises.
 
-use super::chain::{self, ChainUse, Chains};
+use super::chain::{self, Chains};
+use super::crossed::crossed;
 use super::divide;
 use super::exact;
-use super::fit::{self, ChainCurve, Shape, Smooth};
+use super::fit::{self, Shape, Smooth};
 use super::flat::Flats;
 use super::labels::Labels;
 use super::piece::{self, Block, Flat, Piece, Source};
 use super::region::Parts;
+use super::runs::{Curves, beside};
 use super::scene::Scene;
-use super::simple::are_simple;
 use super::{Geometry, PieceSurface};
 use crate::brep::{Curve, Surface};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{FaceId, NONE, Triangles, VertexId};
 use crate::patch::Patch;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 /// Diagonals of cells sharper than this stay edges, by the cosine (30°).
 const CREASE: f64 = 0.866;
 /// Most times that all is put together; what still changes then falls.
 const ROUNDS: usize = 12;
-
-/// Points by which a curve is seen between two vertices.
-const SAMPLES: u32 = 4;
 
 /// All pieces with their borders and geometry.
 pub struct Built {
@@ -81,7 +79,7 @@ pub fn build(
     tolerance: Option<f64>,
     ctx: &Context,
 ) -> Result<Built> {
-    let cells = cells(scene, flats, labels)?;
+    let cells = cells(scene, flats, labels);
     let halves = scene.patches.iter().zip(&cells).flat_map(|(p, cells)| {
         let split = (0..cells.len()).filter(|&k| cells[k] == Cell::Split);
         split.flat_map(|k| [p.triangles[2 * k], p.triangles[2 * k + 1]])
@@ -92,7 +90,7 @@ pub fn build(
         Some(_) => ladder.candidates(),
         None => Vec::new(),
     };
-    let mut curves: FxHashMap<Vec<u32>, ChainCurve> = FxHashMap::default();
+    let mut curves = Curves::default();
     for round in 0.. {
         ctx.check()?;
         if round == ROUNDS {
@@ -108,19 +106,14 @@ pub fn build(
             continue;
         }
         // The first pieces are the candidates, in order. Curves that are new make the surfaces beside them new.
-        for (path, sides) in chains.paths.iter().zip(&chains.sides) {
-            let beside = [Some(sides.0), sides.1].into_iter().flatten().map(|k| k as usize);
-            let smooth: Vec<usize> = beside.filter(|&k| k < candidates.len()).collect();
-            if !smooth.is_empty() && !curves.contains_key(path) {
-                let points: Vec<DVec3> = path.iter().map(|&v| scene.point(v)).collect();
-                curves.insert(path.clone(), ChainCurve::fit(&points, tolerance)?);
-                smooth.iter().for_each(|&k| candidates[k].1 = None);
+        for chain in curves.fit(scene, &pieces, &chains, candidates.len(), tolerance)? {
+            for k in beside(&chains, chain, candidates.len()) {
+                candidates[k].1 = None;
             }
         }
-        let of_chain = |chain: u32| curves.get(&chains.paths[chain as usize]).cloned().unwrap_or_else(straight);
         let open: Vec<usize> = (0..candidates.len()).filter(|&k| candidates[k].1.is_none()).collect();
         if open.is_empty() {
-            let crossed = ladder.crossed(&pieces, &chains, &of_chain, candidates.len());
+            let crossed = crossed(scene, &pieces, &chains, &curves, candidates.len(), ctx);
             if crossed.contains(&true) {
                 let mut crossed = crossed.into_iter();
                 candidates.retain(|_| !crossed.next().unwrap_or(false));
@@ -130,7 +123,7 @@ pub fn build(
         }
         let fit = |&k: &usize| {
             ctx.check()?;
-            fit::smooth(scene, candidates[k].0, k, &chains, &of_chain, tolerance)
+            fit::smooth(scene, candidates[k].0, k, &chains, &curves, tolerance)
         };
         let trials: Vec<Result<Option<Smooth>>> = ctx.install(|| open.par_iter().map(fit).collect());
         for (&k, trial) in open.iter().zip(trials) {
@@ -141,13 +134,8 @@ pub fn build(
     Err(Error::Bug("the faces of a model were never settled".into()))
 }
 
-/// A chain of two vertices.
-fn straight() -> ChainCurve {
-    ChainCurve { shape: Shape::Polyline(vec![0, 1]), parameters: vec![0.0, 1.0], deviation: 0.0 }
-}
-
 /// What every cell is; triangles of curved cells leave their flat regions.
-fn cells(scene: &Scene, flats: &mut Flats, labels: &Labels) -> Result<Vec<Vec<Cell>>> {
+fn cells(scene: &Scene, flats: &mut Flats, labels: &Labels) -> Vec<Vec<Cell>> {
     let vector = |t: FaceId| {
         let [a, b, c] = scene.corners(t);
         (b - a).cross(c - a)
@@ -162,20 +150,20 @@ fn cells(scene: &Scene, flats: &mut Flats, labels: &Labels) -> Result<Vec<Vec<Ce
             () => Cell::Curved,
         }
     };
-    let of_patch = |p: &Patch| -> Result<Vec<Cell>> {
+    let of_patch = |p: &Patch| -> Vec<Cell> {
         let cells = p.triangles.chunks_exact(2).map(cell).zip(p.cell_corners());
         let right = |(cell, corners): (Cell, [VertexId; 4])| match cell {
-            Cell::Curved if !divide::cell_weighs_right(corners.map(|v| scene.point(v.0)))? => Ok(Cell::Split),
-            _ => Ok(cell),
+            Cell::Curved if !divide::cell_weighs_right(corners.map(|v| scene.point(v.0))) => Cell::Split,
+            _ => cell,
         };
         cells.map(right).collect()
     };
-    let out = scene.patches.iter().map(of_patch).collect::<Result<Vec<Vec<Cell>>>>()?;
+    let out: Vec<Vec<Cell>> = scene.patches.iter().map(of_patch).collect();
     for (patch, cells) in scene.patches.iter().zip(&out) {
         let curved = (0..cells.len()).filter(|&k| cells[k] == Cell::Curved);
         flats.release(curved.flat_map(|k| [patch.triangles[2 * k], patch.triangles[2 * k + 1]]));
     }
-    Ok(out)
+    out
 }
 
 type Candidate = (Block, Option<Smooth>);
@@ -339,64 +327,8 @@ impl Ladder<'_, '_> {
         fallen
     }
 
-    /// Candidates beside a plane whose border, with their curves, crosses or touches itself.
-    fn crossed(
-        &self,
-        pieces: &[Piece],
-        chains: &Chains,
-        curves: &(dyn Fn(u32) -> ChainCurve + Sync),
-        candidates: usize,
-    ) -> Vec<bool> {
-        let beside = |chain: u32| {
-            let (a, b) = chains.sides[chain as usize];
-            [Some(a), b].into_iter().flatten().filter(|&k| (k as usize) < candidates)
-        };
-        let crossed = |k: usize| {
-            let Source::Flat(Flat { normal, .. }) = pieces[k].source else { return Vec::new() };
-            let near: Vec<u32> = chains.loops[k].iter().flatten().flat_map(|of| beside(of.chain)).collect();
-            if near.is_empty() {
-                return near;
-            }
-            let (x, y) = normal.any_orthonormal_pair();
-            let border = |uses: &Vec<ChainUse>| -> Vec<DVec2> {
-                let points = uses.iter().flat_map(|of| self.samples(of, chains, curves));
-                points.map(|p| DVec2::new(p.dot(x), p.dot(y))).collect()
-            };
-            let borders: Vec<Vec<DVec2>> = chains.loops[k].iter().map(border).collect();
-            if are_simple(&borders) { Vec::new() } else { near }
-        };
-        let found: Vec<Vec<u32>> =
-            self.ctx.install(|| (candidates..pieces.len()).into_par_iter().map(crossed).collect());
-        let mut out = vec![false; candidates];
-        found.iter().flatten().for_each(|&k| out[k as usize] = true);
-        out
-    }
-
-    /// Points of a chain as it is used, without the last one.
-    fn samples(&self, of: &ChainUse, chains: &Chains, curves: &dyn Fn(u32) -> ChainCurve) -> Vec<DVec3> {
-        let path = &chains.paths[of.chain as usize];
-        let last = path.len() as u32 - 1;
-        let mut points: Vec<DVec3> = match curves(of.chain).shape {
-            Shape::Spline(spline) => {
-                (0..=last * SAMPLES).map(|k| spline.point(f64::from(k) / f64::from(last * SAMPLES))).collect()
-            }
-            Shape::Polyline(_) => [0, last].map(|k| self.scene.point(path[k as usize])).to_vec(),
-        };
-        if of.reversed {
-            points.reverse();
-        }
-        points.pop();
-        points
-    }
-
     /// The geometry of the pieces as they stand.
-    fn finish(
-        &self,
-        pieces: Vec<Piece>,
-        chains: Chains,
-        candidates: Vec<Candidate>,
-        curves: &FxHashMap<Vec<u32>, ChainCurve>,
-    ) -> Result<Built> {
+    fn finish(&self, pieces: Vec<Piece>, chains: Chains, candidates: Vec<Candidate>, curves: &Curves) -> Result<Built> {
         let scene = self.scene;
         let mut deviation: f64 = 0.0;
         let mut surfaces = Vec::with_capacity(pieces.len());
@@ -406,7 +338,7 @@ impl Ladder<'_, '_> {
                 (Some((_, Some(fit))), _) => {
                     deviation = deviation.max(fit.deviation);
                     // With its border in the parameter plane, whose knots tell readers how closely to integrate.
-                    PieceSurface { surface: Surface::Spline(fit.surface), scale: Some(fit.scale), trimmed: true }
+                    PieceSurface { surface: Surface::Spline(fit.surface), border: Some(fit.border), trimmed: true }
                 }
                 (_, Source::Flat(flat)) => exact::plane_of_flat(scene, piece, flat.normal),
                 (_, Source::Block(block)) => exact::block_by_length(scene, block)?,
@@ -417,8 +349,8 @@ impl Ladder<'_, '_> {
         let mut geometry = Geometry { curves: Vec::new(), stops: Vec::new(), surfaces };
         for path in &chains.paths {
             let last = path.len() as u32 - 1;
-            let (curve, stops) = match curves.get(path).map(|c| &c.shape) {
-                Some(Shape::Spline(c)) => (Curve::Spline(c.clone()), None),
+            let (curve, stops) = match curves.of(path).shape {
+                Shape::Spline(c) => (Curve::Spline(c), None),
                 _ => (exact::segment(scene, path), Some(vec![0, last])),
             };
             geometry.curves.push(curve);

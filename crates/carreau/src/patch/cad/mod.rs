@@ -6,12 +6,12 @@
 //! | `flat` | connected triangles in one plane |
 //! | `labels` | names of bodies and faces, colours: what no face is mixed of |
 //! | `ladder` | which face every triangle belongs to: plane → bicubic → divided → cell → triangle |
-//! | `region`, `simple` | flat regions with their holes, cut until their borders are simple |
+//! | `region`, `simple`, `crossed` | flat regions with their holes, cut until their borders are simple |
 //! | `fit` | cubic curves and surfaces within a tolerance of the vertices |
 //! | `divide` | curved patches cut where they bend |
 //! | `piece` | or, on request: one face a patch, cut until none touches itself |
 //! | `trimmed` | or: one trimmed surface per rectilinear polygon |
-//! | `chain` | the borders of all pieces are cut at nodes into chains: the edges of the model |
+//! | `chain`, `runs` | the borders of all pieces are cut at nodes into chains: the edges of the model |
 //! | `exact` | lines, polylines, planes and surfaces of degree (1, 1) through the mesh vertices |
 //! | `shell` | pieces connected by edges are shells; closed ones bound solids, or are voids in them |
 //! | `weigh` | area and volume as other programs will show them, against the exact ones |
@@ -25,6 +25,7 @@
 #[cfg(test)]
 mod auto_tests;
 mod chain;
+mod crossed;
 mod divide;
 mod exact;
 mod fit;
@@ -35,6 +36,7 @@ mod ladder;
 pub(crate) mod models;
 mod piece;
 mod region;
+mod runs;
 mod scene;
 mod shell;
 mod simple;
@@ -51,6 +53,7 @@ use crate::length::Length;
 use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::patch::Patch;
 use chain::{ChainUse, Chains};
+pub(super) use divide::cell_weighs_right;
 use flat::Flats;
 use labels::Labels;
 use piece::{Outline, Piece};
@@ -137,8 +140,8 @@ struct Geometry {
 /// The surface under a piece.
 struct PieceSurface {
     surface: Surface,
-    /// Parameter u of every column, and v of every row; `None` where they are the indices themselves.
-    scale: Option<[Vec<f64>; 2]>,
+    /// Parameters of the vertices on the sides v = 0, u = 1, v = 1, u = 0; `None` where they are the indices themselves.
+    border: Option<[Vec<f64>; 4]>,
     trimmed: bool,
 }
 
@@ -285,13 +288,13 @@ fn edge_use(
         let at = |k: u32| {
             let along = if of.reversed { last - k } else { k };
             let [c, r] = outline.at[(of.start + along) as usize % outline.at.len()];
-            match &under.scale {
-                Some([u, v]) => [u[c as usize], v[r as usize]],
-                None => [f64::from(c), f64::from(r)],
-            }
+            let Some([bottom, right, top, left]) = &under.border else { return [f64::from(c), f64::from(r)] };
+            let (c, r) = (c as usize, r as usize);
+            let u = if r + 1 == right.len() { top[c] } else { bottom[c] };
+            [u, if c + 1 == bottom.len() { right[r] } else { left[r] }]
         };
         match (stops, curve) {
-            (Some(stops), _) if under.scale.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
+            (Some(stops), _) if under.border.is_some() => parameters.extend(stops.iter().map(|&k| at(k))),
             // A break at every row lets readers integrate the face between the kinks that it may have there.
             (None, Curve::Spline(c)) if c.knots().degree() == 1 => parameters.extend((0..=last).map(at)),
             // A point at every knot, in proportion.

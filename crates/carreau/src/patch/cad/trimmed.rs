@@ -347,7 +347,7 @@ impl<'a> Part<'a> {
         let points = filled(&net, n as usize + 1);
         let surface = BSplineSurface::new(Knots::index(n), Knots::index(m), points)?;
         let whole = self.cells.len() as u64 == u64::from(m) * u64::from(n);
-        Ok(PieceSurface { surface: Surface::Spline(surface), scale: None, trimmed: !whole })
+        Ok(PieceSurface { surface: Surface::Spline(surface), border: None, trimmed: !whole })
     }
 }
 

@@ -34,16 +34,27 @@ pub enum Shape {
 
 /// Weight of the bending energy: small enough not to flatten what the knots can follow.
 pub const STIFFNESS: f64 = 1e-4;
+/// Weight of a vertex that the curve goes through, against the others: what it is missed by is pulled in afterwards, and should
+/// bend nothing.
+const HELD: f64 = 1e6;
 /// Rounds of parameter correction.
 const CORRECTIONS: usize = 3;
+/// Distance from a straight line, as a share of its length, at which a vertex is on it: the rounding of its coordinates.
+const STRAIGHT: f64 = 1e-14;
 /// Attempts to fit a section of one chain; what is left then becomes polylines.
 const ATTEMPTS: usize = 64;
 
 impl ChainCurve {
-    /// A curve within the tolerance.
-    pub fn fit(points: &[DVec3], tolerance: f64) -> Result<Self> {
-        let parameters = chord_lengths(points);
-        let mut out = Sections { points, t: parameters, pieces: Vec::new(), deviation: 0.0 };
+    /// The curve of a chain of two vertices.
+    pub fn straight() -> Self {
+        ChainCurve { shape: Shape::Polyline(vec![0, 1]), parameters: vec![0.0, 1.0], deviation: 0.0 }
+    }
+
+    /// A curve within the tolerance, and through some of the inner vertices.
+    pub fn fit(points: &[DVec3], through: &[usize], tolerance: f64) -> Result<Self> {
+        let mut weights = vec![1.0; points.len()];
+        through.iter().for_each(|&k| weights[k] = HELD);
+        let mut out = Sections { points, weights, t: chord_lengths(points), pieces: Vec::new(), deviation: 0.0 };
         let corners = corners(points);
         let mut open: Vec<RangeInclusive<usize>> = corners.windows(2).rev().map(|w| w[0]..=w[1]).collect();
         let mut attempts = 0;
@@ -53,7 +64,51 @@ impl ChainCurve {
                 open.extend([cut..=*section.end(), *section.start()..=cut]);
             }
         }
-        out.joined()
+        let mut whole = out.joined()?;
+        if let Shape::Spline(curve) = &mut whole.shape {
+            let held: Vec<(f64, DVec3)> = through.iter().map(|&k| (whole.parameters[k], points[k])).collect();
+            curve.pull_through(&held);
+        }
+        Ok(whole)
+    }
+
+    /// The part from one vertex, which is that point, to a later one.
+    pub fn part(&self, [i, j]: [usize; 2], ends: [DVec3; 2]) -> Result<Self> {
+        let (a, b) = (self.parameters[i], self.parameters[j]);
+        let shape = match &self.shape {
+            Shape::Polyline(stops) => {
+                let inner = stops.iter().copied().filter(|&k| i < k as usize && (k as usize) < j);
+                let from = i as u32;
+                Shape::Polyline([from].into_iter().chain(inner).chain([j as u32]).map(|k| k - from).collect())
+            }
+            Shape::Spline(curve) => {
+                let [low, high] = curve.knots().domain();
+                let mut part = curve.clone();
+                if b < high {
+                    part = part.split(b)?[0].clone();
+                }
+                if a > low {
+                    part = part.split(a)?[1].clone();
+                }
+                Shape::Spline(part.between(ends).rescaled([0.0, 1.0]))
+            }
+        };
+        let mut parameters: Vec<f64> = self.parameters[i..=j].iter().map(|t| (t - a) / (b - a)).collect();
+        parameters[j - i] = 1.0;
+        Ok(ChainCurve { shape, parameters, deviation: self.deviation })
+    }
+
+    /// The same the other way round.
+    pub fn reversed(self) -> Self {
+        let last = self.parameters.len() as u32 - 1;
+        ChainCurve {
+            shape: match self.shape {
+                Shape::Polyline(stops) => Shape::Polyline(stops.iter().rev().map(|k| last - k).collect()),
+                Shape::Spline(c) => Shape::Spline(c.reversed()),
+            },
+            parameters: self.parameters.iter().rev().map(|t| 1.0 - t).collect(),
+            deviation: self.deviation,
+        }
     }
 }
 
@@ -88,6 +143,7 @@ fn corners(points: &[DVec3]) -> Vec<usize> {
 /// The fitted sections of a chain, in order.
 struct Sections<'a> {
     points: &'a [DVec3],
+    weights: Vec<f64>,
     t: Vec<f64>,
     pieces: Vec<Section>,
     deviation: f64,
@@ -103,7 +159,10 @@ impl Sections<'_> {
     /// Fits one section, or says where it has to be cut first.
     fn add(&mut self, range: RangeInclusive<usize>, tolerance: f64, may_fit: bool) -> Result<Option<usize>> {
         let (i, j) = (*range.start(), *range.end());
-        if let Some((t, deviation)) = straight(&self.points[range.clone()], tolerance) {
+        let weights = &self.weights[range.clone()];
+        let through = weights[1..weights.len() - 1].contains(&HELD);
+        let slack = if through { STRAIGHT * self.points[i].distance(self.points[j]) } else { tolerance };
+        if let Some((t, deviation)) = straight(&self.points[range.clone()], slack) {
             let (a, b) = (self.t[i], self.t[j]);
             (i + 1..j).zip(&t[1..]).for_each(|(k, s)| self.t[k] = a + s * (b - a));
             self.pieces.push(Section::Line(i, j));
@@ -116,7 +175,7 @@ impl Sections<'_> {
         }
         let (a, b) = (self.t[i], self.t[j]);
         let local = self.t[range.clone()].iter().map(|t| (t - a) / (b - a)).collect();
-        let fit = smooth(&self.points[range.clone()], local, tolerance)?;
+        let fit = smooth(&self.points[range.clone()], weights, local, tolerance)?;
         if fit.deviation > tolerance {
             return Ok(Some(i + fit.worst.clamp(1, j - i - 1)));
         }
@@ -172,13 +231,13 @@ struct Smooth {
 
 /// A cubic spline over 0..=1 from the first to the last point, with as few spans as it takes, but never more control
 /// points than there are vertices.
-fn smooth(points: &[DVec3], mut t: Vec<f64>, tolerance: f64) -> Result<Smooth> {
+fn smooth(points: &[DVec3], weights: &[f64], mut t: Vec<f64>, tolerance: f64) -> Result<Smooth> {
     let mut breaks = vec![0.0, 1.0];
     loop {
         let knots = Knots::from_breaks(3, &breaks, 1)?;
         let mut best: Option<Smooth> = None;
         for _ in 0..=CORRECTIONS {
-            let curve = least_squares(&knots, points, &t)?;
+            let curve = least_squares(&knots, points, weights, &t)?;
             for (t, p) in t.iter_mut().zip(points).skip(1).take(points.len() - 2) {
                 *t = curve.project(*p, *t);
             }
@@ -217,8 +276,8 @@ pub fn bisected(breaks: &[f64], marked: &[f64], all: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The control points that minimise Σ |C(tᵢ) − pᵢ|² + λ ∫ |C''|², the first and the last one given.
-fn least_squares(knots: &Knots, points: &[DVec3], t: &[f64]) -> Result<BSplineCurve> {
+/// The control points that minimise Σ wᵢ |C(tᵢ) − pᵢ|² + λ ∫ |C''|², the first and the last one given.
+fn least_squares(knots: &Knots, points: &[DVec3], weights: &[f64], t: &[f64]) -> Result<BSplineCurve> {
     let (n, p) = (knots.count(), knots.degree());
     let ends = [points[0], points[points.len() - 1]];
     let mut matrix = Banded::new(n - 2, p);
@@ -238,9 +297,9 @@ fn least_squares(knots: &Knots, points: &[DVec3], t: &[f64]) -> Result<BSplineCu
             }
         }
     };
-    for (&t, &target) in t.iter().zip(points).skip(1).take(points.len() - 2) {
+    for ((&t, &target), &weight) in t.iter().zip(points).zip(weights).skip(1).take(points.len() - 2) {
         let (first, basis) = knots.basis(t);
-        add(first, &basis[..=p], 1.0, target);
+        add(first, &basis[..=p], weight, target);
     }
     let breaks = knots.breaks();
     let spans = (breaks.len() - 1) as f64;
@@ -272,7 +331,7 @@ mod tests {
     }
 
     fn check(points: &[DVec3], tolerance: f64) -> ChainCurve {
-        let fit = ChainCurve::fit(points, tolerance).unwrap();
+        let fit = ChainCurve::fit(points, &[], tolerance).unwrap();
         assert_eq!(fit.parameters.len(), points.len());
         let mut largest = 0.0f64;
         for (p, &t) in points.iter().zip(&fit.parameters) {
@@ -320,6 +379,35 @@ mod tests {
             .chain((1..9).map(|k| DVec3::new(1f64.cos(), 1f64.sin() - half * f64::from(k), 0.3)))
             .collect();
         assert!(control_points(&check(&rounded, 1e-3)) < 12);
+    }
+
+    /// The parts of one curve meet at the vertices and go on in the same direction.
+    #[test]
+    fn parts_are_smooth_where_they_meet() {
+        let points = arc(64, 3.0);
+        for tolerance in [1e-5, 1e-3] {
+            let whole = ChainCurve::fit(&points, &[11, 40], tolerance).unwrap();
+            let part = |i: usize, j: usize| whole.part([i, j], [points[i], points[j]]).unwrap();
+            let parts = [part(0, 11), part(11, 40), part(40, 64)];
+            let curves: Vec<&BSplineCurve> = parts
+                .iter()
+                .map(|p| match &p.shape {
+                    Shape::Spline(c) => c,
+                    Shape::Polyline(_) => panic!("an arc became a polyline"),
+                })
+                .collect();
+            for (w, k) in curves.windows(2).zip([11, 40]) {
+                assert!(w[0].ends()[1] == points[k] && w[1].ends()[0] == points[k]);
+                let [end, begin] = [w[0].derivatives(1.0)[1], w[1].derivatives(0.0)[1]];
+                assert!(end.angle_between(begin) < 1e-6, "{}", end.angle_between(begin));
+            }
+            for (part, (from, to)) in parts.iter().zip([(0, 11), (11, 40), (40, 64)]) {
+                let Shape::Spline(c) = &part.shape else { continue };
+                for (p, t) in points[from..=to].iter().zip(&part.parameters) {
+                    assert!(c.point(*t).distance(*p) <= tolerance + 1e-12);
+                }
+            }
+        }
     }
 
     #[test]

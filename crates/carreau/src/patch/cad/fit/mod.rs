@@ -17,6 +17,7 @@ mod surface;
 
 use super::chain::Chains;
 use super::piece::Block;
+use super::runs::Curves;
 use super::scene::Scene;
 use crate::error::Result;
 use crate::geometry::bspline::{BSplineSurface, Knots};
@@ -33,8 +34,8 @@ const PLACES: u32 = 8;
 #[derive(Clone)]
 pub struct Smooth {
     pub surface: BSplineSurface,
-    /// Parameters of columns and rows.
-    pub scale: [Vec<f64>; 2],
+    /// Parameters of the vertices on the sides v = 0, u = 1, v = 1, u = 0.
+    pub border: [Vec<f64>; 4],
     /// Largest distance of a vertex inside or on the border.
     pub deviation: f64,
 }
@@ -45,12 +46,13 @@ pub fn smooth(
     block: Block,
     number: usize,
     chains: &Chains,
-    curves: &dyn Fn(u32) -> ChainCurve,
+    curves: &Curves,
     tolerance: f64,
 ) -> Result<Option<Smooth>> {
     let uses = &chains.loops[number][0];
     let kinked = |c: &ChainCurve| matches!(&c.shape, Shape::Polyline(stops) if stops.len() > 2);
-    if uses.iter().any(|of| kinked(&curves(of.chain))) {
+    let of_use: Vec<ChainCurve> = uses.iter().map(|of| curves.of(&chains.paths[of.chain as usize])).collect();
+    if of_use.iter().any(kinked) {
         return Ok(None);
     }
     let scale = side::scale(scene, &block);
@@ -58,11 +60,11 @@ pub fn smooth(
     // Refinement between sides that need many control points themselves may double them.
     let limit = 2 * (block.size[0] as usize + 1) * (block.size[1] as usize + 1);
     let Some(fit) = Problem::new(scene, &block, &frame, tolerance, limit.max(16)).solve()? else { return Ok(None) };
-    let border = uses.iter().map(|of| curves(of.chain).deviation).fold(0.0, f64::max);
+    let deviation = of_use.iter().map(|c| c.deviation).fold(fit.deviation, f64::max);
     if bends(&fit.surface) {
         return Ok(None);
     }
-    Ok(Some(Smooth { surface: fit.surface, scale, deviation: fit.deviation.max(border) }))
+    Ok(Some(Smooth { surface: fit.surface, border: frame.sides.map(|side| side.parameters), deviation }))
 }
 
 /// Whether the normal jumps across a knot at which the surface is only continuous.

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::geometry::bspline::{BSplineCurve, Knots};
 use crate::patch::cad::chain::{ChainUse, Chains};
 use crate::patch::cad::piece::Block;
+use crate::patch::cad::runs::Curves;
 use crate::patch::cad::scene::Scene;
 use glam::DVec3;
 
@@ -36,29 +37,35 @@ impl Frame {
         scale: &[Vec<f64>; 2],
         uses: &[ChainUse],
         chains: &Chains,
-        curves: &dyn Fn(u32) -> ChainCurve,
+        curves: &Curves,
     ) -> Result<Self> {
         let [m, n] = block.size;
         let ends = [0, n, n + m, 2 * n + m, 2 * (n + m)];
         // A loop may begin inside the last side only where a corner is no node, which never happens.
         let side = |k: usize| {
-            let part: Vec<&ChainUse> = uses.iter().filter(|u| (ends[k]..ends[k + 1]).contains(&u.start)).collect();
-            let positions = &scale[k % 2];
+            let backwards = k >= 2;
+            let mut part: Vec<&ChainUse> = uses.iter().filter(|u| (ends[k]..ends[k + 1]).contains(&u.start)).collect();
+            if backwards {
+                part.reverse();
+            }
             let length = ends[k + 1] - ends[k];
-            let mut pieces: Vec<(Vec<f64>, ChainCurve)> = part
-                .iter()
-                .map(|of| {
-                    let curve = curves(of.chain);
-                    let curve = if of.reversed != (k >= 2) { reversed(curve) } else { curve };
-                    let nodes = chains.paths[of.chain as usize].len() as u32;
-                    let from = of.start - ends[k];
-                    let first = if k >= 2 { length - from - (nodes - 1) } else { from };
-                    (positions[first as usize..(first + nodes) as usize].to_vec(), curve)
+            let path = |of: &ChainUse| chains.paths[of.chain as usize].as_slice();
+            // First and last vertex of a chain, counted along the side.
+            let range = |of: &ChainUse| {
+                let (from, steps) = (of.start - ends[k], path(of).len() as u32 - 1);
+                let first = if backwards { length - from - steps } else { from };
+                [first as usize, (first + steps) as usize]
+            };
+            let passed: Vec<(&[u32], bool)> = part.iter().map(|of| (path(of), of.reversed != backwards)).collect();
+            let positions = &scale[k % 2];
+            let pieces: Vec<(Vec<f64>, ChainCurve)> = curves
+                .along(&passed)?
+                .into_iter()
+                .map(|(of, curve)| {
+                    let (first, last) = (range(part[of.start])[0], range(part[of.end - 1])[1]);
+                    (positions[first..=last].to_vec(), curve)
                 })
                 .collect();
-            if k >= 2 {
-                pieces.reverse();
-            }
             let vertex = |c: u32| {
                 let (r, c) = [(0, c), (c, n), (m, c), (c, 0)][k];
                 scene.point(block.vertex(scene.patches, r, c))
@@ -117,18 +124,6 @@ fn mean_shares(steps: u32, lines: impl Iterator<Item = Vec<DVec3>>) -> Vec<f64> 
     out[steps as usize] = 1.0;
     let usable = out.windows(2).all(|w| w[1] - w[0] > 10.0 * CLOSE);
     if usable { out } else { (0..=steps).map(|k| f64::from(k) / f64::from(steps)).collect() }
-}
-
-fn reversed(curve: ChainCurve) -> ChainCurve {
-    let last = curve.parameters.len() as u32 - 1;
-    ChainCurve {
-        shape: match curve.shape {
-            Shape::Polyline(stops) => Shape::Polyline(stops.iter().rev().map(|k| last - k).collect()),
-            Shape::Spline(c) => Shape::Spline(c.reversed()),
-        },
-        parameters: curve.parameters.iter().rev().map(|t| 1.0 - t).collect(),
-        deviation: curve.deviation,
-    }
 }
 
 /// Joins chain curves over the given positions of their vertices. The stops of polylines lie at the positions of their
