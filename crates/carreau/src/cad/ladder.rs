@@ -3,6 +3,7 @@
 use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
+use super::spline;
 use super::tuning::ROUNDS;
 use crate::brep::Brep;
 use crate::context::Context;
@@ -28,9 +29,13 @@ pub struct Fallback {
 pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
     let mut fallback = Vec::new();
     let free = std::mem::take(&mut map.free);
-    if !free.is_empty() {
-        let reason = "it lies on no surface of a simple kind";
-        fall(map, &free, Rung::Planes, reason, &mut fallback);
+    let (bordered, whole): (Vec<u32>, Vec<u32>) =
+        free.into_iter().partition(|&p| spline::may_be(map.t, &map.pieces[p as usize], &map.label));
+    for p in bordered {
+        map.pieces[p as usize].rung = Rung::Spline;
+    }
+    if !whole.is_empty() {
+        fall(map, &whole, Rung::Planes, "it lies on no surface of a simple kind and has no border", &mut fallback);
     }
     for round in 0..ROUNDS {
         context.check()?;
@@ -51,12 +56,18 @@ pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Resu
         (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
     fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
     let tried = attempt(map, context)?;
-    if let Some(obstacle) = tried.obstacles.first() {
-        return Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)));
-    }
     let mut brep = tried.brep;
-    enclose(map, &mut brep)?;
-    Ok((brep, fallback))
+    let mut obstacles = tried.obstacles;
+    if obstacles.is_empty() {
+        enclose(map, &mut brep)?;
+        obstacles = super::check::obstacles(map, mesh, &brep, context)?;
+    }
+    match obstacles.first() {
+        Some(obstacle) => {
+            Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)))
+        }
+        None => Ok((brep, fallback)),
+    }
 }
 
 /// Demotes the cause of every obstacle: the least certain of its pieces.
@@ -88,7 +99,12 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
         chosen.retain(|c| map.pieces[c.0 as usize].rung < Rung::Triangles);
     }
     for (p, reason) in chosen {
-        let next = if map.pieces[p as usize].rung < Rung::Planes { Rung::Planes } else { Rung::Triangles };
+        let piece = &map.pieces[p as usize];
+        let next = match piece.rung {
+            Rung::Analytic | Rung::Swept if spline::may_be(map.t, piece, &map.label) => Rung::Spline,
+            Rung::Analytic | Rung::Swept | Rung::Spline => Rung::Planes,
+            Rung::Planes | Rung::Triangles => Rung::Triangles,
+        };
         fall_without_numbers(map, &[p], next, reason, fallback);
     }
     map.compact();
@@ -96,7 +112,7 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
 
 /// The less certain, the larger: distance from the vertices first, then the kind.
 fn doubt(piece: &Piece) -> f64 {
-    let kind = match piece.primitive.map(|p| p.kind()) {
+    let kind = match piece.primitive.map(|p| p.kind()).filter(|_| piece.rung < Rung::Spline) {
         Some(Kind::Plane) => 0.0,
         Some(Kind::Cylinder) => 1.0,
         Some(Kind::Sphere) => 2.0,
@@ -133,5 +149,9 @@ fn fall_without_numbers(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str
             None => fallback.push(Fallback { region: piece.region, from: from.into(), to, reason: reason.into() }),
         }
     }
-    map.divide(which, to);
+    if to == Rung::Spline {
+        which.iter().for_each(|&p| map.pieces[p as usize].rung = to);
+    } else {
+        map.divide(which, to);
+    }
 }

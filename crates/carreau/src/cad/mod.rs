@@ -11,7 +11,10 @@
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
+//! | curves of the edges beside spline surfaces | `borders` |
 //! | corners | `corners` |
+//! | regions laid out in a plane | `flatten` |
+//! | spline surfaces between the curves around them | `spline` |
 //! | loops in parameters, seams, spheres turned | `faces` |
 //! | the model while it is made | `draft` |
 //! | one attempt, all of the above | `model` |
@@ -20,16 +23,19 @@
 //! | pieces that are in the way go down a rung | `ladder` |
 //! | constants | `tuning` |
 
+mod borders;
 mod check;
 mod conics;
 mod corners;
 mod curves;
 mod draft;
 mod faces;
+mod flatten;
 mod ladder;
 mod model;
 mod regions;
 mod shells;
+mod spline;
 mod swept;
 #[cfg(test)]
 mod tests;
@@ -143,10 +149,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
 fn distances(map: &Map<'_>) -> (f64, f64) {
     let (mut max, mut sum, mut count) = (0.0f64, 0.0, 0.0);
     for piece in &map.pieces {
-        for p in regions::vertices(map.t, &piece.triangles) {
-            let d = piece.surface.distance(p);
-            (max, sum, count) = (max.max(d), sum + d * d, count + 1.0);
-        }
+        let vertices = regions::vertices(map.t, &piece.triangles).len() as f64;
+        (max, sum, count) = (max.max(piece.max), sum + piece.square * vertices, count + vertices);
     }
     (max, (sum / f64::max(count, 1.0)).sqrt())
 }

@@ -51,6 +51,8 @@ pub struct Piece {
     pub same_sense: bool,
     /// Largest distance of its vertices from the surface.
     pub max: f64,
+    /// Mean square of these distances.
+    pub square: f64,
     /// Its triangles, ascending.
     pub triangles: Vec<u32>,
 }
@@ -112,12 +114,13 @@ impl<'a> Map<'a> {
                 });
                 let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));
                 let (primitive, max) = (fit.map(|f| f.0), fit.map_or(0.0, |f| f.1));
+                let square = primitive.map_or(0.0, |p| mean_square(t, &triangles, |q| p.distance(q)));
                 let surface = primitive.map_or(
                     Surface::Plane { frame: crate::brep::Frame::along(t.point(3 * triangles[0]), DVec3::Z) },
                     |p| Surface::of_primitive(&p),
                 );
                 let rung = if primitive.is_some() { Rung::Analytic } else { Rung::Spline };
-                let mut piece = Piece { surface, primitive, rung, region, same_sense: true, max, triangles };
+                let mut piece = Piece { surface, primitive, rung, region, same_sense: true, max, square, triangles };
                 piece.same_sense = looks_along(t, &piece);
                 piece
             })
@@ -184,6 +187,7 @@ impl<'a> Map<'a> {
                     region,
                     same_sense: true,
                     max: 0.0,
+                    square: 0.0,
                     triangles: group,
                 };
                 let id = self.pieces.len() as u32;
@@ -230,6 +234,12 @@ pub fn vertices(t: Triangles<'_>, triangles: &[u32]) -> Vec<DVec3> {
     ids.sort_unstable();
     ids.dedup();
     ids.into_iter().map(|v| t.points()[v as usize]).collect()
+}
+
+/// The mean square of a distance of the vertices of triangles.
+pub fn mean_square(t: Triangles<'_>, triangles: &[u32], distance: impl Fn(DVec3) -> f64) -> f64 {
+    let points = vertices(t, triangles);
+    points.iter().map(|&p| distance(p).powi(2)).sum::<f64>() / points.len().max(1) as f64
 }
 
 /// Mean normals of the distinct vertices of triangles, in the order of [`vertices`].

@@ -8,7 +8,7 @@
 //!           │ ╲ ╲ ╲│
 //! ```
 
-use super::regions::{Map, Piece, Rung, area_vector, looks_along};
+use super::regions::{Map, Piece, Rung, area_vector, looks_along, mean_square, vertices};
 use super::trace::interpolate;
 use super::tuning::{ALONG, COLUMN};
 use crate::brep::{Curve, Surface};
@@ -28,8 +28,10 @@ pub fn sweep(map: &mut Map<'_>) {
         if let Some(surface) = extrusion(map.t, &piece.triangles, map.diagonal) {
             let piece = &mut map.pieces[p as usize];
             *piece = Piece { surface, rung: Rung::Swept, ..piece.clone() };
-            let same = looks_along(map.t, piece);
-            piece.same_sense = same;
+            piece.same_sense = looks_along(map.t, piece);
+            piece.square = mean_square(map.t, &piece.triangles, |q| piece.surface.distance(q));
+            let far = |q: &DVec3| piece.surface.distance(*q);
+            piece.max = vertices(map.t, &piece.triangles).iter().map(far).fold(0.0, f64::max);
         } else {
             left.push(p);
         }

@@ -57,6 +57,3 @@ pub const ALONG: f64 = 1e-4;
 pub const COLUMN: f64 = 1e-6;
 /// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
 pub const NEAR_VERTEX: f64 = 12.0;
-/// Analytic faces that are farther from their region than this many times what its facets cut off are on a wrong branch; the
-/// estimate of that from a few long facets is off by as much.
-pub const SWING: f64 = 8.0;
