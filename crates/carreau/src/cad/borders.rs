@@ -30,7 +30,7 @@ pub fn border(on: Option<&Surface>, polyline: &[DVec3], closed: bool, diagonal: 
 }
 
 /// The circle that all vertices of a polyline lie on.
-fn circle(polyline: &[DVec3], closed: bool, room: f64) -> Option<Track> {
+pub fn circle(polyline: &[DVec3], closed: bool, room: f64) -> Option<Track> {
     let distinct = polyline.len() - usize::from(closed);
     if distinct < CIRCLE_VERTICES {
         return None;

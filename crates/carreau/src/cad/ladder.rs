@@ -1,5 +1,6 @@
 //! The ladder: what cannot be a face as it is described goes down a rung, a piece at a time, until there is a valid model.
 
+use super::memory::Memory;
 use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
@@ -29,17 +30,20 @@ pub struct Fallback {
 pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
     let mut fallback = Vec::new();
     let free = std::mem::take(&mut map.free);
-    let (bordered, whole): (Vec<u32>, Vec<u32>) =
-        free.into_iter().partition(|&p| spline::may_be(map.t, &map.pieces[p as usize], &map.label));
-    for p in bordered {
-        map.pieces[p as usize].rung = Rung::Spline;
-    }
-    if !whole.is_empty() {
-        fall(map, &whole, Rung::Planes, "it lies on no surface of a simple kind and has no border", &mut fallback);
-    }
+    // What has no border is cut before anything is tried.
+    let whole: Vec<u32> = free
+        .into_iter()
+        .filter(|&p| !spline::has_border(map.t, &map.pieces[p as usize], &map.label) && !map.cut(p))
+        .collect();
+    let coarse = map.coarse();
+    let reason = "it lies on no surface of a simple kind and has no border";
+    fall_without_numbers(map, &whole, Rung::Planes, reason, &mut fallback);
+    fall_without_numbers(map, &coarse, Rung::Planes, "its facets cut off too much of its surface", &mut fallback);
+    map.compact();
+    let mut memory = Memory::default();
     for round in 0..ROUNDS {
         context.check()?;
-        let tried = attempt(map, context)?;
+        let tried = attempt(map, &mut memory, context)?;
         let mut obstacles = tried.obstacles;
         if obstacles.is_empty() {
             let mut brep = tried.brep;
@@ -55,7 +59,7 @@ pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Resu
     let rest: Vec<u32> =
         (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
     fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
-    let tried = attempt(map, context)?;
+    let tried = attempt(map, &mut memory, context)?;
     let mut brep = tried.brep;
     let mut obstacles = tried.obstacles;
     if obstacles.is_empty() {
@@ -99,10 +103,11 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
         chosen.retain(|c| map.pieces[c.0 as usize].rung < Rung::Triangles);
     }
     for (p, reason) in chosen {
-        let piece = &map.pieces[p as usize];
-        let next = match piece.rung {
-            Rung::Analytic | Rung::Swept if spline::may_be(map.t, piece, &map.label) => Rung::Spline,
-            Rung::Analytic | Rung::Swept | Rung::Spline => Rung::Planes,
+        let rung = map.pieces[p as usize].rung;
+        let next = match rung {
+            Rung::Analytic | Rung::Swept => Rung::Spline,
+            Rung::Spline if map.cut(p) => continue,
+            Rung::Spline => Rung::Planes,
             Rung::Planes | Rung::Triangles => Rung::Triangles,
         };
         fall_without_numbers(map, &[p], next, reason, fallback);
@@ -112,7 +117,7 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
 
 /// The less certain, the larger: distance from the vertices first, then the kind.
 fn doubt(piece: &Piece) -> f64 {
-    let kind = match piece.primitive.map(|p| p.kind()).filter(|_| piece.rung < Rung::Spline) {
+    let kind = match piece.primitive.map(|p| p.kind()) {
         Some(Kind::Plane) => 0.0,
         Some(Kind::Cylinder) => 1.0,
         Some(Kind::Sphere) => 2.0,
@@ -122,7 +127,12 @@ fn doubt(piece: &Piece) -> f64 {
     };
     // A decade of distance weighs as much as a kind.
     let residual = (piece.max.max(1e-300)).log10();
-    if piece.rung >= Rung::Planes { -1e3 } else { kind + residual.max(-30.0) }
+    match piece.rung {
+        Rung::Planes | Rung::Triangles => -1e3,
+        // It follows its vertices whatever they are.
+        Rung::Spline => 6.0,
+        Rung::Analytic | Rung::Swept => kind + residual.max(-30.0),
+    }
 }
 
 fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
@@ -150,7 +160,7 @@ fn fall_without_numbers(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str
         }
     }
     if to == Rung::Spline {
-        which.iter().for_each(|&p| map.pieces[p as usize].rung = to);
+        map.loosen(which);
     } else {
         map.divide(which, to);
     }

@@ -5,6 +5,7 @@ use super::corners::place;
 use super::curves::{Track, between, straight};
 use super::draft::{Draft, DraftFace};
 use super::faces::{face, turn_sphere};
+use super::memory::Memory;
 use super::regions::{Map, Piece, Rung};
 use super::spline::settle;
 use super::topology::{Chain, Graph};
@@ -35,19 +36,28 @@ pub struct Attempt {
 }
 
 /// Tries to make a model of the map.
-pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
+pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Result<Attempt> {
     let graph = graph(map)?;
     let refused = |obstacles| Ok(Attempt { brep: Brep::default(), obstacles });
     let tracks = {
         let _stage = context.stage("edges");
         let corners = Corners::of(map, &graph);
-        let tracks: Vec<Option<Track>> = graph.chains.par_iter().map(|c| track(map, c, &corners)).collect();
-        context.check()?;
-        tracks
+        let known = &*memory;
+        let one = |c: &Chain| {
+            context.check()?;
+            let ends = [c.vertices[0], c.vertices[c.vertices.len() - 1]];
+            let ends = ends.map(|v| corners.place(v, map.t.points()[v as usize]));
+            let key = Memory::key(map, c, ends);
+            let track = known.track(&key).cloned().unwrap_or_else(|| track(map, c, ends));
+            Ok((key, track))
+        };
+        let tracks: Vec<_> = context.install(|| graph.chains.par_iter().map(one).collect::<Result<_>>())?;
+        tracks.iter().for_each(|(key, track)| memory.keep_track(*key, track));
+        tracks.into_iter().map(|(_, track)| track)
     };
     let mut obstacles = Vec::new();
     let mut found = Vec::with_capacity(tracks.len());
-    for (track, chain) in tracks.into_iter().zip(&graph.chains) {
+    for (track, chain) in tracks.zip(&graph.chains) {
         let pieces = || chain.sides.into_iter().filter(|&s| s != NONE).collect();
         match track {
             Some(track) if track.gap <= GAP * map.diagonal => found.push(track),
@@ -66,7 +76,7 @@ pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
     let mut draft = Draft::default();
     obstacles.extend(place(map, &graph, &mut found, &mut draft));
     if obstacles.is_empty() {
-        obstacles.extend(settle(map, &graph, &mut found, context)?);
+        obstacles.extend(settle(map, &graph, &mut found, memory, context)?);
     }
     if !obstacles.is_empty() {
         return refused(obstacles);
@@ -160,7 +170,7 @@ impl Corners {
     }
 }
 
-fn track(map: &Map<'_>, chain: &Chain, corners: &Corners) -> Option<Track> {
+fn track(map: &Map<'_>, chain: &Chain, ends: [DVec3; 2]) -> Option<Track> {
     let mut polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
     let closed = chain.vertices[0] == chain.vertices[chain.vertices.len() - 1];
     let side = |s: u32| (s != NONE).then(|| &map.pieces[s as usize]);
@@ -176,8 +186,8 @@ fn track(map: &Map<'_>, chain: &Chain, corners: &Corners) -> Option<Track> {
     }
     if a.rung == Rung::Spline || b.rung == Rung::Spline {
         let last = polyline.len() - 1;
-        for k in if chain.closed { [0, 0] } else { [0, last] } {
-            polyline[k] = corners.place(chain.vertices[k], polyline[k]);
+        if !chain.closed {
+            (polyline[0], polyline[last]) = (ends[0], ends[1]);
         }
         let other = [a, b].into_iter().find(|p| p.rung != Rung::Spline);
         return border(other.map(|p| &p.surface), &polyline, closed, map.diagonal);

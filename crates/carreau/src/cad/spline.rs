@@ -16,6 +16,7 @@
 
 use super::curves::Track;
 use super::flatten::{Flat, flatten};
+use super::memory::Memory;
 use super::model::Obstacle;
 use super::regions::{Map, Piece, Rung, area_vector};
 use super::topology::{Chain, Graph};
@@ -44,8 +45,10 @@ const SMOOTH: f64 = 1e-6;
 const WEAK: f64 = 1e-3;
 /// Share of the diagonal: strong points nearer than this need no finer grid. Tolerances of a tenth of what demotes a face.
 const NEAR_ENOUGH: f64 = 0.06 * GAP;
-/// Points of every edge's curve between two vertices of the mesh, at least.
+/// Points of every edge's curve for each side of the mesh, at least.
 const POINTS_A_SIDE: usize = 3;
+/// Share of a cell of the grid: points along borders are this near to each other, so that a surface cannot swing between them.
+const POINTS_A_CELL: f64 = 0.5;
 
 /// A point of the fit with its parameters and weight.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +60,13 @@ struct Sample {
 
 /// Gives all pieces of the rung their surfaces, between the curves of their edges, whose gaps they add to. Returns the pieces that
 /// have none.
-pub fn settle(map: &mut Map<'_>, graph: &Graph, tracks: &mut [Track], context: &Context) -> Result<Vec<Obstacle>> {
+pub fn settle(
+    map: &mut Map<'_>,
+    graph: &Graph,
+    tracks: &mut [Track],
+    memory: &mut Memory,
+    context: &Context,
+) -> Result<Vec<Obstacle>> {
     let which: Vec<u32> =
         (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung == Rung::Spline).collect();
     if which.is_empty() {
@@ -68,20 +77,25 @@ pub fn settle(map: &mut Map<'_>, graph: &Graph, tracks: &mut [Track], context: &
     for (chain, k) in graph.chains.iter().zip(0u32..) {
         chain.sides.iter().filter(|&&s| s != NONE).for_each(|&s| chains_of[s as usize].push(k));
     }
+    let known = &*memory;
     let one = |&p: &u32| {
         context.check()?;
-        Ok(fitted(map, p, &chains_of[p as usize], graph, tracks))
+        let chains = &chains_of[p as usize];
+        let key = Memory::surface_key(&map.pieces[p as usize], chains, tracks);
+        let found = known.surface(&key).cloned();
+        Ok((key, found.unwrap_or_else(|| fitted(map, p, chains, graph, tracks))))
     };
-    let found: Vec<Option<Fitted>> = context.install(|| which.par_iter().map(one).collect::<Result<_>>())?;
+    let found: Vec<_> = context.install(|| which.par_iter().map(one).collect::<Result<_>>())?;
+    found.iter().for_each(|(key, found)| memory.keep_surface(*key, found));
     let mut obstacles = Vec::new();
-    for (&p, found) in which.iter().zip(found) {
+    for (&p, (_, found)) in which.iter().zip(found) {
         let piece = &mut map.pieces[p as usize];
         let Some(Fitted { surface, gaps, max, square }) = found else {
             obstacles.push(Obstacle { pieces: vec![p], reason: "it cannot be laid out in a plane".into() });
             continue;
         };
-        let off = gaps.iter().fold(0.0f64, |m, g| m.max(g.1));
-        for (k, gap) in gaps {
+        let off = gaps.iter().copied().fold(0.0, f64::max);
+        for (&k, gap) in chains_of[p as usize].iter().zip(gaps) {
             tracks[k as usize].gap = tracks[k as usize].gap.max(gap);
         }
         if !(STATED * off <= GAP * map.diagonal && max <= map.tolerance.max(GAP * map.diagonal)) {
@@ -95,10 +109,12 @@ pub fn settle(map: &mut Map<'_>, graph: &Graph, tracks: &mut [Track], context: &
     Ok(obstacles)
 }
 
-struct Fitted {
+/// A surface with what was measured.
+#[derive(Debug, Clone)]
+pub struct Fitted {
     surface: BSplineSurface,
     /// Distance of every chain's curve.
-    gaps: Vec<(u32, f64)>,
+    gaps: Vec<f64>,
     /// Of the vertices: the largest distance, and the mean square.
     max: f64,
     square: f64,
@@ -114,64 +130,82 @@ fn fitted(map: &Map<'_>, p: u32, chains: &[u32], graph: &Graph, tracks: &[Track]
         .map(|(&v, &uv)| Sample { uv, point: map.t.points()[v as usize], weight: 1.0 })
         .collect();
     let vertices = samples.len();
-    let mut of_chain: Vec<(u32, usize)> = Vec::with_capacity(chains.len());
-    for &k in chains {
-        samples.extend(along(map.t, &graph.chains[k as usize], &tracks[k as usize], &flat));
-        of_chain.push((k, samples.len()));
-    }
-    let strong = samples.len();
     samples.extend(raised(map.t, triangles, &map.label, p, &flat));
-    let surface = approximate(&mut samples, strong, NEAR_ENOUGH * map.diagonal)?;
+    let mut borders: Vec<Border<'_>> =
+        chains.iter().map(|&k| Border::new(map.t, &graph.chains[k as usize], &tracks[k as usize], &flat)).collect();
+    let surface = approximate(&mut samples, vertices, &mut borders, NEAR_ENOUGH * map.diagonal)?;
+    let gaps = borders.iter().map(|b| b.gap(&surface)).collect();
     let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
-    let mut gaps = Vec::with_capacity(chains.len());
-    let mut from = vertices;
-    for (k, to) in of_chain {
-        // Between the samples, too.
-        let track = &tracks[k as usize];
-        let mut gap = samples[from..to].iter().map(off).fold(0.0, f64::max);
-        let count = 2 * (to - from - 1).max(1);
-        let mut at = [samples[from].uv.x, samples[from].uv.y];
-        for j in 0..=count {
-            let t = track.range[0] + (track.range[1] - track.range[0]) * j as f64 / count as f64;
-            let q = track.curve.point(t);
-            at = surface.project(q, at);
-            gap = gap.max(surface.point(at[0], at[1]).distance(q));
-        }
-        gaps.push((k, gap));
-        from = to;
-    }
     let max = samples[..vertices].iter().map(off).fold(0.0, f64::max);
     let square = samples[..vertices].iter().map(|s| off(s).powi(2)).sum::<f64>() / vertices as f64;
     Some(Fitted { surface, gaps, max, square })
 }
 
-/// Points along a chain's curve; their places are between those of the mesh's vertices.
-fn along(t: Triangles<'_>, chain: &Chain, track: &Track, flat: &Flat) -> Vec<Sample> {
-    let spans = match &track.curve {
-        crate::brep::Curve::Spline(s) => s.knots().breaks().len() - 1,
-        _ => 1,
-    };
-    let sides = chain.vertices.len() - 1;
-    let per_side = POINTS_A_SIDE.max((3 * spans).div_ceil(sides));
-    let mut out = Vec::with_capacity(sides * per_side + 1);
-    let mut from = track.range[0];
-    for k in 0..sides {
-        let [a, b] = [k, k + 1].map(|k| chain.vertices[k]);
-        let to = if k + 1 == sides {
-            track.range[1]
-        } else {
-            track.curve.project_near(t.points()[b as usize], from).clamp(from, track.range[1])
-        };
-        let [p, q] = [a, b].map(|v| flat.place(v));
-        for j in 0..per_side {
-            let s = j as f64 / per_side as f64;
-            out.push(Sample { uv: p.lerp(q, s), point: track.curve.point(from + s * (to - from)), weight: 1.0 });
+/// A curve around the region: parameters of points along it, and their places.
+struct Border<'a> {
+    track: &'a Track,
+    at: Vec<(f64, DVec2)>,
+}
+
+impl<'a> Border<'a> {
+    /// Points at the vertices of the mesh.
+    fn new(t: Triangles<'_>, chain: &Chain, track: &'a Track, flat: &Flat) -> Self {
+        let sides = chain.vertices.len() - 1;
+        let mut from = track.range[0];
+        let mut at = vec![(from, flat.place(chain.vertices[0]))];
+        for k in 0..sides {
+            let [a, b] = [k, k + 1].map(|k| chain.vertices[k]);
+            let to = if k + 1 == sides {
+                track.range[1]
+            } else {
+                let chord = t.points()[a as usize].distance(t.points()[b as usize]);
+                let guess = from + chord / track.curve.derivatives(from)[1].length().max(f64::MIN_POSITIVE);
+                track.curve.project_near(t.points()[b as usize], guess).clamp(from, track.range[1])
+            };
+            at.push((to, flat.place(b)));
+            from = to;
         }
-        from = to;
+        let mut border = Border { track, at };
+        // Splines may bend between two vertices.
+        let spans = match &track.curve {
+            crate::brep::Curve::Spline(s) => s.knots().breaks().len() - 1,
+            _ => 1,
+        };
+        while border.at.len() < (POINTS_A_SIDE * sides).max(2 * spans) {
+            border.double(0.0);
+        }
+        border
     }
-    let last = chain.vertices[sides];
-    out.push(Sample { uv: flat.place(last), point: track.curve.point(track.range[1]), weight: 1.0 });
-    out
+
+    /// Points in the middle of steps that are longer than a length; whether there were any.
+    fn double(&mut self, step: f64) -> bool {
+        let mut out = vec![self.at[0]];
+        for w in self.at.windows(2) {
+            let ([(s, p), (t, q)], long) = ([w[0], w[1]], w[0].1.distance(w[1].1) > step);
+            if long || step == 0.0 {
+                out.push((0.5 * (s + t), 0.5 * (p + q)));
+            }
+            out.push((t, q));
+        }
+        let more = out.len() > self.at.len();
+        self.at = out;
+        more
+    }
+
+    fn point(&self, k: usize) -> DVec3 {
+        self.track.curve.point(self.at[k].0)
+    }
+
+    /// The largest distance from a surface: at the points, and between them.
+    fn gap(&self, surface: &BSplineSurface) -> f64 {
+        let off = |t: f64, near: DVec2| {
+            let p = self.track.curve.point(t);
+            let [u, v] = surface.project(p, near.into());
+            surface.point(u, v).distance(p)
+        };
+        let between = self.at.windows(2).map(|w| off(0.5 * (w[0].0 + w[1].0), 0.5 * (w[0].1 + w[1].1)));
+        self.at.iter().map(|&(t, uv)| off(t, uv)).chain(between).fold(0.0, f64::max)
+    }
 }
 
 /// Middles of the edges inside of a region, raised by what they cut off as the normals at their ends say, weakly.
@@ -200,37 +234,62 @@ fn raised(t: Triangles<'_>, triangles: &[u32], label: &[u32], p: u32, flat: &Fla
     out
 }
 
-/// The surface on the coarsest grid that is near the strong points, which come first; parameters become those of the feet.
-fn approximate(samples: &mut [Sample], strong: usize, near: f64) -> Option<BSplineSurface> {
-    let low = samples.iter().map(|s| s.uv).fold(DVec2::INFINITY, DVec2::min);
-    let high = samples.iter().map(|s| s.uv).fold(DVec2::NEG_INFINITY, DVec2::max);
+/// The surface on the coarsest grid that is near the borders and the vertices, the first of the samples; parameters become those of the
+/// feet.
+fn approximate(
+    samples: &mut [Sample],
+    vertices: usize,
+    borders: &mut [Border<'_>],
+    near: f64,
+) -> Option<BSplineSurface> {
+    let places = || samples.iter().map(|s| s.uv).chain(borders.iter().flat_map(|b| b.at.iter().map(|a| a.1)));
+    let low = places().fold(DVec2::INFINITY, DVec2::min);
+    let high = places().fold(DVec2::NEG_INFINITY, DVec2::max);
     let size = high - low;
     if !(size.min_element() > 0.0) || !size.is_finite() {
         return None;
     }
     let (low, size) = (low - MARGIN * size, (1.0 + 2.0 * MARGIN) * size);
     let first = FIRST_SPANS / size.min_element();
-    let mut best: Option<(f64, BSplineSurface, Vec<DVec2>)> = None;
+    let mut best: Option<(f64, BSplineSurface, Vec<DVec2>, Vec<Vec<(f64, DVec2)>>)> = None;
     for halving in 0..=HALVINGS {
-        let spans = [size.x, size.y].map(|l| ((l * first).round() as usize * 2usize.pow(halving)).clamp(1, MOST_SPANS));
+        let fine = first * f64::from(2u32.pow(halving));
+        let spans = [size.x, size.y].map(|l| ((l * fine).round() as usize).clamp(1, MOST_SPANS));
+        let cell = (size / DVec2::new(spans[0] as f64, spans[1] as f64)).min_element();
+        for border in borders.iter_mut() {
+            while border.double(POINTS_A_CELL * cell) {}
+        }
         let mut surface = None;
         for _ in 0..=CORRECTIONS {
-            let fit = least_squares(samples, low, size, spans)?;
-            samples.iter_mut().for_each(|s| s.uv = DVec2::from(fit.project(s.point, s.uv.into())));
+            let along = borders
+                .iter()
+                .flat_map(|b| (0..b.at.len()).map(|k| Sample { uv: b.at[k].1, point: b.point(k), weight: 1.0 }));
+            let all: Vec<Sample> = samples.iter().copied().chain(along).collect();
+            let fit = least_squares(&all, low, size, spans)?;
+            let foot = |point: DVec3, uv: DVec2| DVec2::from(fit.project(point, uv.into()));
+            samples.iter_mut().for_each(|s| s.uv = foot(s.point, s.uv));
+            for border in borders.iter_mut() {
+                for k in 0..border.at.len() {
+                    border.at[k].1 = foot(border.point(k), border.at[k].1);
+                }
+            }
             surface = Some(fit);
         }
         let surface = surface?;
         let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
-        let far = samples[..strong].iter().map(off).fold(0.0, f64::max);
+        let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
+        let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
         if best.as_ref().is_none_or(|b| far < b.0) {
-            best = Some((far, surface, samples.iter().map(|s| s.uv).collect()));
+            let uv = samples.iter().map(|s| s.uv).collect();
+            best = Some((far, surface, uv, borders.iter().map(|b| b.at.clone()).collect()));
         }
         if far <= near || spans.iter().all(|&s| s == MOST_SPANS) {
             break;
         }
     }
-    let (_, surface, places) = best?;
-    samples.iter_mut().zip(places).for_each(|(s, uv)| s.uv = uv);
+    let (_, surface, uv, along) = best?;
+    samples.iter_mut().zip(uv).for_each(|(s, uv)| s.uv = uv);
+    borders.iter_mut().zip(along).for_each(|(b, at)| b.at = at);
     Some(surface)
 }
 
@@ -280,8 +339,8 @@ fn least_squares(samples: &[Sample], low: DVec2, size: DVec2, spans: [usize; 2])
     BSplineSurface::new(u, v, points).ok()
 }
 
-/// Whether a piece may become a spline surface: it has a border.
-pub fn may_be(t: Triangles<'_>, piece: &Piece, label: &[u32]) -> bool {
+/// Whether a piece has a border.
+pub fn has_border(t: Triangles<'_>, piece: &Piece, label: &[u32]) -> bool {
     let own = label[piece.triangles[0] as usize];
     let inside = |c: u32| t.opposite(c) != NONE && label[t.opposite(c) as usize / 3] == own;
     !piece.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).all(inside)

@@ -127,10 +127,7 @@ fn refined(
         let error: Vec<f64> = times
             .windows(2)
             .map(|w| {
-                [0.25, 0.5, 0.75]
-                    .map(|s| gap(spline.point(w[0] + s * (w[1] - w[0]))))
-                    .into_iter()
-                    .fold(0.0, f64::max)
+                [0.25, 0.5, 0.75].map(|s| gap(spline.point(w[0] + s * (w[1] - w[0])))).into_iter().fold(0.0, f64::max)
             })
             .collect();
         let worst = error.iter().copied().fold(0.0, f64::max);

@@ -78,7 +78,12 @@ pub(super) fn compare(
     let points = reference.mesh.points();
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
-        let model: Vec<[u32; 3]> = region.faces.iter().flat_map(|&f| &faces_of[f as usize]).map(|&k| tessellation.triangles[k as usize]).collect();
+        let model: Vec<[u32; 3]> = region
+            .faces
+            .iter()
+            .flat_map(|&f| &faces_of[f as usize])
+            .map(|&k| tessellation.triangles[k as usize])
+            .collect();
         let first = points[region.triangles[0][0] as usize];
         if model.is_empty() {
             out.push(Finding::new(Fault::MissingFace, r as f64, 0.0, first));
