@@ -155,11 +155,29 @@ impl<'a> Map<'a> {
     pub fn coarse(&self) -> Vec<u32> {
         let is_coarse = |piece: &Piece| {
             let both_ways = matches!(piece.surface, Surface::Sphere { .. } | Surface::Torus { .. });
-            let certain = both_ways && vertices(self.t, &piece.triangles).len() >= CERTAIN;
+            let certain = both_ways && vertices(self.t, &piece.triangles).len() >= CERTAIN || self.is_fillet(piece);
             let swept = piece.rung < Rung::Spline && !certain;
             swept && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
         };
         (0u32..).zip(&self.pieces).filter(|(_, piece)| is_coarse(piece)).map(|(p, _)| p).collect()
+    }
+
+    /// Whether a piece is a cylinder that touches two planes beside it.
+    fn is_fillet(&self, piece: &Piece) -> bool {
+        let Some(Primitive::Cylinder { origin, axis, radius }) = piece.primitive else { return false };
+        let corners = piece.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
+        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE).map(|o| self.label[o as usize / 3]);
+        let mut around: Vec<u32> = beyond.collect();
+        around.sort_unstable();
+        around.dedup();
+        let touches = |&p: &u32| match self.pieces[p as usize].primitive {
+            Some(Primitive::Plane { origin: o, normal }) => {
+                let off = (normal.dot(origin - o).abs() - radius).abs();
+                normal.dot(axis).abs() < FILE && off <= FILE * self.diagonal
+            }
+            _ => false,
+        };
+        around.iter().filter(|p| touches(p)).count() >= 2
     }
 
     /// Puts plane facets in the place of pieces: sets of coplanar triangles, or single ones.

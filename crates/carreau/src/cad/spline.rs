@@ -32,9 +32,9 @@ use rayon::prelude::*;
 
 /// Spans across the narrower side of the first grid, and most spans across any side.
 const FIRST_SPANS: f64 = 4.0;
-const MOST_SPANS: usize = 72;
+const MOST_SPANS: usize = 64;
 /// Halvings of the grid.
-const HALVINGS: u32 = 4;
+const HALVINGS: u32 = 3;
 /// Share of the rectangle by which it is larger than the region on every side, so that feet do not leave it.
 const MARGIN: f64 = 0.04;
 /// Rounds in which parameters are corrected.
