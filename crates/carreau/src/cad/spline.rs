@@ -251,7 +251,7 @@ fn approximate(
     }
     let (low, size) = (low - MARGIN * size, (1.0 + 2.0 * MARGIN) * size);
     let first = FIRST_SPANS / size.min_element();
-    let mut best: Option<(f64, BSplineSurface, Vec<DVec2>, Vec<Vec<(f64, DVec2)>>)> = None;
+    let mut best: Option<(f64, BSplineSurface, Places)> = None;
     for halving in 0..=HALVINGS {
         let fine = first * f64::from(2u32.pow(halving));
         let spans = [size.x, size.y].map(|l| ((l * fine).round() as usize).clamp(1, MOST_SPANS));
@@ -259,38 +259,63 @@ fn approximate(
         for border in borders.iter_mut() {
             while border.double(POINTS_A_CELL * cell) {}
         }
-        let mut surface = None;
-        for _ in 0..=CORRECTIONS {
-            let along = borders
-                .iter()
-                .flat_map(|b| (0..b.at.len()).map(|k| Sample { uv: b.at[k].1, point: b.point(k), weight: 1.0 }));
-            let all: Vec<Sample> = samples.iter().copied().chain(along).collect();
-            let fit = least_squares(&all, low, size, spans)?;
-            let foot = |point: DVec3, uv: DVec2| DVec2::from(fit.project(point, uv.into()));
-            samples.iter_mut().for_each(|s| s.uv = foot(s.point, s.uv));
-            for border in borders.iter_mut() {
-                for k in 0..border.at.len() {
-                    border.at[k].1 = foot(border.point(k), border.at[k].1);
-                }
-            }
-            surface = Some(fit);
-        }
-        let surface = surface?;
+        let surface = corrected(samples, borders, low, size, spans)?;
         let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
         let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
         let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
         if best.as_ref().is_none_or(|b| far < b.0) {
-            let uv = samples.iter().map(|s| s.uv).collect();
-            best = Some((far, surface, uv, borders.iter().map(|b| b.at.clone()).collect()));
+            best = Some((far, surface, Places::of(samples, borders)));
         }
         if far <= near || spans.iter().all(|&s| s == MOST_SPANS) {
             break;
         }
     }
-    let (_, surface, uv, along) = best?;
-    samples.iter_mut().zip(uv).for_each(|(s, uv)| s.uv = uv);
-    borders.iter_mut().zip(along).for_each(|(b, at)| b.at = at);
+    let (_, surface, places) = best?;
+    samples.iter_mut().zip(places.of_samples).for_each(|(s, uv)| s.uv = uv);
+    borders.iter_mut().zip(places.of_borders).for_each(|(b, at)| b.at = at);
     Some(surface)
+}
+
+/// The surface on one grid, after some rounds in which parameters become those of the feet.
+fn corrected(
+    samples: &mut [Sample],
+    borders: &mut [Border<'_>],
+    low: DVec2,
+    size: DVec2,
+    spans: [usize; 2],
+) -> Option<BSplineSurface> {
+    let mut surface = None;
+    for _ in 0..=CORRECTIONS {
+        let along = borders
+            .iter()
+            .flat_map(|b| (0..b.at.len()).map(|k| Sample { uv: b.at[k].1, point: b.point(k), weight: 1.0 }));
+        let all: Vec<Sample> = samples.iter().copied().chain(along).collect();
+        let fit = least_squares(&all, low, size, spans)?;
+        let foot = |point: DVec3, uv: DVec2| DVec2::from(fit.project(point, uv.into()));
+        samples.iter_mut().for_each(|s| s.uv = foot(s.point, s.uv));
+        for border in borders.iter_mut() {
+            for k in 0..border.at.len() {
+                border.at[k].1 = foot(border.point(k), border.at[k].1);
+            }
+        }
+        surface = Some(fit);
+    }
+    surface
+}
+
+/// Where all points were on the best surface.
+struct Places {
+    of_samples: Vec<DVec2>,
+    of_borders: Vec<Vec<(f64, DVec2)>>,
+}
+
+impl Places {
+    fn of(samples: &[Sample], borders: &[Border<'_>]) -> Self {
+        Places {
+            of_samples: samples.iter().map(|s| s.uv).collect(),
+            of_borders: borders.iter().map(|b| b.at.clone()).collect(),
+        }
+    }
 }
 
 fn least_squares(samples: &[Sample], low: DVec2, size: DVec2, spans: [usize; 2]) -> Option<BSplineSurface> {
