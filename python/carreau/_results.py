@@ -15,6 +15,7 @@ from ._mesh import Mesh, Skeleton
 from ._notebook import framed
 
 __all__ = [
+    "CadFace",
     "CadResult",
     "CompareResult",
     "CurvatureResult",
@@ -190,8 +191,39 @@ class CurvatureResult(_MeshResult):
         return self.mesh.vertex_attributes["dmax"]
 
 
+class CadFace(Frozen):
+    """A face of a CAD model: its kind, its area, and the figures of its surface."""
+
+    __slots__ = ("area", "edges", "figures", "kind", "name", "region", "triangles")
+
+    name: str
+    """Its name in the CAD file."""
+    kind: str
+    """``plane``, ``cylinder``, ``cone``, ``sphere``, ``torus``, ``extrusion``, ``revolution`` or ``bspline``."""
+    area: float
+    """Its exact area."""
+    edges: int
+    """Number of edges around it; a seam counts twice."""
+    region: int | None
+    """The region of the segmentation that it is, or is a part of."""
+    figures: Mapping[str, Any]
+    """What its kind has of: origin, direction, radius, major_radius, minor_radius, half_angle_deg, control_points."""
+    triangles: NDArray[np.intp]
+    """The triangles of the mesh that it stands for."""
+
+    def __init__(self, entry: Mapping[str, Any], triangles: NDArray[np.intp]) -> None:
+        own = ("name", "kind", "area", "edges", "region")
+        figures = freeze({key: value for key, value in entry.items() if key not in own})
+        triangles.setflags(write=False)
+        self._set(triangles=triangles, figures=figures, **{key: entry[key] for key in own})
+
+    def __repr__(self) -> str:
+        radius = self.figures.get("radius")
+        return f"<carreau.CadFace: {self.name}, area {self.area:g}{'' if radius is None else f', radius {radius:g}'}>"
+
+
 class CadResult(_MeshResult):
-    """A CAD model: the mesh with the face of every triangle, and what the record says about the faces."""
+    """A CAD model: the mesh with the face of every triangle, and the faces."""
 
     __slots__ = ()
 
@@ -201,9 +233,12 @@ class CadResult(_MeshResult):
         return self.mesh.face_attributes["face"]
 
     @property
-    def faces(self) -> int:
-        """Number of faces of the model."""
-        return self.record["faces"]
+    def faces(self) -> tuple[CadFace, ...]:
+        """The faces of the model, in the order of the numbers in `labels`."""
+        table, labels = self.record["face_table"], self.labels
+        order = np.argsort(labels, kind="stable")
+        ends = np.searchsorted(labels[order], np.arange(len(table) + 1))
+        return tuple(CadFace(entry, order[ends[k] : ends[k + 1]]) for k, entry in enumerate(table))
 
 
 class SegmentResult(_MeshResult):

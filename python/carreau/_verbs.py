@@ -161,14 +161,16 @@ def cad(
     Returns
     -------
     CadResult
-        Face of every triangle; numbers of faces, edges and solids in the record.
+        Face of every triangle, and the faces with their kinds and figures.
 
     Examples
     --------
     >>> import carreau as cr
     >>> result = cr.cad(cr.sample("bracket"))
-    >>> result.record["faces"], result.record["solids"]
+    >>> len(result.faces), result.record["solids"]
     (13, 1)
+    >>> sorted({face.kind for face in result.faces})
+    ['cylinder', 'plane']
     """
     options = _options(locals(), "mesh")
     return run("cad", CadResult, (mesh,), options, _progress(options))

@@ -8,13 +8,16 @@ use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::brep::{Brep, SurfaceKind};
+use carreau::brep::tessellate::{Fineness, tessellate};
+use carreau::brep::{Brep, Surface, SurfaceKind};
 use carreau::cad::{self, CadModel, CadOptions, Style};
 use carreau::io::{self, CAD_EXTENSIONS, ResultKind, StepSchema, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
 use carreau::report::page::Scene;
+use carreau::report::picture::Image;
+use carreau::report::{cad_figure, figure};
 use carreau::words::counted;
-use carreau::{Error, Length};
+use carreau::{Context, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -23,7 +26,8 @@ use std::path::{Path, PathBuf};
 /// Makes a CAD model of a mesh: closed bodies become solids
 ///
 /// A bore is one cylinder with its radius, a fillet one cylinder or torus, a plate a plane with its holes. What lies on no
-/// such surface is written as plane facets; the summary says which regions those are. An open surface becomes a shell.
+/// such surface becomes a swept or spline face, and plane facets where no such face is valid; the summary says which regions those are.
+/// An open surface becomes a shell.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau cad part.stl -o part.step --json part.json\n  \
@@ -105,7 +109,10 @@ impl Cad {
         let model = context.install(|| cad::rebuild(mesh, &wanted, &context))?;
         tell(session, &model, options.cad.style, diagonal);
         let out = labelled(prepared, &model);
-        session.draw(&out)?;
+        session.draw_as(|| match own_triangles(&model.brep, &context) {
+            Ok(triangles) => solid_figure(&model.brep, &triangles),
+            Err(_) => figure(&out),
+        })?;
         session.keep(|| Found::Mesh(out.clone()));
         session.show_result(self.output.as_deref(), |name, context| {
             Scene::of_mesh(name, &out)?.show("face").with_curvature(context)
@@ -126,6 +133,21 @@ impl Cad {
         io::write_cad(file, brep, &cad, &mut bytes)?;
         session.write_bytes(file, &bytes)
     }
+}
+
+/// The model's own triangles, with the property `face`.
+pub fn own_triangles(brep: &Brep, context: &Context) -> Result<RawMesh, Error> {
+    Ok(RawMesh::from(tessellate(brep, &Fineness::of(brep), context)?.mesh()?))
+}
+
+/// A picture of a model's own triangles, by kind of face, with its edges.
+pub fn solid_figure(brep: &Brep, triangles: &RawMesh) -> Image {
+    let kind = |&f: &i32| brep.faces.get(f as usize).map_or(0, |f| brep.surface(f).kind() as i32);
+    let kinds: Vec<i32> = match triangles.attributes.face.get("face") {
+        Some(Column::Label(faces)) => faces.iter().map(kind).collect(),
+        _ => vec![0; triangles.faces.len()],
+    };
+    cad_figure(triangles, &kinds)
 }
 
 /// The mesh with the face of every triangle.
@@ -175,6 +197,49 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
     record.set("tolerance_max", share(brep.tolerance()));
     record.set("fallback", &model.fallback);
     record.set("faces_of_regions", faces_of_regions(model));
+    record.set("face_table", (0..brep.faces.len()).map(|f| described(model, f)).collect::<Vec<Value>>());
+}
+
+/// What is known of a face: its kind, the figures of its surface, its area and its region.
+fn described(model: &CadModel, f: usize) -> Value {
+    let face = &model.brep.faces[f];
+    let surface = model.brep.surface(face);
+    let mut out = json!({
+        "name": face.name,
+        "kind": surface.kind().name(),
+        "area": model.areas[f],
+        "region": face.region,
+        "edges": face.uses().count(),
+    });
+    let (axis, sizes): (Option<_>, Vec<(&str, f64)>) = match surface {
+        Surface::Plane { frame } => (Some(frame), Vec::new()),
+        Surface::Cylinder { frame, radius } => (Some(frame), vec![("radius", *radius)]),
+        Surface::Sphere { frame, radius } => (Some(frame), vec![("radius", *radius)]),
+        Surface::Cone { frame, half_angle, .. } => (Some(frame), vec![("half_angle_deg", half_angle.to_degrees())]),
+        Surface::Torus { frame, major_radius, minor_radius } => {
+            (Some(frame), vec![("major_radius", *major_radius), ("minor_radius", *minor_radius)])
+        }
+        Surface::Revolution { frame, .. } => (Some(frame), Vec::new()),
+        Surface::Extrusion { direction, .. } => {
+            out["direction"] = json!(direction.to_array());
+            (None, Vec::new())
+        }
+        Surface::Spline(s) => {
+            let [u, v] = s.knots().map(|k| k.count());
+            out["control_points"] = json!([u, v]);
+            (None, Vec::new())
+        }
+    };
+    if let Some(frame) = axis {
+        // Of planes the normal out of the body.
+        let turned = matches!(surface, Surface::Plane { .. }) && !face.same_sense;
+        out["origin"] = json!(frame.origin.to_array());
+        out["direction"] = json!((if turned { -frame.z } else { frame.z }).to_array());
+    }
+    for (name, size) in sizes {
+        out[name] = json!(size);
+    }
+    out
 }
 
 /// The faces of every region.

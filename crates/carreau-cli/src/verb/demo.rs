@@ -2,11 +2,13 @@
 
 mod page;
 
+use super::cad::{own_triangles, solid_figure};
 use super::segment::{labelled, worded};
 use crate::common::{Common, CommonValues};
 use crate::outputs::Outputs;
 use crate::report::command_line;
 use crate::session::{Failure, Session};
+use carreau::cad;
 use carreau::field::{self, FieldOptions};
 use carreau::hex::{self, HexOptions};
 use carreau::io::WriteOptions;
@@ -20,6 +22,7 @@ use carreau::remesh::{RemeshOptions, simplify};
 use carreau::report::page::{Page, Role, Scene};
 use carreau::report::{field_figure, figure, graph_figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
+use carreau::words::counted;
 use carreau::{Error, sample};
 use clap::Args;
 use page::{Figure, Section};
@@ -31,6 +34,9 @@ const MODELS: &[&str] = &["cube-cylinders", "bracket", "rounded-box", "torus", "
 
 /// The name of the page of hexes; that of the surface has the model's name.
 const HEXES: &str = "tube-tree-hexes";
+
+/// The model that becomes a solid at the end.
+const SOLID: &str = "bracket";
 
 /// A figure and what its model's page shows.
 type Drawn = (Figure, Scene);
@@ -131,7 +137,16 @@ impl Demo {
             about: "Hexahedra along the branches of a skeleton, every one certified; right: a cut, by scaled Jacobian.",
             figures: vec![figure],
         };
-        Ok((vec![regions, graded, patches, fields, graphs, quads, hexes], shown))
+        let (figure, scene) = self.solid(session)?;
+        if let Some((_, scenes)) = shown.iter_mut().find(|(name, _)| name == SOLID) {
+            scenes.push(scene.role(Role::After));
+        }
+        let solid = Section {
+            title: "CAD solid",
+            about: "The part itself: a bore is one cylinder, a plate one plane with its holes; coloured by kind of face.",
+            figures: vec![figure],
+        };
+        Ok((vec![regions, graded, patches, fields, graphs, quads, hexes, solid], shown))
     }
 
     /// Triangles to regions.
@@ -205,6 +220,31 @@ impl Demo {
             self.figure(session, name, "patches", caption, picture, &files)?,
             Scene::of_mesh("patches", &quads)?.show("patch"),
         ))
+    }
+
+    /// Triangles to a solid.
+    fn solid(&self, session: &mut Session) -> Result<Drawn, Error> {
+        let (name, context) = (SOLID, session.context.clone());
+        let mesh = sample::make(name, None, &context)?;
+        let model = cad::rebuild(&mesh, &cad::CadOptions::default(), &context)?;
+        let mut step = Vec::new();
+        let options = CadOptions { name: name.into(), ..CadOptions::default() };
+        let step_file = format!("{name}-solid.step");
+        write_cad(Path::new("model.step"), &model.brep, &options, &mut step)?;
+        session.write_bytes(&self.output.join(&step_file), &step)?;
+        let caption = format!(
+            "{} triangles → {}, {}; volume {:.4}",
+            mesh.face_count(),
+            counted(model.brep.solids.len(), "solid", "solids"),
+            counted(model.brep.faces.len(), "face", "faces"),
+            model.volume
+        );
+        let picture = format!("{name}-solid.png");
+        let triangles = own_triangles(&model.brep, &context)?;
+        let image = solid_figure(&model.brep, &triangles);
+        session.write_bytes(&self.output.join(&picture), &image.to_png()?)?;
+        let figure = self.figure(session, name, "solid", caption, picture, &[("STEP", &step_file)])?;
+        Ok((figure, Scene::of_mesh("solid", &triangles)?.show("face")))
     }
 
     /// Triangles to a frame field.

@@ -35,6 +35,10 @@ const OUTER: usize = 6;
 const ENOUGH: f64 = 1e-13;
 /// Most halvings of a piece of an edge.
 const MAX_HALVINGS: u32 = 8;
+/// The same for faces on splines, where feet of points are found by Newton's method to 1e-8 of the domain, so that two levels never
+/// agree better than that.
+const ENOUGH_ON_SPLINE: f64 = 1e-10;
+const MAX_HALVINGS_ON_SPLINE: u32 = 3;
 
 /// Area, volume and first moments.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -128,6 +132,8 @@ struct Integral<'a> {
     breaks: Vec<f64>,
     /// What does not matter of each sum.
     enough: Sums,
+    /// Most halvings.
+    halvings: u32,
 }
 
 fn of_face(brep: &Brep, face: &Face, samples: &[EdgeSamples], about: DVec3, rules: &Rules) -> Mass {
@@ -139,8 +145,12 @@ fn of_face(brep: &Brep, face: &Face, samples: &[EdgeSamples], about: DVec3, rule
     let points = || rings.iter().flat_map(|r| &r.samples);
     let from = points().map(|s| s.uv.x).fold(f64::INFINITY, f64::min);
     let extent = points().map(|s| surface.point(s.uv.x, s.uv.y).distance(about)).fold(0.0, f64::max);
-    let enough = [2, 3, 4, 4, 4].map(|power| ENOUGH * extent.powi(power));
-    let integral = Integral { brep, surface, about, rules, from, breaks: breaks_in_u(surface), enough };
+    let (share, halvings) = match surface {
+        Surface::Spline(_) => (ENOUGH_ON_SPLINE, MAX_HALVINGS_ON_SPLINE),
+        _ => (ENOUGH, MAX_HALVINGS),
+    };
+    let enough = [2, 3, 4, 4, 4].map(|power| share * extent.powi(power));
+    let integral = Integral { brep, surface, about, rules, from, breaks: breaks_in_u(surface), enough, halvings };
     let (mut sums, mut error) = (Sums::default(), 0.0);
     for (ring, uses) in rings.iter().zip(&face.loops) {
         let given = |edge: u32| uses.iter().any(|of| of.edge == edge && !of.parameters.is_empty());
@@ -203,7 +213,7 @@ impl Integral<'_> {
         let mut better = first.0;
         add(&mut better, &second.0, 1.0);
         let off: Sums = std::array::from_fn(|k| (better[k] - whole[k]).abs());
-        if off.iter().zip(&self.enough).all(|(x, e)| x <= e) || depth >= MAX_HALVINGS {
+        if off.iter().zip(&self.enough).all(|(x, e)| x <= e) || depth >= self.halvings {
             add(sums, &better, 1.0);
             *error += off[1];
             return;

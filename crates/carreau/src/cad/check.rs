@@ -1,10 +1,10 @@
 //! What a model must pass before it is written: the validator of [`crate::brep`], whose findings name pieces.
 
 use super::model::Obstacle;
-use super::regions::{Map, Rung};
-use super::tuning::{GAP, NEAR, SWING};
+use super::regions::Map;
+use super::tuning::{GAP, NEAR};
 use crate::brep::Brep;
-use crate::brep::validate::{Fault, Finding, Limits, Reference, validate};
+use crate::brep::validate::{Finding, Limits, Reference, validate};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::SurfaceMesh;
@@ -21,21 +21,7 @@ pub fn obstacles(map: &Map<'_>, mesh: &SurfaceMesh, brep: &Brep, context: &Conte
     let mut limits = Limits::new(map.diagonal, map.tolerance.max(NEAR * map.diagonal));
     limits.tolerance = GAP * map.diagonal;
     let findings = validate(brep, Some(&reference), &limits, context)?;
-    // Polygons of thin faces may cross where their curves do not, and what was measured on their triangles means nothing.
-    let crossed: Vec<u32> = findings.iter().filter(|f| f.fault == Fault::CrossedLoop).filter_map(|f| f.face).collect();
-    let doubtful = |f: &&Finding| match f.fault {
-        Fault::MissingFace => true,
-        Fault::Volume => findings.iter().any(|f| matches!(f.fault, Fault::CrossedLoop | Fault::MissingFace)),
-        // Exact faces between exact edges do not swing: what is farther off is on a wrong branch, by more than facets are.
-        Fault::FaceOffMesh
-            if f.measured < SWING * f.bound
-                && f.face.is_some_and(|p| map.pieces[p as usize].rung == Rung::Analytic) =>
-        {
-            true
-        }
-        _ => f.face.or(f.other).is_some_and(|face| crossed.contains(&face)),
-    };
-    Ok(findings.iter().filter(|f| !doubtful(f)).map(|f| obstacle(brep, f)).collect())
+    Ok(findings.iter().map(|f| obstacle(brep, f)).collect())
 }
 
 /// The pieces that a finding is about: its faces, or those around its edge or vertex.

@@ -349,6 +349,11 @@ pub fn seam(surface: &Surface, across: usize, at: f64) -> Option<Curve> {
             let origin = frame.origin + frame.z * (minor_radius * sin);
             Curve::Circle { frame: Frame { origin, ..*frame }, radius: major_radius + minor_radius * cos }
         }
+        (Surface::Revolution { profile, frame }, 1) => {
+            let l = frame.local(profile.point(at));
+            let origin = frame.origin + frame.z * l.z;
+            Curve::Circle { frame: Frame { origin, ..*frame }, radius: l.x }
+        }
         (Surface::Revolution { profile, frame }, 0) => {
             let turn = crate::brep::Motion {
                 rotation: glam::DMat3::from_axis_angle(frame.z, at),

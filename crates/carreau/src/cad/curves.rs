@@ -74,7 +74,7 @@ pub fn straight(polyline: &[DVec3], room: f64) -> Option<Track> {
 }
 
 /// A curve in the sense of a polyline, with the range between its ends; `None` where the polyline does not run along it.
-fn follow(curve: Curve, polyline: &[DVec3], closed: bool) -> Option<Track> {
+pub fn follow(curve: Curve, polyline: &[DVec3], closed: bool) -> Option<Track> {
     let start = curve.project(polyline[0]);
     let (mut t, mut away) = (start, 0.0f64);
     for &p in &polyline[1..] {

@@ -202,6 +202,11 @@ fn point_of(surface: &Surface, upward: bool) -> Option<(DVec3, f64)> {
             let v = if upward { FRAC_PI_2 } else { -FRAC_PI_2 };
             Some((surface.point(0.0, v), v))
         }
+        Surface::Revolution { profile, .. } => {
+            let v = profile.domain()[usize::from(upward)];
+            let p = surface.point(0.0, v);
+            (profile.period().is_none() && surface.is_on_axis(p)).then_some((p, v))
+        }
         _ => None,
     }
 }
@@ -213,10 +218,21 @@ fn whole(piece: &Piece, draft: &mut Draft) -> Option<DraftFace> {
             let pole = draft.vertex(piece.surface.point(0.0, FRAC_PI_2), 0.0);
             Some(DraftFace { pole: Some(pole), ..DraftFace::default() })
         }
-        Surface::Torus { .. } => {
-            let v = draft.vertex(piece.surface.point(0.0, 0.0), 0.0);
-            let a = draft.seam(seam(&piece.surface, 1, 0.0)?, [0.0, TAU], [v, v]);
-            let b = draft.seam(seam(&piece.surface, 0, 0.0)?, [0.0, TAU], [v, v]);
+        Surface::Revolution { profile, .. } if profile.period().is_none() => {
+            let range = profile.domain();
+            let ends = range.map(|v| piece.surface.point(0.0, v));
+            if !ends.iter().all(|&p| piece.surface.is_on_axis(p)) {
+                return None;
+            }
+            let ends = ends.map(|p| draft.vertex(p, 0.0));
+            let meridian = draft.seam(seam(&piece.surface, 0, 0.0)?, range, ends);
+            Some(DraftFace { loops: vec![vec![(meridian, false), (meridian, true)]], ..DraftFace::default() })
+        }
+        Surface::Torus { .. } | Surface::Revolution { .. } => {
+            let [_, profile] = piece.surface.domain();
+            let v = draft.vertex(piece.surface.point(0.0, profile[0]), 0.0);
+            let a = draft.seam(seam(&piece.surface, 1, profile[0])?, [0.0, TAU], [v, v]);
+            let b = draft.seam(seam(&piece.surface, 0, 0.0)?, profile, [v, v]);
             let mut uses = vec![(a, false), (b, false), (a, true), (b, true)];
             if !piece.same_sense {
                 uses = uses.into_iter().rev().map(|(e, r)| (e, !r)).collect();

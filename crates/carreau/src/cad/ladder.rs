@@ -1,8 +1,10 @@
 //! The ladder: what cannot be a face as it is described goes down a rung, a piece at a time, until there is a valid model.
 
+use super::memory::Memory;
 use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
+use super::spline;
 use super::tuning::ROUNDS;
 use crate::brep::Brep;
 use crate::context::Context;
@@ -28,13 +30,20 @@ pub struct Fallback {
 pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
     let mut fallback = Vec::new();
     let free = std::mem::take(&mut map.free);
-    if !free.is_empty() {
-        let reason = "it lies on no surface of a simple kind";
-        fall(map, &free, Rung::Planes, reason, &mut fallback);
-    }
+    // What has no border is cut before anything is tried.
+    let whole: Vec<u32> = free
+        .into_iter()
+        .filter(|&p| !spline::has_border(map.t, &map.pieces[p as usize], &map.label) && !map.cut(p))
+        .collect();
+    let coarse = map.coarse();
+    let reason = "it lies on no surface of a simple kind and has no border";
+    fall_without_numbers(map, &whole, Rung::Planes, reason, &mut fallback);
+    fall_without_numbers(map, &coarse, Rung::Planes, "its facets cut off too much of its surface", &mut fallback);
+    map.compact();
+    let mut memory = Memory::default();
     for round in 0..ROUNDS {
         context.check()?;
-        let tried = attempt(map, context)?;
+        let tried = attempt(map, &mut memory, context)?;
         let mut obstacles = tried.obstacles;
         if obstacles.is_empty() {
             let mut brep = tried.brep;
@@ -50,13 +59,19 @@ pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Resu
     let rest: Vec<u32> =
         (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
     fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
-    let tried = attempt(map, context)?;
-    if let Some(obstacle) = tried.obstacles.first() {
-        return Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)));
-    }
+    let tried = attempt(map, &mut memory, context)?;
     let mut brep = tried.brep;
-    enclose(map, &mut brep)?;
-    Ok((brep, fallback))
+    let mut obstacles = tried.obstacles;
+    if obstacles.is_empty() {
+        enclose(map, &mut brep)?;
+        obstacles = super::check::obstacles(map, mesh, &brep, context)?;
+    }
+    match obstacles.first() {
+        Some(obstacle) => {
+            Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)))
+        }
+        None => Ok((brep, fallback)),
+    }
 }
 
 /// Demotes the cause of every obstacle: the least certain of its pieces.
@@ -88,7 +103,13 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
         chosen.retain(|c| map.pieces[c.0 as usize].rung < Rung::Triangles);
     }
     for (p, reason) in chosen {
-        let next = if map.pieces[p as usize].rung < Rung::Planes { Rung::Planes } else { Rung::Triangles };
+        let rung = map.pieces[p as usize].rung;
+        let next = match rung {
+            Rung::Analytic | Rung::Swept => Rung::Spline,
+            Rung::Spline if map.cut(p) => continue,
+            Rung::Spline => Rung::Planes,
+            Rung::Planes | Rung::Triangles => Rung::Triangles,
+        };
         fall_without_numbers(map, &[p], next, reason, fallback);
     }
     map.compact();
@@ -106,7 +127,12 @@ fn doubt(piece: &Piece) -> f64 {
     };
     // A decade of distance weighs as much as a kind.
     let residual = (piece.max.max(1e-300)).log10();
-    if piece.rung >= Rung::Planes { -1e3 } else { kind + residual.max(-30.0) }
+    match piece.rung {
+        Rung::Planes | Rung::Triangles => -1e3,
+        // It follows its vertices whatever they are.
+        Rung::Spline => 6.0,
+        Rung::Analytic | Rung::Swept => kind + residual.max(-30.0),
+    }
 }
 
 fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
@@ -133,5 +159,9 @@ fn fall_without_numbers(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str
             None => fallback.push(Fallback { region: piece.region, from: from.into(), to, reason: reason.into() }),
         }
     }
-    map.divide(which, to);
+    if to == Rung::Spline {
+        map.loosen(which);
+    } else {
+        map.divide(which, to);
+    }
 }

@@ -7,29 +7,43 @@
 //! |---|---|
 //! | regions and their surfaces | [`crate::segment`] |
 //! | the map: neighbours on one surface made one, crumbs absorbed | `regions` |
-//! | extrusions among the regions without a surface | `swept` |
+//! | fillets of flat strips | `arcs` |
+//! | extrusions and surfaces of revolution among the regions without a surface | `swept` |
+//! | their profiles | `profile` |
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
+//! | curves of the edges beside spline surfaces | `borders` |
 //! | corners | `corners` |
+//! | regions laid out in a plane | `flatten` |
+//! | spline surfaces between the curves around them | `spline` |
 //! | loops in parameters, seams, spheres turned | `faces` |
 //! | the model while it is made | `draft` |
 //! | one attempt, all of the above | `model` |
+//! | what stays from one attempt to the next | `memory` |
 //! | shells and bodies | `shells` |
 //! | what a model must pass | `check` |
 //! | pieces that are in the way go down a rung | `ladder` |
+//! | regions that are too much for one spline surface | `halve` |
 //! | constants | `tuning` |
 
+mod arcs;
+mod borders;
 mod check;
 mod conics;
 mod corners;
 mod curves;
 mod draft;
 mod faces;
+mod flatten;
+mod halve;
 mod ladder;
+mod memory;
 mod model;
+mod profile;
 mod regions;
 mod shells;
+mod spline;
 mod swept;
 #[cfg(test)]
 mod tests;
@@ -88,6 +102,8 @@ pub struct CadModel {
     pub fallback: Vec<Fallback>,
     /// What the regions were.
     pub segmentation: Segmentation,
+    /// Area of every face.
+    pub areas: Vec<f64>,
     /// Area of the model.
     pub area: f64,
     /// Volume of its solids.
@@ -119,8 +135,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let mut map = {
         let _stage = context.stage("map");
         let mut map = Map::new(triangles, mesh.diagonal(), &segmentation);
-        swept::sweep(&mut map);
-        map.free_coarse();
+        arcs::round(&mut map)?;
+        swept::sweep(&mut map)?;
         map
     };
     let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
@@ -133,20 +149,19 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     }
     let (distance_max, distance_rms) = distances(&map);
     let masses = brep.face_masses(context)?;
-    let area = masses.iter().map(|m| m.area).sum();
+    let areas: Vec<f64> = masses.iter().map(|m| m.area).collect();
+    let area = areas.iter().sum();
     let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
     let face_of_triangle = map.label;
-    Ok(CadModel { brep, face_of_triangle, fallback, segmentation, area, volume, distance_max, distance_rms })
+    Ok(CadModel { brep, face_of_triangle, fallback, segmentation, areas, area, volume, distance_max, distance_rms })
 }
 
 /// Largest and root mean square distance of the vertices of all pieces from their surfaces.
 fn distances(map: &Map<'_>) -> (f64, f64) {
     let (mut max, mut sum, mut count) = (0.0f64, 0.0, 0.0);
     for piece in &map.pieces {
-        for p in regions::vertices(map.t, &piece.triangles) {
-            let d = piece.surface.distance(p);
-            (max, sum, count) = (max.max(d), sum + d * d, count + 1.0);
-        }
+        let vertices = regions::vertices(map.t, &piece.triangles).len() as f64;
+        (max, sum, count) = (max.max(piece.max), sum + piece.square * vertices, count + vertices);
     }
     (max, (sum / f64::max(count, 1.0)).sqrt())
 }

@@ -1,12 +1,16 @@
 //! One attempt: from a map of pieces to a model, or to the pieces that are in the way.
 
+use super::borders::border;
 use super::corners::place;
 use super::curves::{Track, between, straight};
 use super::draft::{Draft, DraftFace};
 use super::faces::{face, turn_sphere};
+use super::memory::Memory;
 use super::regions::{Map, Piece, Rung};
+use super::spline::settle;
 use super::topology::{Chain, Graph};
-use super::tuning::{COPLANAR_DISTANCE, GAP, SAME_POINT};
+use super::trace::meet;
+use super::tuning::{BRANCH, COPLANAR_DISTANCE, GAP, SAME_POINT};
 use crate::brep::{Brep, Face, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -32,18 +36,28 @@ pub struct Attempt {
 }
 
 /// Tries to make a model of the map.
-pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
+pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Result<Attempt> {
     let graph = graph(map)?;
     let refused = |obstacles| Ok(Attempt { brep: Brep::default(), obstacles });
     let tracks = {
         let _stage = context.stage("edges");
-        let tracks: Vec<Option<Track>> = graph.chains.par_iter().map(|c| track(map, c)).collect();
-        context.check()?;
-        tracks
+        let corners = Corners::of(map, &graph);
+        let known = &*memory;
+        let one = |c: &Chain| {
+            context.check()?;
+            let ends = [c.vertices[0], c.vertices[c.vertices.len() - 1]];
+            let ends = ends.map(|v| corners.place(v, map.t.points()[v as usize]));
+            let key = Memory::key(map, c, ends);
+            let track = known.track(&key).cloned().unwrap_or_else(|| track(map, c, ends));
+            Ok((key, track))
+        };
+        let tracks: Vec<_> = context.install(|| graph.chains.par_iter().map(one).collect::<Result<_>>())?;
+        tracks.iter().for_each(|(key, track)| memory.keep_track(*key, track));
+        tracks.into_iter().map(|(_, track)| track)
     };
     let mut obstacles = Vec::new();
     let mut found = Vec::with_capacity(tracks.len());
-    for (track, chain) in tracks.into_iter().zip(&graph.chains) {
+    for (track, chain) in tracks.zip(&graph.chains) {
         let pieces = || chain.sides.into_iter().filter(|&s| s != NONE).collect();
         match track {
             Some(track) if track.gap <= GAP * map.diagonal => found.push(track),
@@ -61,6 +75,9 @@ pub fn attempt(map: &mut Map<'_>, context: &Context) -> Result<Attempt> {
     }
     let mut draft = Draft::default();
     obstacles.extend(place(map, &graph, &mut found, &mut draft));
+    if obstacles.is_empty() {
+        obstacles.extend(settle(map, &graph, &mut found, memory, context)?);
+    }
     if !obstacles.is_empty() {
         return refused(obstacles);
     }
@@ -121,8 +138,40 @@ fn graph(map: &Map<'_>) -> Result<Graph> {
     if more.is_empty() { Ok(graph) } else { Graph::of(t, &map.label, pieces.len(), &more) }
 }
 
-fn track(map: &Map<'_>, chain: &Chain) -> Option<Track> {
-    let polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
+/// Where corners beside spline surfaces are: on all other surfaces around them.
+struct Corners {
+    /// Vertices of the mesh, ascending, and their places.
+    moved: Vec<(u32, DVec3)>,
+}
+
+impl Corners {
+    fn of(map: &Map<'_>, graph: &Graph) -> Self {
+        let is_spline = |s: u32| s != NONE && map.pieces[s as usize].rung == Rung::Spline;
+        let mut around: Vec<(u32, u32)> = Vec::new();
+        for chain in graph.chains.iter().filter(|c| !c.closed) {
+            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+                around.extend(chain.sides.iter().filter(|&&s| s != NONE).map(|&s| (v, s)));
+            }
+        }
+        around.sort_unstable();
+        around.dedup();
+        let place = |at: &[(u32, u32)]| {
+            let start = map.t.points()[at[0].0 as usize];
+            let others = at.iter().filter(|a| !is_spline(a.1)).map(|a| &map.pieces[a.1 as usize].surface);
+            let p = meet(&others.collect::<Vec<&Surface>>(), start);
+            (at[0].0, if p.distance(start) <= BRANCH * map.diagonal { p } else { start })
+        };
+        let beside = |at: &&[(u32, u32)]| at.iter().any(|a| is_spline(a.1));
+        Corners { moved: around.chunk_by(|a, b| a.0 == b.0).filter(beside).map(place).collect() }
+    }
+
+    fn place(&self, v: u32, otherwise: DVec3) -> DVec3 {
+        self.moved.binary_search_by_key(&v, |m| m.0).map_or(otherwise, |k| self.moved[k].1)
+    }
+}
+
+fn track(map: &Map<'_>, chain: &Chain, ends: [DVec3; 2]) -> Option<Track> {
+    let mut polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
     let closed = chain.vertices[0] == chain.vertices[chain.vertices.len() - 1];
     let side = |s: u32| (s != NONE).then(|| &map.pieces[s as usize]);
     let [a, b] = chain.sides.map(side);
@@ -134,6 +183,14 @@ fn track(map: &Map<'_>, chain: &Chain) -> Option<Track> {
         && let Some(track) = straight(&polyline, SAME_POINT * 10.0 * map.diagonal)
     {
         return Some(track);
+    }
+    if a.rung == Rung::Spline || b.rung == Rung::Spline {
+        let last = polyline.len() - 1;
+        if !chain.closed {
+            (polyline[0], polyline[last]) = (ends[0], ends[1]);
+        }
+        let other = [a, b].into_iter().find(|p| p.rung != Rung::Spline);
+        return border(other.map(|p| &p.surface), &polyline, closed, map.diagonal);
     }
     // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.
     let room = 4.0 * (a.max + b.max) + super::tuning::FILE * map.diagonal;

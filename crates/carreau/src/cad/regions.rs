@@ -3,7 +3,7 @@
 //! Regions come from [`crate::segment`]. Before any topology, neighbours on one surface become one piece, and crumbs go to
 //! the neighbour that they lie on.
 
-use super::tuning::{COARSEST, COPLANAR, COPLANAR_DISTANCE, FILE};
+use super::tuning::{CERTAIN, COARSEST, COPLANAR, COPLANAR_DISTANCE, FILE};
 use crate::brep::Surface;
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
@@ -39,6 +39,8 @@ pub enum Rung {
 /// A part of the mesh that becomes a face.
 #[derive(Debug, Clone)]
 pub struct Piece {
+    /// Another number for every piece, and for a piece that is described in another way.
+    pub id: u64,
     /// What it lies on.
     pub surface: Surface,
     /// The same where it is analytic.
@@ -51,6 +53,10 @@ pub struct Piece {
     pub same_sense: bool,
     /// Largest distance of its vertices from the surface.
     pub max: f64,
+    /// How often it was cut.
+    pub cuts: u8,
+    /// Mean square of these distances.
+    pub square: f64,
     /// Its triangles, ascending.
     pub triangles: Vec<u32>,
 }
@@ -70,6 +76,8 @@ pub struct Map<'a> {
     pub pieces: Vec<Piece>,
     /// Regions that had no surface from the beginning.
     pub free: Vec<u32>,
+    /// The number of the next piece.
+    next: u64,
 }
 
 impl<'a> Map<'a> {
@@ -86,7 +94,7 @@ impl<'a> Map<'a> {
             .filter(|(a, b)| a < b)
             .collect();
         shared.unify(&neighbours);
-        let mut map = Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), free: Vec::new() };
+        let mut map = Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), free: Vec::new(), next: 0 };
         map.collect(&label, &primitives);
         map
     }
@@ -112,31 +120,64 @@ impl<'a> Map<'a> {
                 });
                 let fit = fit.map(|(p, far)| (straighter(t, &triangles, p, far, self.diagonal), far));
                 let (primitive, max) = (fit.map(|f| f.0), fit.map_or(0.0, |f| f.1));
+                let square = primitive.map_or(0.0, |p| mean_square(t, &triangles, |q| p.distance(q)));
                 let surface = primitive.map_or(
                     Surface::Plane { frame: crate::brep::Frame::along(t.point(3 * triangles[0]), DVec3::Z) },
                     |p| Surface::of_primitive(&p),
                 );
                 let rung = if primitive.is_some() { Rung::Analytic } else { Rung::Spline };
-                let mut piece = Piece { surface, primitive, rung, region, same_sense: true, max, triangles };
+                let mut piece = Piece {
+                    id: 0,
+                    surface,
+                    primitive,
+                    rung,
+                    region,
+                    same_sense: true,
+                    max,
+                    cuts: 0,
+                    square,
+                    triangles,
+                };
                 piece.same_sense = looks_along(t, &piece);
                 piece
             })
             .collect();
         self.label = part;
+        let mut pieces: Vec<Piece> = pieces;
+        pieces.iter_mut().zip(0u64..).for_each(|(piece, id)| piece.id = id);
+        self.next = pieces.len() as u64;
         self.free = (0..pieces.len() as u32).filter(|&p| pieces[p as usize].primitive.is_none()).collect();
         self.pieces = pieces;
     }
 
-    /// Surfaces of which facets cut off too much are none: their pieces are free.
-    pub fn free_coarse(&mut self) {
+    /// Pieces on surfaces that a few flat sides lie on by chance: facets cut off a lot, and there are few vertices. Two flat sides
+    /// have corners on some cylinder, but many vertices on one surface that bends both ways are no chance.
+    pub fn coarse(&self) -> Vec<u32> {
         let is_coarse = |piece: &Piece| {
-            piece.rung < Rung::Planes && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
+            let both_ways = matches!(piece.surface, Surface::Sphere { .. } | Surface::Torus { .. });
+            let certain = both_ways && vertices(self.t, &piece.triangles).len() >= CERTAIN || self.is_fillet(piece);
+            let swept = piece.rung < Rung::Spline && !certain;
+            swept && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
         };
-        let coarse: Vec<u32> =
-            (0u32..).zip(&self.pieces).filter(|(_, piece)| is_coarse(piece)).map(|(p, _)| p).collect();
-        self.free.extend(coarse);
-        self.free.sort_unstable();
-        self.free.dedup();
+        (0u32..).zip(&self.pieces).filter(|(_, piece)| is_coarse(piece)).map(|(p, _)| p).collect()
+    }
+
+    /// Whether a piece is a cylinder that touches two planes beside it.
+    fn is_fillet(&self, piece: &Piece) -> bool {
+        let Some(Primitive::Cylinder { origin, axis, radius }) = piece.primitive else { return false };
+        let corners = piece.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
+        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE).map(|o| self.label[o as usize / 3]);
+        let mut around: Vec<u32> = beyond.collect();
+        around.sort_unstable();
+        around.dedup();
+        let touches = |&p: &u32| match self.pieces[p as usize].primitive {
+            Some(Primitive::Plane { origin: o, normal }) => {
+                let off = (normal.dot(origin - o).abs() - radius).abs();
+                normal.dot(axis).abs() < FILE && off <= FILE * self.diagonal
+            }
+            _ => false,
+        };
+        around.iter().filter(|p| touches(p)).count() >= 2
     }
 
     /// Puts plane facets in the place of pieces: sets of coplanar triangles, or single ones.
@@ -178,18 +219,36 @@ impl<'a> Map<'a> {
                 group.sort_unstable();
                 let frame = crate::brep::Frame::along(origin, normal);
                 let piece = Piece {
+                    id: self.new_id(),
                     surface: Surface::Plane { frame },
                     primitive: Some(Primitive::Plane { origin, normal }),
                     rung,
                     region,
                     same_sense: true,
                     max: 0.0,
+                    cuts: 0,
+                    square: 0.0,
                     triangles: group,
                 };
                 let id = self.pieces.len() as u32;
                 piece.triangles.iter().for_each(|&k| self.label[k as usize] = id);
                 self.pieces.push(piece);
             }
+        }
+    }
+
+    /// A number that no piece has.
+    pub fn new_id(&mut self) -> u64 {
+        self.next += 1;
+        self.next - 1
+    }
+
+    /// Makes splines of pieces, whose surfaces are still to be found.
+    pub fn loosen(&mut self, which: &[u32]) {
+        for &p in which {
+            let id = self.new_id();
+            let piece = &mut self.pieces[p as usize];
+            (piece.id, piece.rung) = (id, Rung::Spline);
         }
     }
 
@@ -230,6 +289,12 @@ pub fn vertices(t: Triangles<'_>, triangles: &[u32]) -> Vec<DVec3> {
     ids.sort_unstable();
     ids.dedup();
     ids.into_iter().map(|v| t.points()[v as usize]).collect()
+}
+
+/// The mean square of a distance of the vertices of triangles.
+pub fn mean_square(t: Triangles<'_>, triangles: &[u32], distance: impl Fn(DVec3) -> f64) -> f64 {
+    let points = vertices(t, triangles);
+    points.iter().map(|&p| distance(p).powi(2)).sum::<f64>() / points.len().max(1) as f64
 }
 
 /// Mean normals of the distinct vertices of triangles, in the order of [`vertices`].

@@ -28,19 +28,19 @@ pub fn enclose(map: &Map<'_>, brep: &mut Brep) -> Result<()> {
         shells[s as usize].closed &= !open[p];
     }
     let bodies = Bodies::new(map, &of, count);
-    let depth: Vec<usize> = (0..count).map(|s| bodies.around(s, &shells).count()).collect();
+    // A shell that looks inwards is a cavity of the smallest body around it; all others are bodies, also within each other.
+    let is_cavity: Vec<bool> = (0..count).map(|s| bodies.volume[s] < 0.0).collect();
     let mut solids: Vec<Solid> = Vec::new();
     let mut of_shell = vec![NONE; count];
-    for s in (0..count).filter(|&s| shells[s].closed && depth[s].is_multiple_of(2)) {
+    for s in (0..count).filter(|&s| shells[s].closed && !is_cavity[s]) {
         of_shell[s] = solids.len() as u32;
         solids.push(Solid { outer: s as u32, ..Solid::default() });
     }
-    for s in (0..count).filter(|&s| shells[s].closed && !depth[s].is_multiple_of(2)) {
-        let parent = bodies.around(s, &shells).find(|&p| depth[p] + 1 == depth[s] && of_shell[p] != NONE);
-        if let Some(parent) = parent {
-            solids[of_shell[parent] as usize].voids.push(s as u32);
-        } else {
-            solids.push(Solid { outer: s as u32, ..Solid::default() });
+    for s in (0..count).filter(|&s| shells[s].closed && is_cavity[s]) {
+        let around = bodies.around(s, &shells).filter(|&p| of_shell[p] != NONE && !is_cavity[p]);
+        match around.min_by(|&a, &b| bodies.volume[a].total_cmp(&bodies.volume[b])) {
+            Some(parent) => solids[of_shell[parent] as usize].voids.push(s as u32),
+            None => solids.push(Solid { outer: s as u32, ..Solid::default() }),
         }
     }
     (brep.shells, brep.solids) = (shells, solids);
@@ -52,6 +52,8 @@ struct Bodies {
     bounds: Vec<(DVec3, DVec3)>,
     /// A vertex of each.
     probe: Vec<DVec3>,
+    /// Signed volumes, where closed.
+    volume: Vec<f64>,
 }
 
 impl Bodies {
@@ -68,11 +70,16 @@ impl Bodies {
             }
         }
         let probe = triangles.iter().map(|t| map.t.points()[t[0][0] as usize]).collect();
+        let cone = |[a, b, c]: [DVec3; 3], o: DVec3| (a - o).dot((b - o).cross(c - o)) / 6.0;
+        let of_all = |(all, o): (&Vec<[u32; 3]>, &DVec3)| -> f64 {
+            all.iter().map(|f| cone(f.map(|v| map.t.points()[v as usize]), *o)).sum()
+        };
+        let volume = triangles.iter().zip(&probe).map(of_all).collect();
         let trees = match count {
             0 | 1 => Vec::new(),
             _ => triangles.iter().map(|t| WindingTree::new(&TriangleTree::new(map.t.points(), t))).collect(),
         };
-        Bodies { trees, bounds, probe }
+        Bodies { trees, bounds, probe, volume }
     }
 
     /// The closed shells around a shell.

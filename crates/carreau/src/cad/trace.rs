@@ -82,9 +82,40 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
     if closed {
         points[n - 1] = points[0];
     }
+    refined(points, closed, place, |p| gap(a, b, p), tolerance)
+}
+
+/// A spline on a surface, or nowhere in particular, through a polyline, and its largest distance from the surface. A closed
+/// polyline repeats its first point.
+pub fn upon(surface: Option<&Surface>, polyline: &[DVec3], tolerance: f64) -> Option<(BSplineCurve, f64)> {
+    let n = polyline.len();
+    let closed = polyline[0] == polyline[n - 1];
+    let Some(surface) = surface else {
+        let points = if n < 4 { doubled(polyline, |p, _| p, |_| true) } else { polyline.to_vec() };
+        return interpolate(&points, closed).map(|(spline, _)| (spline, 0.0));
+    };
+    let place = |p: DVec3, _: DVec3| {
+        let [u, v] = surface.project(p);
+        surface.point(u, v)
+    };
+    let mut points: Vec<DVec3> = polyline.iter().map(|&p| place(p, DVec3::ZERO)).collect();
+    if closed {
+        points[n - 1] = points[0];
+    }
+    refined(points, closed, place, |p| surface.distance(p), tolerance)
+}
+
+/// The spline through points, which are doubled where it is farther than a tolerance from where it should be.
+fn refined(
+    mut points: Vec<DVec3>,
+    closed: bool,
+    place: impl Fn(DVec3, DVec3) -> DVec3,
+    gap: impl Fn(DVec3) -> f64,
+    tolerance: f64,
+) -> Option<(BSplineCurve, f64)> {
     // Two points give no direction.
     while points.len() < 4 {
-        points = doubled(&points, place, |_| true);
+        points = doubled(&points, &place, |_| true);
     }
     let mut best: Option<(BSplineCurve, f64)> = None;
     for _ in 0..DOUBLINGS {
@@ -96,10 +127,7 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
         let error: Vec<f64> = times
             .windows(2)
             .map(|w| {
-                [0.25, 0.5, 0.75]
-                    .map(|s| gap(a, b, spline.point(w[0] + s * (w[1] - w[0]))))
-                    .into_iter()
-                    .fold(0.0, f64::max)
+                [0.25, 0.5, 0.75].map(|s| gap(spline.point(w[0] + s * (w[1] - w[0])))).into_iter().fold(0.0, f64::max)
             })
             .collect();
         let worst = error.iter().copied().fold(0.0, f64::max);
@@ -114,7 +142,7 @@ pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Op
         }
         // The neighbours too: knots that grade gently make no waves.
         let bad = |k: usize| (k.saturating_sub(1)..=(k + 1).min(error.len() - 1)).any(|j| error[j] > tolerance);
-        points = doubled(&points, place, bad);
+        points = doubled(&points, &place, bad);
     }
     best
 }

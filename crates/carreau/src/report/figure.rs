@@ -45,6 +45,18 @@ pub fn figure(mesh: &RawMesh) -> Image {
     render(&picture)
 }
 
+/// Draws the triangles of a CAD model, coloured by a kind per triangle, with the edges of the faces that the property `face` names.
+pub fn cad_figure(mesh: &RawMesh, kinds: &[i32]) -> Image {
+    let bold = match mesh.attributes.face.get("face") {
+        Some(Column::Label(faces)) => label_borders(mesh.points.len(), &mesh.faces, faces),
+        _ => Vec::new(),
+    };
+    let mut picture = Picture::new(&mesh.points, &mesh.faces);
+    picture.colors = Colors::Labels(kinds);
+    picture.lines.push(Lines { width: 1.8, ..Lines::bold(Path::Edges(&bold)) });
+    render(&picture)
+}
+
 /// Draws a mesh coloured by a curvature per vertex: blue concave, white flat, red convex. Colours end at the 95th
 /// percentile of the magnitudes, so that a few wild values do not bleach the rest.
 pub fn curvature_figure(mesh: &RawMesh, values: &[f64]) -> Image {

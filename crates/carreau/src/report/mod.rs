@@ -15,5 +15,5 @@ pub mod page;
 pub mod picture;
 
 pub use field::field_figure;
-pub use figure::{curvature_figure, figure, hex_figure, skeleton_figure};
+pub use figure::{cad_figure, curvature_figure, figure, hex_figure, skeleton_figure};
 pub use graph::graph_figure;

@@ -13,7 +13,13 @@ const CLOSED_PIECES: usize = 6;
 
 /// Samples of all edges. Ids: the vertices of the model, then the inner samples edge by edge.
 pub(crate) fn sample_edges(brep: &Brep, fineness: &Fineness) -> Vec<EdgeSamples> {
-    let mut out: Vec<EdgeSamples> = brep.edges.par_iter().map(|edge| sample(brep, edge, fineness)).collect();
+    sample_edges_each(brep, |_| *fineness)
+}
+
+/// The same with a fineness for every edge.
+pub(crate) fn sample_edges_each(brep: &Brep, fineness: impl Fn(usize) -> Fineness + Sync) -> Vec<EdgeSamples> {
+    let one = |(k, edge): (usize, &Edge)| sample(brep, edge, &fineness(k));
+    let mut out: Vec<EdgeSamples> = brep.edges.par_iter().enumerate().map(one).collect();
     let mut next = brep.vertices.len() as u32;
     for (edge, samples) in brep.edges.iter().zip(&mut out) {
         let inner = samples.points.len() as u32 - 2;

@@ -23,7 +23,7 @@ use crate::mesh::{Column, SurfaceMesh};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-pub(crate) use edges::sample_edges;
+pub(crate) use edges::{sample_edges, sample_edges_each};
 
 /// How closely triangles follow a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,16 +69,25 @@ impl Tessellation {
 
 /// Triangulates every face.
 pub fn tessellate(brep: &Brep, fineness: &Fineness, context: &Context) -> Result<Tessellation> {
-    let samples = sample_edges(brep, fineness);
+    tessellate_samples(brep, &sample_edges(brep, fineness), fineness, context)
+}
+
+/// Triangulates every face between given samples of the edges.
+pub(crate) fn tessellate_samples(
+    brep: &Brep,
+    samples: &[EdgeSamples],
+    fineness: &Fineness,
+    context: &Context,
+) -> Result<Tessellation> {
     context.check()?;
     let faces: Vec<face::FaceTriangles> = context.install(|| {
         let one = |f: usize| {
             context.check()?;
-            face::triangulate(brep, f, &samples, fineness)
+            face::triangulate(brep, f, samples, fineness)
         };
         (0..brep.faces.len()).into_par_iter().map(one).collect::<Result<_>>()
     })?;
-    Ok(joined(brep, &samples, faces))
+    Ok(joined(brep, samples, faces))
 }
 
 /// Puts the triangles of all faces together.

@@ -9,8 +9,9 @@ use crate::error::Result;
 use glam::DVec2;
 use spade::Triangulation;
 
-/// Rounds of refinement.
-const ROUNDS: usize = 8;
+/// Most rounds of refinement. Every round halves the chords that are too long, so that a dozen is enough for any face of
+/// ordinary proportions; the rest is for long thin triangles, which are halved in one direction at a time.
+const ROUNDS: usize = 24;
 /// Most points inside a face.
 const MAX_POINTS: usize = 20_000;
 /// Most grid lines in each direction.

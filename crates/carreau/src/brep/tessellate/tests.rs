@@ -18,8 +18,8 @@ fn tessellations_are_watertight_and_near() {
             }
             let middle = (uv[0] + uv[1] + uv[2]) / 3.0;
             let off = surface.distance((a + b + c) / 3.0);
-            // The rounds of refinement are few, so that the last triangles may miss the tolerance by a small factor.
-            assert!(off < 8.0 * fineness.chord, "{name}: face {f} {off}");
+            // Middles of the model's triangles are looked at in the parameter plane, and on a border its chords are.
+            assert!(off < 4.0 * fineness.chord, "{name}: face {f} {off}");
             let normal = surface.normal(middle.x, middle.y) * if face.same_sense { 1.0 } else { -1.0 };
             assert!((b - a).cross(c - a).dot(normal) >= -1e-12, "{name}: face {f} turned");
         }

@@ -9,7 +9,7 @@
 //! What facets legitimately cut off is allowed besides the limit: the sagitta of a facet, from its longest side and the
 //! curvature of the face there, and of the chords along a curved border.
 
-use super::{Fault, Finding, Limits, Reference, middles};
+use super::{Fault, Finding, Limits, Reference, middle};
 use crate::brep::tessellate::Tessellation;
 use crate::brep::{Brep, Curve, Surface};
 use crate::context::Context;
@@ -70,7 +70,7 @@ pub(super) fn compare(
     context: &Context,
 ) -> Result<Vec<Finding>> {
     let regions = regions(brep, reference);
-    let faces_of: Vec<Vec<[u32; 3]>> = triangles_by_face(brep.faces.len(), tessellation);
+    let faces_of = triangles_by_face(brep.faces.len(), tessellation);
     let mut out = Vec::new();
     let mut cut_off = 0.0;
     // The face that most of a difference of volumes is at, and how much beyond its bound.
@@ -78,7 +78,12 @@ pub(super) fn compare(
     let points = reference.mesh.points();
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
-        let model: Vec<[u32; 3]> = region.faces.iter().flat_map(|&f| faces_of[f as usize].iter().copied()).collect();
+        let model: Vec<[u32; 3]> = region
+            .faces
+            .iter()
+            .flat_map(|&f| &faces_of[f as usize])
+            .map(|&k| tessellation.triangles[k as usize])
+            .collect();
         let first = points[region.triangles[0][0] as usize];
         if model.is_empty() {
             out.push(Finding::new(Fault::MissingFace, r as f64, 0.0, first));
@@ -91,7 +96,7 @@ pub(super) fn compare(
         }
         let tree = TriangleTree::new(points, &region.triangles);
         for &f in &region.faces {
-            let measured = to_mesh(brep, f, tessellation, points, region, &tree, limits);
+            let measured = to_mesh(brep, f, tessellation, &faces_of[f as usize], points, region, &tree, limits);
             let (off, bound, at) = measured.back;
             if off > bound {
                 out.push(Finding::new(Fault::FaceOffMesh, off, bound, at).of_face(f));
@@ -133,10 +138,11 @@ fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
     out
 }
 
-fn triangles_by_face(faces: usize, tessellation: &Tessellation) -> Vec<Vec<[u32; 3]>> {
+/// Numbers of the triangles of every face.
+fn triangles_by_face(faces: usize, tessellation: &Tessellation) -> Vec<Vec<u32>> {
     let mut out = vec![Vec::new(); faces];
-    for (t, &f) in tessellation.triangles.iter().zip(&tessellation.face_of) {
-        out[f as usize].push(*t);
+    for (&f, k) in tessellation.face_of.iter().zip(0u32..) {
+        out[f as usize].push(k);
     }
     out
 }
@@ -158,6 +164,7 @@ fn to_mesh(
     brep: &Brep,
     f: u32,
     tessellation: &Tessellation,
+    own: &[u32],
     points: &[DVec3],
     region: &Region,
     tree: &TriangleTree,
@@ -168,7 +175,7 @@ fn to_mesh(
     let most_bent = border_curvature(brep, f);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();
-    for (_, _, uv, area) in middles(tessellation).filter(|m| m.0 == f) {
+    for (uv, area) in own.iter().map(|&k| middle(tessellation, k as usize)) {
         let p = surface.point(uv.x, uv.y);
         let Some(near) = tree.closest(p) else { continue };
         let ids = region.triangles[near.triangle as usize];

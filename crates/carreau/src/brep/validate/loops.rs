@@ -2,8 +2,8 @@
 
 use super::{Fault, Finding};
 use crate::brep::Brep;
-use crate::brep::boundary::{Ring, unroll};
-use crate::brep::tessellate::{Fineness, Tessellation, sample_edges};
+use crate::brep::boundary::{EdgeSamples, Ring, unroll};
+use crate::brep::tessellate::Tessellation;
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec2;
@@ -14,15 +14,14 @@ const CLOSED: f64 = 1e-6;
 /// All findings about loops.
 pub(super) fn loops(
     brep: &Brep,
-    fineness: &Fineness,
+    samples: &[EdgeSamples],
     tessellation: &Tessellation,
     context: &Context,
 ) -> Result<Vec<Finding>> {
-    let samples = sample_edges(brep, fineness);
     let mut out = Vec::new();
     for (f, face) in brep.faces.iter().enumerate().filter(|(_, f)| !f.loops.is_empty()) {
         context.check()?;
-        let rings = unroll(brep, face, &samples);
+        let rings = unroll(brep, face, samples);
         let before = out.len();
         for (ring, uses) in rings.iter().zip(&face.loops) {
             let size = ring.samples.iter().map(|s| s.uv.abs().max_element()).fold(1e-3, f64::max);

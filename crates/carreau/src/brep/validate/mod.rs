@@ -21,7 +21,8 @@ mod tests;
 mod topology;
 
 use super::Brep;
-use super::tessellate::{Fineness, Tessellation, tessellate};
+use super::boundary::EdgeSamples;
+use super::tessellate::{Fineness, Tessellation, sample_edges_each, tessellate_samples};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::SurfaceMesh;
@@ -167,9 +168,8 @@ pub fn validate(
     }
     findings.extend(gaps::gaps(brep, limits, context)?);
     let chord = 0.25 * limits.distance;
-    let fineness = Fineness { chord, angle: 20f64.to_radians() };
-    let tessellation = tessellate(brep, &fineness, context)?;
-    findings.extend(loops::loops(brep, &fineness, &tessellation, context)?);
+    let (samples, tessellation) = triangles(brep, chord, context)?;
+    findings.extend(loops::loops(brep, &samples, &tessellation, context)?);
     if let Some(reference) = reference {
         findings.extend(distance::compare(brep, &tessellation, reference, limits, chord, context)?);
     }
@@ -177,11 +177,35 @@ pub fn validate(
     Ok(findings)
 }
 
-/// Points where every face is looked at: middles of its triangles, with their parameters.
-fn middles(tessellation: &Tessellation) -> impl Iterator<Item = (u32, DVec3, glam::DVec2, f64)> {
-    tessellation.triangles.iter().zip(&tessellation.places).zip(&tessellation.face_of).map(|((t, uv), &f)| {
-        let [a, b, c] = t.map(|v| tessellation.points[v as usize]);
-        let area = 0.5 * (b - a).cross(c - a).length();
-        (f, (a + b + c) / 3.0, (uv[0] + uv[1] + uv[2]) / 3.0, area)
-    })
+/// Halvings of the angle (and quarterings of the chord) along the edges of a face whose polygons cross.
+const FINER: u32 = 6;
+
+/// Triangles of the model, with chords near enough to its edges that loops which do not cross have polygons that do not, either:
+/// where those of a thin face cross, its edges are sampled again at half the angle.
+fn triangles(brep: &Brep, chord: f64, context: &Context) -> Result<(Vec<EdgeSamples>, Tessellation)> {
+    let fineness = Fineness { chord, angle: 20f64.to_radians() };
+    let mut finer = vec![0i32; brep.edges.len()];
+    let mut round = 0;
+    loop {
+        let of_edge = |e: usize| Fineness {
+            chord: fineness.chord * 0.25f64.powi(finer[e]),
+            angle: fineness.angle * 0.5f64.powi(finer[e]),
+        };
+        let samples = sample_edges_each(brep, of_edge);
+        let tessellation = tessellate_samples(brep, &samples, &fineness, context)?;
+        if tessellation.crossed.is_empty() || round == FINER {
+            return Ok((samples, tessellation));
+        }
+        round += 1;
+        for &f in &tessellation.crossed {
+            brep.faces[f as usize].uses().for_each(|of| finer[of.edge as usize] = round as i32);
+        }
+    }
+}
+
+/// Where a face is looked at: the parameters of the middle of one of its triangles, whose area counts for it.
+fn middle(tessellation: &Tessellation, triangle: usize) -> (glam::DVec2, f64) {
+    let [a, b, c] = tessellation.triangles[triangle].map(|v| tessellation.points[v as usize]);
+    let uv = tessellation.places[triangle];
+    ((uv[0] + uv[1] + uv[2]) / 3.0, 0.5 * (b - a).cross(c - a).length())
 }

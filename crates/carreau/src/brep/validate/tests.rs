@@ -1,6 +1,7 @@
 //! Good models pass; each kind of damage is found.
 
 use super::*;
+use crate::brep::tessellate::tessellate;
 use crate::brep::{Curve, Surface, models};
 
 fn judged(brep: &Brep) -> Vec<Finding> {

@@ -10,7 +10,7 @@ const MOST_STEPS: usize = 20;
 /// Taubin, "Estimation of Planar Curves, Surfaces and Nonplanar Space Curves", PAMI 13 (1991), in the moment form of
 /// Chernov, Circular and Linear Regression, CRC 2010, §5.8. Exact on points of a circle, and without the strong bias towards
 /// small radii that the plain algebraic fit has on noisy short arcs.
-pub(super) fn circle(points: impl Iterator<Item = DVec2> + Clone) -> Option<(DVec2, f64)> {
+pub(crate) fn circle(points: impl Iterator<Item = DVec2> + Clone) -> Option<(DVec2, f64)> {
     let (count, mean) = mean(points.clone())?;
     let (mut xx, mut xy, mut yy, mut xz, mut yz, mut zz) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for p in points {

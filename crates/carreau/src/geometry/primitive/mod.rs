@@ -24,6 +24,7 @@ mod starts;
 mod tests;
 mod unit;
 
+pub(crate) use circle::circle;
 pub use fit::{Demand, Scratch, fit, fit_within, simplest};
 pub use refine::{Fit, refine};
 pub use robust::{RobustFit, fit_robust};
