@@ -5,9 +5,10 @@ use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::geometry::holes::fill;
 use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, keep_pieces, repair};
+use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, keep_pieces, repair};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
@@ -50,6 +51,12 @@ pub struct Repair {
     /// Pieces that stay: all, largest, or those with a share of the largest one's area, such as 1% [default: all]
     #[arg(long, value_name = "all|largest|SHARE")]
     keep: Option<KeepPieces>,
+    /// Fills holes of up to this many border edges, all without a number: least area, refined and smoothed like the surroundings
+    #[arg(long, value_name = "EDGES", num_args = 0..=1, default_missing_value = "4294967295")]
+    fill_holes: Option<u32>,
+    /// Turns faces even where an options file says not to: neighbours agree, closed components look outward
+    #[arg(long, conflicts_with = "no_orient")]
+    orient: bool,
     #[command(flatten)]
     pub(super) common: Common,
 }
@@ -60,6 +67,7 @@ struct Options {
     #[serde(flatten)]
     repair: RepairOptions,
     keep: Option<KeepPieces>,
+    fill_holes: Option<u32>,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -105,6 +113,9 @@ impl Repair {
                 session.record.set("left_out", prepared.report.left_out);
                 mesh = prepared.mesh;
             }
+            if let Some(most) = options.fill_holes {
+                mesh = filled(session, &mesh, most)?;
+            }
             let out = RawMesh::from(mesh);
             session.draw(&out)?;
             session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
@@ -129,9 +140,36 @@ impl Repair {
         o.outward &= !self.no_orient;
         o.split &= !self.no_split;
         o.unreferenced &= !self.keep_unreferenced;
+        all.fill_holes = self.fill_holes.or(all.fill_holes);
+        if self.orient {
+            (all.repair.orient, all.repair.outward) = (true, true);
+        }
         all.keep = self.keep.or(all.keep);
         all.common = self.common.over(all.common);
         all.repair.validate()?;
         Ok(all)
     }
+}
+
+/// The surface with its holes filled; new faces are told by their numbers.
+fn filled(session: &mut Session, mesh: &SurfaceMesh, most: u32) -> Result<SurfaceMesh, Error> {
+    let context = session.context.clone();
+    let found = context.install(|| fill(mesh, Some(most as usize), &context))?;
+    for hole in &found.holes {
+        let [from, to] = hole.faces;
+        let sentence = format!(
+            "a hole of {} edges was filled by faces {from} to {}, with {} new vertices",
+            hole.edges,
+            to.saturating_sub(1),
+            hole.vertices[1] - hole.vertices[0]
+        );
+        session.say(sentence.clone());
+        session.record.warnings.push(sentence);
+    }
+    if found.left > 0 {
+        let words = if found.left == 1 { "hole is left" } else { "holes are left" };
+        session.say(format!("{} {words}", found.left));
+    }
+    session.record.set("filled", &found.holes);
+    Ok(found.mesh)
 }
