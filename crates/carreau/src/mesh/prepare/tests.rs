@@ -119,7 +119,6 @@ fn a_body_of_its_own_name_is_no_cavity() {
 
 /// All that is known of two bodies in contact: their vertices are the same ones.
 #[test]
-#[ignore = "bodies in contact do not come apart yet in every case of turned and cut faces"]
 fn bodies_that_touch_come_apart() {
     let at = |x: f64, y: f64, z: f64| cube(DVec3::new(x, y, z), 1.0);
     for other in [at(1.0, 0.0, 0.0), at(1.0, 1.0, 0.0), at(1.0, 1.0, 1.0)] {
@@ -237,11 +236,10 @@ proptest! {
     }
 
     #[test]
-    #[ignore = "surfaces with faces that fold onto each other may still change in a second preparation"]
-    fn a_second_preparation_finds_nothing_to_weld_or_turn(mesh in any_mesh()) {
+    fn a_second_preparation_finds_nothing_to_do(mesh in any_mesh()) {
         let once = prepared(&mesh).mesh;
         let twice = prepared(&once);
+        prop_assert!(!twice.is_changed(), "{:?}\n{:?}\n{:?}", once.faces(), twice.mesh.faces(), twice.report);
         prop_assert_eq!(twice.report.turned_components, 0);
-        prop_assert_eq!(twice.mesh.face_count(), once.face_count());
     }
 }
