@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 /// Counts, topology, defects with their places, and quality of a mesh file
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology")]
+#[command(after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology\n  carreau info part.stl --walls 2 --gaps 0.5%")]
 pub struct Info {
     /// The file to look at
     input: PathBuf,

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Welds, drops, orients and splits until the surface is sound; says what it did
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply"
+    after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply\n  carreau repair scan.ply --keep largest --fill-holes -o closed.ply"
 )]
 pub struct Repair {
     /// The mesh to repair
@@ -36,13 +36,13 @@ pub struct Repair {
     /// Keeps faces without area
     #[arg(long)]
     keep_degenerate: bool,
-    /// Keeps faces on the same vertices
+    /// Keeps all faces on the same vertices
     #[arg(long)]
     keep_duplicates: bool,
     /// Keeps the sense of every face
     #[arg(long)]
     no_orient: bool,
-    /// Keeps non-manifold edges and vertices
+    /// Leaves bodies that touch together, and non-manifold edges and vertices uncut
     #[arg(long)]
     no_split: bool,
     /// Keeps vertices that no face uses
