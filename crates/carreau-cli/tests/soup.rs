@@ -114,8 +114,9 @@ fn in_order_of_use(mesh: &SurfaceMesh) -> SurfaceMesh {
 fn every_verb_gives_what_it_gives_for_the_clean_surface() {
     let folder = TempDir::new().unwrap();
     let context = Context::new();
-    let cases: [(&str, u32, &[&[&str]]); 2] = [
+    let cases: [(&str, u32, &[&[&str]]); 3] = [
         ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"]]),
+        ("wedge", 8, &[&["quad", "--quads", "60"], &["field"], &["motorcycle"]]),
         ("tube-tree", 50, &[&["skeleton"], &["hex"]]),
     ];
     for (model, resolution, verbs) in cases {
@@ -125,6 +126,8 @@ fn every_verb_gives_what_it_gives_for_the_clean_surface() {
             let extension = match verb[0] {
                 "skeleton" => "cgr",
                 "hex" => "mesh",
+                "field" => "vtu",
+                "motorcycle" => "vtp",
                 _ => "obj",
             };
             let output = folder.path().join(format!("out.{extension}"));

@@ -9,7 +9,7 @@ use carreau::geometry::quality::SurfaceQuality;
 use carreau::geometry::thickness::{Side, thin};
 use carreau::hex::Validity;
 use carreau::mesh::{Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare};
-use carreau::words::rounded;
+use carreau::words::{counted, rounded};
 use carreau::{DVec3, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,9 @@ use std::path::PathBuf;
 
 /// Counts, topology, defects with their places, and quality of a mesh file
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology\n  carreau info part.stl --walls 2 --gaps 0.5%")]
+#[command(
+    after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology\n  carreau info part.stl --walls 2 --gaps 0.5%"
+)]
 pub struct Info {
     /// The file to look at
     input: PathBuf,
@@ -76,6 +78,7 @@ fn describe_thin(session: &mut Session, mesh: &SurfaceMesh, options: &Options) -
         ("walls", options.walls, Side::Wall, "a wall thinner than"),
         ("gaps", options.gaps, Side::Gap, "a gap narrower than"),
     ];
+    let size = mesh.diagonal();
     for (name, limit, side, what) in kinds {
         let Some(limit) = limit.map(|limit| limit.resolve(mesh.diagonal())) else { continue };
         let context = session.context.clone();
@@ -86,11 +89,12 @@ fn describe_thin(session: &mut Session, mesh: &SurfaceMesh, options: &Options) -
         let shown: Vec<String> = found.places.iter().take(3).map(|[a, b]| format!("[{a},{b}]")).collect();
         let dots = if found.faces > shown.len() { ", …" } else { "" };
         session.say(match found.least {
-            None => format!("no face has {what} {limit}"),
+            None => format!("no face has {what} {}", rounded(limit, size)),
             Some(least) => format!(
-                "{} {} {what} {limit}, {least:.6} at least: {}{dots}",
-                found.faces,
-                if found.faces == 1 { "face has" } else { "faces have" },
+                "{} {what} {}, {} at least: {}{dots}",
+                counted(found.faces, "face has", "faces have"),
+                rounded(limit, size),
+                rounded(least, size),
                 shown.join(", ")
             ),
         });

@@ -8,8 +8,9 @@ use crate::session::{Failure, Session};
 use carreau::geometry::holes::fill;
 use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, keep_pieces, repair};
+use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, Topology, keep_pieces, repair};
 use carreau::report::page::Scene;
+use carreau::words::counted;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -87,8 +88,18 @@ impl Repair {
             session.record.set("options", &options);
             let mesh = session.read(&self.input)?.into_surface()?;
             let context = session.context.clone();
-            let done = context.install(|| repair(&mesh, &options.repair, &context))?;
-            let sentences = done.report.sentences();
+            let mut done = context.install(|| repair(&mesh, &options.repair, &context))?;
+            let mut further = Vec::new();
+            if let Some(keep) = options.keep {
+                done.mesh = kept(session, done.mesh, keep, &mut further)?;
+            }
+            if let Some(most) = options.fill_holes {
+                done.mesh = filled(session, &done.mesh, most, &mut further)?;
+            }
+            if !further.is_empty() {
+                done.report.after = Topology::of(&done.mesh);
+            }
+            let sentences: Vec<String> = done.report.sentences().into_iter().chain(further).collect();
             if sentences.is_empty() {
                 session.say("nothing to repair");
             }
@@ -96,27 +107,7 @@ impl Repair {
                 session.say(sentence.clone());
                 session.record.warnings.push(sentence);
             }
-            let mut mesh = done.mesh;
-            if let Some(keep) = options.keep {
-                let prepared = keep_pieces(mesh, keep)?;
-                if let Some(first) = prepared.report.left_out.first {
-                    let pieces = prepared.report.left_out;
-                    let sentence = format!(
-                        "{} {} of {} faces left out, first at face {first} of the repaired surface",
-                        pieces.count,
-                        if pieces.count == 1 { "piece" } else { "pieces" },
-                        pieces.faces
-                    );
-                    session.say(sentence.clone());
-                    session.record.warnings.push(sentence);
-                }
-                session.record.set("left_out", prepared.report.left_out);
-                mesh = prepared.mesh;
-            }
-            if let Some(most) = options.fill_holes {
-                mesh = filled(session, &mesh, most)?;
-            }
-            let out = RawMesh::from(mesh);
+            let out = RawMesh::from(done.mesh);
             session.draw(&out)?;
             session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
@@ -151,24 +142,38 @@ impl Repair {
     }
 }
 
-/// The surface with its holes filled; new faces are told by their numbers.
-fn filled(session: &mut Session, mesh: &SurfaceMesh, most: u32) -> Result<SurfaceMesh, Error> {
+/// The pieces that are to stay, and a sentence about the others.
+fn kept(
+    session: &mut Session,
+    mesh: SurfaceMesh,
+    keep: KeepPieces,
+    said: &mut Vec<String>,
+) -> Result<SurfaceMesh, Error> {
+    let prepared = keep_pieces(mesh, keep)?;
+    let pieces = prepared.report.left_out;
+    if let Some(first) = pieces.first {
+        said.push(format!(
+            "{} of {} left out, first at face {first} of the repaired surface",
+            counted(pieces.count, "piece", "pieces"),
+            counted(pieces.faces, "face", "faces")
+        ));
+    }
+    session.record.set("left_out", pieces);
+    Ok(prepared.mesh)
+}
+
+/// The surface with its holes filled, and a sentence for each: new faces are told by their numbers.
+fn filled(session: &mut Session, mesh: &SurfaceMesh, most: u32, said: &mut Vec<String>) -> Result<SurfaceMesh, Error> {
     let context = session.context.clone();
     let found = context.install(|| fill(mesh, Some(most as usize), &context))?;
     for hole in &found.holes {
         let [from, to] = hole.faces;
-        let sentence = format!(
-            "a hole of {} edges was filled by faces {from} to {}, with {} new vertices",
-            hole.edges,
+        said.push(format!(
+            "a hole of {} was filled by the faces {from} to {}, with {}",
+            counted(hole.edges, "edge", "edges"),
             to.saturating_sub(1),
-            hole.vertices[1] - hole.vertices[0]
-        );
-        session.say(sentence.clone());
-        session.record.warnings.push(sentence);
-    }
-    if found.left > 0 {
-        let words = if found.left == 1 { "hole is left" } else { "holes are left" };
-        session.say(format!("{} {words}", found.left));
+            counted(hole.vertices[1].saturating_sub(hole.vertices[0]) as usize, "new vertex", "new vertices")
+        ));
     }
     session.record.set("filled", &found.holes);
     Ok(found.mesh)

@@ -240,11 +240,12 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
         return Err(no_room(String::new()));
     }
     if let Some(thickness) = wall::thickness(&closed.mesh, &topology) {
+        let share = 100.0 * thickness / closed.mesh.diagonal();
         return Err(Error::input(
-            format!("the surface is that of a wall, {thickness:.3} thick, around a room: no filled tube"),
+            format!("the surface is that of a wall around a room, {share:.2} % of the diagonal thick: no filled tube"),
             "",
-            "give its outer side alone: without the inner side and the rings between both (`carreau segment` tells the faces apart) the \
-             open ends are closed by lids",
+            "give its outer side alone, without the inner side and the rings between both: its open ends are closed by lids \
+             (`carreau segment` tells the faces apart)",
         ));
     }
     let genus = topology.genus.unwrap_or(0);

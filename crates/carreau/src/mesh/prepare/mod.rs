@@ -41,7 +41,7 @@ pub use report::{PreparePlaces, PrepareReport};
 pub(super) use scan::leaders;
 pub use trace::Prepared;
 
-use super::repair::{Soup, degenerate};
+use super::repair::degenerate;
 use super::surface::SurfaceMesh;
 use super::triangles::NONE;
 use crate::context::Context;
