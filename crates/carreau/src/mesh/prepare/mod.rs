@@ -27,6 +27,7 @@ mod pieces;
 mod radial;
 mod report;
 mod scan;
+mod seams;
 mod separate;
 mod sheets;
 #[cfg(test)]
