@@ -144,7 +144,8 @@ impl PrepareReport {
         let t = Topology::of(mesh);
         self.nonmanifold_edges = t.nonmanifold_edges;
         self.inconsistent_edges = t.inconsistent_edges;
-        let tiny = |f: &[u32]| super::degenerate::is_flat_face(mesh.points(), f, mesh.diagonal());
+        let diagonal = mesh.diagonal();
+        let tiny = |f: &[u32]| super::degenerate::is_flat_face(mesh.points(), f, diagonal);
         self.degenerate_faces_left = mesh.faces().iter().filter(|f| tiny(f)).count();
         self.places.nonmanifold_edges = t.places.nonmanifold_edges.first().map(|ends| ends.map(|v| source(v.0)));
         self.places.inconsistent_edges = t.places.inconsistent_edges.first().map(|ends| ends.map(|v| source(v.0)));
