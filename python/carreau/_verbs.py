@@ -743,7 +743,7 @@ def repair(
     no_split: bool = False,
     keep_unreferenced: bool = False,
     keep: float | str | None = None,
-    fill_holes: int | None = None,
+    fill_holes: int | Literal["all"] | None = None,
     orient: bool = False,
     **common: Unpack[Common],
 ) -> RepairResult:
@@ -759,8 +759,9 @@ def repair(
         Leave out a step.
     keep : {"all", "largest"} or float or str, optional
         Pieces that stay: all, the largest, or those with at least this share of the largest one's area ("all").
-    fill_holes : int, optional
-        Fill holes of up to this many border edges.
+    fill_holes : int or "all", optional
+        Fill holes of up to this many border edges, or all: least area, refined and smoothed like the surroundings; the record's
+        ``filled`` has the new faces and vertices of each.
     orient : bool
         Turn faces even where replayed options say not to.
     **common

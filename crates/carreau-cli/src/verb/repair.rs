@@ -53,7 +53,7 @@ pub struct Repair {
     #[arg(long, value_name = "all|largest|SHARE")]
     keep: Option<KeepPieces>,
     /// Fills holes of up to this many border edges, all without a number: least area, refined and smoothed like the surroundings
-    #[arg(long, value_name = "EDGES", num_args = 0..=1, default_missing_value = "4294967295")]
+    #[arg(long, value_name = "EDGES", num_args = 0..=1, default_missing_value = "all", value_parser = most_edges)]
     fill_holes: Option<u32>,
     /// Turns faces even where an options file says not to: neighbours agree, closed components look outward
     #[arg(long, conflicts_with = "no_orient")]
@@ -139,6 +139,14 @@ impl Repair {
         all.common = self.common.over(all.common);
         all.repair.validate()?;
         Ok(all)
+    }
+}
+
+/// The number of edges that holes have at most.
+fn most_edges(text: &str) -> Result<u32, String> {
+    match text {
+        "all" => Ok(u32::MAX),
+        text => text.parse().map_err(|_| "a number of edges is expected, or all".into()),
     }
 }
 
