@@ -14,6 +14,7 @@
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
 //! | `closest`, `ray` | the same for one triangle |
+//! | `slabs`, `slices` | what a node of the tree holds: slabs across a normal, long triangles in slices |
 //! | `intersections` | triangles of a surface that cut or touch each other, by exact predicates |
 //! | `holes` | holes filled by faces that follow the surroundings |
 //! | `thickness` | thin walls and narrow gaps |
