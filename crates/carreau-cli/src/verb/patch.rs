@@ -319,11 +319,11 @@ impl Patch {
 }
 
 /// The file's vertices of a patch: each as the triangles of a cell that has it there name it.
-fn vertices_of_file(prepared: &Prepared, patch: &carreau::patch::Patch) -> Vec<VertexId> {
-    let nodes = (0..=patch.rows).flat_map(|r| (0..=patch.cols).map(move |c| (r, c)));
+fn vertices_of_file(prepared: &Prepared, grid: &patch::Patch) -> Vec<VertexId> {
+    let nodes = (0..=grid.rows).flat_map(|r| (0..=grid.cols).map(move |c| (r, c)));
     let name = |(r, c): (u32, u32)| {
-        let v = patch.vertex(r, c);
-        let cell = patch.cell_triangles(r.min(patch.rows - 1), c.min(patch.cols - 1));
+        let v = grid.vertex(r, c);
+        let cell = grid.cell_triangles(r.min(grid.rows - 1), c.min(grid.cols - 1));
         let own = cell.into_iter().find_map(|t| {
             let at = prepared.mesh.face(t).iter().position(|&corner| corner == v.0)?;
             prepared.corners(t.0).get(at).copied()
