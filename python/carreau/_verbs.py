@@ -745,6 +745,8 @@ def repair(
     no_split: bool = False,
     keep_unreferenced: bool = False,
     keep: float | str | None = None,
+    fill_holes: int | Literal["all"] | None = None,
+    orient: bool = False,
     **common: Unpack[Common],
 ) -> RepairResult:
     """Weld, drop degenerate and duplicate faces, orient, split what is not manifold.
@@ -759,6 +761,11 @@ def repair(
         Leave out a step.
     keep : {"all", "largest"} or float or str, optional
         Pieces that stay: all, the largest, or those with at least this share of the largest one's area ("all").
+    fill_holes : int or "all", optional
+        Fill holes of up to this many border edges, or all: least area, refined and smoothed like the surroundings; the record's
+        ``filled`` has the new faces and vertices of each.
+    orient : bool
+        Turn faces even where replayed options say not to.
     **common
         Options that every verb has, see `Common`.
 
@@ -817,13 +824,19 @@ def curvature(
     return run("curvature", CurvatureResult, (mesh,), options, _progress(options))
 
 
-def info(mesh: Surface, **common: Unpack[Common]) -> InfoResult:
+def info(
+    mesh: Surface, *, walls: Length | None = None, gaps: Length | None = None, **common: Unpack[Common]
+) -> InfoResult:
     """Counts, topology, defects with their places, and quality of a mesh.
 
     Parameters
     ----------
     mesh : Mesh, path or (points, faces)
         The mesh.
+    walls : float or str, optional
+        Count faces whose wall, through the material to the opposite face, is thinner than this.
+    gaps : float or str, optional
+        Count faces with an opposite one before them that is nearer than this.
     **common
         Options that every verb has, see `Common`; ``output`` is none of them.
 

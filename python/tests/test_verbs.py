@@ -292,6 +292,11 @@ def test_info_compare_repair_curvature(bracket, torus):
     soup = cr.Mesh(torus.points[torus.faces].reshape(-1, 3), np.arange(3 * torus.n_faces).reshape(-1, 3))
     mended = cr.repair(soup, quiet=True)
     assert mended.mesh.n_points == torus.n_points and mended.mesh.topology()["genus"] == 1
+    holed = cr.Mesh(torus.points, torus.faces[6:])
+    filled = cr.repair(holed, fill_holes="all", quiet=True)
+    assert filled.mesh.topology()["closed"] and len(filled.record["filled"]) >= 1
+    assert not cr.repair(holed, fill_holes=3, quiet=True).mesh.topology()["closed"]
+    assert cr.info(torus, walls="1%", quiet=True).record["walls"]["faces"] == 0
     ball = cr.curvature(cr.sample("icosphere", 20))
     assert np.allclose(ball.kmin, 1, atol=0.1) and np.allclose(ball.kmax, 1, atol=0.1)
     assert ball.dmax.shape == (ball.mesh.n_points, 3)

@@ -19,6 +19,7 @@ const MODELS: &[(&str, &str, &str)] = &[
     ("scan.stl", "noisy-torus", "16"),
     ("scan.obj", "noisy-torus", "16"),
     ("soup.obj", "noisy-torus", "16"),
+    ("two.stl", "wedge", "10"),
     ("simplified.ply", "torus", "12"),
     ("coarse.ply", "torus", "12"),
     ("part.stl", "wedge", "10"),

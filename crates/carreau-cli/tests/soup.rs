@@ -114,8 +114,9 @@ fn in_order_of_use(mesh: &SurfaceMesh) -> SurfaceMesh {
 fn every_verb_gives_what_it_gives_for_the_clean_surface() {
     let folder = TempDir::new().unwrap();
     let context = Context::new();
-    let cases: [(&str, u32, &[&[&str]]); 2] = [
+    let cases: [(&str, u32, &[&[&str]]); 3] = [
         ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"]]),
+        ("wedge", 8, &[&["quad", "--quads", "60"], &["field"], &["motorcycle"]]),
         ("tube-tree", 50, &[&["skeleton"], &["hex"]]),
     ];
     for (model, resolution, verbs) in cases {
@@ -125,6 +126,8 @@ fn every_verb_gives_what_it_gives_for_the_clean_surface() {
             let extension = match verb[0] {
                 "skeleton" => "cgr",
                 "hex" => "mesh",
+                "field" => "vtu",
+                "motorcycle" => "vtp",
                 _ => "obj",
             };
             let output = folder.path().join(format!("out.{extension}"));
@@ -176,9 +179,28 @@ fn results_refer_to_the_file() {
         record(&["patch", text(&input), "--layout", text(&layout)]);
         let layout: serde_json::Value = serde_json::from_slice(&fs::read(&layout).unwrap()).unwrap();
         let of = |v: &serde_json::Value| v.as_array().unwrap().iter().map(|t| t.as_u64().unwrap()).collect::<Vec<_>>();
+        let patches = layout["patches"].as_array().unwrap();
         let mut all = of(&layout["leftover"]);
-        layout["patches"].as_array().unwrap().iter().for_each(|p| all.extend(of(&p["triangles"])));
+        patches.iter().for_each(|p| all.extend(of(&p["triangles"])));
         all.sort_unstable();
+        assert_eq!(patches.is_empty(), variant.name == "soup", "{}", variant.name);
+        // Every cell has the vertices that its two triangles have in the file, in their sense.
+        let file = triangles(&variant.mesh);
+        for patch in patches {
+            let (vertices, ids, cols) =
+                (of(&patch["vertices"]), of(&patch["triangles"]), patch["cols"].as_u64().unwrap());
+            for (k, pair) in (0u64..).zip(ids.chunks(2)) {
+                let (r, c) = (k / cols, k % cols);
+                let at = |r: u64, c: u64| vertices[(r * (cols + 1) + c) as usize] as u32;
+                let corners = [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)];
+                let is_edge = |t: &[u32; 3], a: u32, b: u32| (0..3).any(|k| t[k] == a && t[(k + 1) % 3] == b);
+                let cell = [pair[0], pair[1]].map(|t| file[t as usize]);
+                for k in 0..4 {
+                    let (a, b) = (corners[k], corners[(k + 1) % 4]);
+                    assert!(cell.iter().any(|t| is_edge(t, a, b)), "{}: {corners:?} {cell:?}", variant.name);
+                }
+            }
+        }
         assert_eq!(all, (0..variant.mesh.face_count() as u64).collect::<Vec<_>>(), "{}", variant.name);
     }
 }

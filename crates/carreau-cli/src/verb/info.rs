@@ -2,23 +2,34 @@
 
 use crate::common::{Common, CommonValues};
 use crate::outputs::Outputs;
+use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::intersections::Intersections;
 use carreau::geometry::quality::SurfaceQuality;
+use carreau::geometry::thickness::{Side, thin};
 use carreau::hex::Validity;
 use carreau::mesh::{Column, Columns, HexMesh, PrepareOptions, RawMesh, SurfaceMesh, Takes, Topology, prepare};
-use carreau::words::rounded;
-use carreau::{DVec3, Error};
+use carreau::words::{counted, rounded};
+use carreau::{DVec3, Error, Length};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 /// Counts, topology, defects with their places, and quality of a mesh file
 #[derive(Args)]
-#[command(after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology")]
+#[command(
+    after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology\n  carreau info part.stl --walls 2 --gaps 0.5%"
+)]
 pub struct Info {
     /// The file to look at
     input: PathBuf,
+    /// Counts faces whose wall, through the material to the opposite face, is thinner than this
+    #[arg(long, value_name = "LENGTH")]
+    walls: Option<Length>,
+    /// Counts faces with an opposite one before them that is nearer than this
+    #[arg(long, value_name = "LENGTH")]
+    gaps: Option<Length>,
     #[command(flatten)]
     pub(super) common: Common,
 }
@@ -31,9 +42,12 @@ impl Info {
 
     /// Runs the verb.
     pub fn run(&self) -> Result<(), Failure> {
-        let values = self.common.over(CommonValues::default());
-        Session::run("info", &self.common, &values, Some(&self.input), |session| {
-            session.record.set("options", &values);
+        let mut options = options_from(self.common.options.as_deref(), "info", Options::default())?;
+        options.walls = self.walls.or(options.walls);
+        options.gaps = self.gaps.or(options.gaps);
+        options.common = self.common.over(options.common);
+        Session::run("info", &self.common, &options.common, Some(&self.input), |session| {
+            session.record.set("options", &options);
             let raw = session.read(&self.input)?;
             describe_content(session, &raw);
             describe_hexes(session, &raw);
@@ -42,9 +56,51 @@ impl Info {
             session.draw(&skin)?;
             let surface = skin.into_surface()?;
             session.context.check()?;
-            describe_surface(session, &surface)
+            describe_surface(session, &surface)?;
+            describe_thin(session, &surface, &options)
         })
     }
+}
+
+/// What replays a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Options {
+    walls: Option<Length>,
+    gaps: Option<Length>,
+    #[serde(flatten)]
+    common: CommonValues,
+}
+
+/// Thin walls and narrow gaps, where they are asked for.
+fn describe_thin(session: &mut Session, mesh: &SurfaceMesh, options: &Options) -> Result<(), Error> {
+    let kinds = [
+        ("walls", options.walls, Side::Wall, "a wall thinner than"),
+        ("gaps", options.gaps, Side::Gap, "a gap narrower than"),
+    ];
+    let size = mesh.diagonal();
+    for (name, limit, side, what) in kinds {
+        let Some(limit) = limit.map(|limit| limit.resolve(mesh.diagonal())) else { continue };
+        let context = session.context.clone();
+        let found = context.install(|| {
+            let _stage = context.stage("thickness");
+            thin(mesh, side, limit, &context)
+        })?;
+        let shown: Vec<String> = found.places.iter().take(3).map(|[a, b]| format!("[{a},{b}]")).collect();
+        let dots = if found.faces > shown.len() { ", …" } else { "" };
+        session.say(match found.least {
+            None => format!("no face has {what} {}", rounded(limit, size)),
+            Some(least) => format!(
+                "{} {what} {}, {} at least: {}{dots}",
+                counted(found.faces, "face has", "faces have"),
+                rounded(limit, size),
+                rounded(least, size),
+                shown.join(", ")
+            ),
+        });
+        session.record.set(name, found);
+    }
+    Ok(())
 }
 
 /// Name and kind of every column.

@@ -11,10 +11,11 @@ use carreau::geometry::features::Creases;
 use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::{FaceId, PrepareOptions, Prepared, Takes};
+use carreau::mesh::{FaceId, PrepareOptions, Prepared, VertexId};
 use carreau::patch::cad::{self, BrepOptions, Fit};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
+use carreau::words::counted;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -213,20 +214,20 @@ impl Patch {
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let mut prepared = session.read_fans(&self.input, &options.prepare)?;
-        let report = &prepared.report;
-        if self.layout.is_some() && report.welded_vertices + report.degenerate_faces > 0 {
-            // A vertex of the prepared surface may stand for several of the file, of which a triangle names one, and an edge
-            // for a triangle.
-            session.warn("the layout names vertices of the file, so the surface is taken as it is there");
-            let as_is = PrepareOptions { as_is: true, ..options.prepare };
-            prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
-        }
+        let prepared = session.read_fans(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut limits = options.patch.clone();
         if let Some(file) = &options.features {
             limits.feature_edges = edges_of_surface(&prepared, session.load_edges(file)?);
+        }
+        let seams = if self.layout.is_some() { prepared.seams() } else { Vec::new() };
+        if !seams.is_empty() {
+            session.warn(format!(
+                "the layout names vertices of the file, so that no patch crosses the {} along which faces have others there",
+                counted(seams.len(), "edge", "edges")
+            ));
+            limits.feature_edges.extend(seams);
         }
         if self.is_divided(options) {
             limits.feature_edges.extend(cad::borders(mesh, &context)?);
@@ -318,6 +319,21 @@ impl Patch {
     }
 }
 
+/// The file's vertices of a patch: each as the triangles of a cell that has it there name it.
+fn vertices_of_file(prepared: &Prepared, grid: &patch::Patch) -> Vec<VertexId> {
+    let nodes = (0..=grid.rows).flat_map(|r| (0..=grid.cols).map(move |c| (r, c)));
+    let name = |(r, c): (u32, u32)| {
+        let v = grid.vertex(r, c);
+        let cell = grid.cell_triangles(r.min(grid.rows - 1), c.min(grid.cols - 1));
+        let own = cell.into_iter().find_map(|t| {
+            let at = prepared.mesh.face(t).iter().position(|&corner| corner == v.0)?;
+            prepared.corners(t.0).get(at).copied()
+        });
+        VertexId(own.unwrap_or_else(|| prepared.vertex(v.0)))
+    };
+    nodes.map(name).collect()
+}
+
 /// The layout with the ids of the file. Patches whose triangles were turned are told in the sense of the file; triangles that were
 /// left out are left over.
 fn layout_of_file(prepared: &Prepared, result: &PatchResult) -> PatchResult {
@@ -326,11 +342,12 @@ fn layout_of_file(prepared: &Prepared, result: &PatchResult) -> PatchResult {
         return told;
     }
     for patch in &mut told.patches {
-        if patch.triangles.iter().all(|t| prepared.is_turned(t.0)) {
+        let is_turned = patch.triangles.iter().all(|t| prepared.is_turned(t.0));
+        patch.vertices = vertices_of_file(prepared, patch);
+        patch.triangles.iter_mut().for_each(|t| t.0 = prepared.face(t.0));
+        if is_turned {
             *patch = patch.transposed();
         }
-        patch.vertices.iter_mut().for_each(|v| v.0 = prepared.vertex(v.0));
-        patch.triangles.iter_mut().for_each(|t| t.0 = prepared.face(t.0));
     }
     told.leftover.iter_mut().for_each(|t| t.0 = prepared.face(t.0));
     told.leftover.extend(prepared.left_out().into_iter().map(FaceId));

@@ -5,10 +5,12 @@ use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
+use carreau::geometry::holes::fill;
 use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
-use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, keep_pieces, repair};
+use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, Topology, keep_pieces, repair};
 use carreau::report::page::Scene;
+use carreau::words::counted;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -18,7 +20,7 @@ use std::path::PathBuf;
 /// Welds, drops, orients and splits until the surface is sound; says what it did
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply"
+    after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply\n  carreau repair scan.ply --keep largest --fill-holes -o closed.ply"
 )]
 pub struct Repair {
     /// The mesh to repair
@@ -35,13 +37,13 @@ pub struct Repair {
     /// Keeps faces without area
     #[arg(long)]
     keep_degenerate: bool,
-    /// Keeps faces on the same vertices
+    /// Keeps all faces on the same vertices
     #[arg(long)]
     keep_duplicates: bool,
     /// Keeps the sense of every face
     #[arg(long)]
     no_orient: bool,
-    /// Keeps non-manifold edges and vertices
+    /// Leaves bodies that touch together, and non-manifold edges and vertices uncut
     #[arg(long)]
     no_split: bool,
     /// Keeps vertices that no face uses
@@ -50,6 +52,12 @@ pub struct Repair {
     /// Pieces that stay: all, largest, or those with a share of the largest one's area, such as 1% [default: all]
     #[arg(long, value_name = "all|largest|SHARE")]
     keep: Option<KeepPieces>,
+    /// Fills holes of up to this many border edges, all without a number: least area, refined and smoothed like the surroundings
+    #[arg(long, value_name = "EDGES", num_args = 0..=1, default_missing_value = "all", value_parser = most_edges)]
+    fill_holes: Option<u32>,
+    /// Turns faces even where an options file says not to: neighbours agree, closed components look outward
+    #[arg(long, conflicts_with = "no_orient")]
+    orient: bool,
     #[command(flatten)]
     pub(super) common: Common,
 }
@@ -60,6 +68,7 @@ struct Options {
     #[serde(flatten)]
     repair: RepairOptions,
     keep: Option<KeepPieces>,
+    fill_holes: Option<u32>,
     #[serde(flatten)]
     common: CommonValues,
 }
@@ -79,8 +88,18 @@ impl Repair {
             session.record.set("options", &options);
             let mesh = session.read(&self.input)?.into_surface()?;
             let context = session.context.clone();
-            let done = context.install(|| repair(&mesh, &options.repair, &context))?;
-            let sentences = done.report.sentences();
+            let mut done = context.install(|| repair(&mesh, &options.repair, &context))?;
+            let mut further = Vec::new();
+            if let Some(keep) = options.keep {
+                done.mesh = kept(session, done.mesh, keep, &mut further)?;
+            }
+            if let Some(most) = options.fill_holes {
+                done.mesh = filled(session, &done.mesh, most, &mut further)?;
+            }
+            if !further.is_empty() {
+                done.report.after = Topology::of(&done.mesh);
+            }
+            let sentences: Vec<String> = done.report.sentences().into_iter().chain(further).collect();
             if sentences.is_empty() {
                 session.say("nothing to repair");
             }
@@ -88,24 +107,7 @@ impl Repair {
                 session.say(sentence.clone());
                 session.record.warnings.push(sentence);
             }
-            let mut mesh = done.mesh;
-            if let Some(keep) = options.keep {
-                let prepared = keep_pieces(mesh, keep)?;
-                if let Some(first) = prepared.report.left_out.first {
-                    let pieces = prepared.report.left_out;
-                    let sentence = format!(
-                        "{} {} of {} faces left out, first at face {first} of the repaired surface",
-                        pieces.count,
-                        if pieces.count == 1 { "piece" } else { "pieces" },
-                        pieces.faces
-                    );
-                    session.say(sentence.clone());
-                    session.record.warnings.push(sentence);
-                }
-                session.record.set("left_out", prepared.report.left_out);
-                mesh = prepared.mesh;
-            }
-            let out = RawMesh::from(mesh);
+            let out = RawMesh::from(done.mesh);
             session.draw(&out)?;
             session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
             session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
@@ -129,9 +131,58 @@ impl Repair {
         o.outward &= !self.no_orient;
         o.split &= !self.no_split;
         o.unreferenced &= !self.keep_unreferenced;
+        all.fill_holes = self.fill_holes.or(all.fill_holes);
+        if self.orient {
+            (all.repair.orient, all.repair.outward) = (true, true);
+        }
         all.keep = self.keep.or(all.keep);
         all.common = self.common.over(all.common);
         all.repair.validate()?;
         Ok(all)
     }
+}
+
+/// The number of edges that holes have at most.
+fn most_edges(text: &str) -> Result<u32, String> {
+    match text {
+        "all" => Ok(u32::MAX),
+        text => text.parse().map_err(|_| "a number of edges is expected, or all".into()),
+    }
+}
+
+/// The pieces that are to stay, and a sentence about the others.
+fn kept(
+    session: &mut Session,
+    mesh: SurfaceMesh,
+    keep: KeepPieces,
+    said: &mut Vec<String>,
+) -> Result<SurfaceMesh, Error> {
+    let prepared = keep_pieces(mesh, keep)?;
+    let pieces = prepared.report.left_out;
+    if let Some(first) = pieces.first {
+        said.push(format!(
+            "{} of {} left out, first at face {first} of the repaired surface",
+            counted(pieces.count, "piece", "pieces"),
+            counted(pieces.faces, "face", "faces")
+        ));
+    }
+    session.record.set("left_out", pieces);
+    Ok(prepared.mesh)
+}
+
+/// The surface with its holes filled, and a sentence for each: new faces are told by their numbers.
+fn filled(session: &mut Session, mesh: &SurfaceMesh, most: u32, said: &mut Vec<String>) -> Result<SurfaceMesh, Error> {
+    let context = session.context.clone();
+    let found = context.install(|| fill(mesh, Some(most as usize), &context))?;
+    for hole in &found.holes {
+        let [from, to] = hole.faces;
+        said.push(format!(
+            "a hole of {} was filled by the faces {from} to {}, with {}",
+            counted(hole.edges, "edge", "edges"),
+            to.saturating_sub(1),
+            counted(hole.vertices[1].saturating_sub(hole.vertices[0]) as usize, "new vertex", "new vertices")
+        ));
+    }
+    session.record.set("filled", &found.holes);
+    Ok(found.mesh)
 }

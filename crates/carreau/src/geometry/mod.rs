@@ -14,6 +14,7 @@
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
 //! | `search_tree` | closest point, neighbourhood and rays over triangles |
 //! | `closest`, `ray` | the same for one triangle |
+//! | `slabs`, `slices` | what a node of the tree holds: slabs across a normal, long triangles in slices |
 //! | `intersections` | triangles of a surface that cut or touch each other, by exact predicates |
 //! | `holes` | holes filled by faces that follow the surroundings |
 //! | `thickness` | thin walls and narrow gaps |
@@ -27,6 +28,7 @@ pub mod curvature;
 pub mod distance;
 pub mod features;
 pub mod hexes;
+pub mod holes;
 pub mod intersections;
 pub mod normals;
 pub(crate) mod planar;
@@ -38,5 +40,6 @@ pub mod search_tree;
 mod slabs;
 mod slices;
 pub mod summary;
+pub mod thickness;
 pub mod transfer;
 pub mod winding;

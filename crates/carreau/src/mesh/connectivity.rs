@@ -77,26 +77,9 @@ impl Connectivity {
             good
         };
         let (closed, orientable) = (unless(&open_faces), unless(&contradictions));
-        let turned = smaller_parts(&mut senses, faces.len());
+        let turned = senses.smaller_parts();
         Connectivity { edges, boundary, nonmanifold, inconsistent, component, components, closed, orientable, turned }
     }
-}
-
-/// Marks, in every set, the smaller of the two parts that differ in sense.
-fn smaller_parts(senses: &mut SignedSets, n: usize) -> Vec<bool> {
-    let mut differing = vec![0u32; n];
-    let mut size = vec![0u32; n];
-    for f in 0..n as u32 {
-        let (leader, differs) = senses.find(f);
-        size[leader as usize] += 1;
-        differing[leader as usize] += u32::from(differs);
-    }
-    let turn = |f| {
-        let (leader, differs) = senses.find(f);
-        let most_differ = 2 * u64::from(differing[leader as usize]) > u64::from(size[leader as usize]);
-        differs != most_differ
-    };
-    (0..n as u32).map(turn).collect()
 }
 
 /// The umbrella of every corner: the corners of one vertex whose faces are linked by edges at that vertex.

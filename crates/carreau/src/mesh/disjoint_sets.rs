@@ -86,6 +86,23 @@ impl SignedSets {
         self.link[a.max(b) as usize] = a.min(b) << 1 | sign;
         true
     }
+
+    /// Marks, in every set, the smaller of the two parts that differ; of two equal parts, the one without the smallest member.
+    pub fn smaller_parts(&mut self) -> Vec<bool> {
+        let n = self.link.len();
+        let (mut differing, mut size) = (vec![0u32; n], vec![0u32; n]);
+        for x in 0..n as u32 {
+            let (leader, differs) = self.find(x);
+            size[leader as usize] += 1;
+            differing[leader as usize] += u32::from(differs);
+        }
+        let is_smaller = |x| {
+            let (leader, differs) = self.find(x);
+            let most_differ = 2 * u64::from(differing[leader as usize]) > u64::from(size[leader as usize]);
+            differs != most_differ
+        };
+        (0..n as u32).map(is_smaller).collect()
+    }
 }
 
 #[cfg(test)]

@@ -109,3 +109,21 @@ pub fn hex_figure(mesh: &HexMesh) -> Image {
     };
     Image::beside(&[draw(&mesh.hexes), draw(&behind)], [255; 3])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_models::*;
+
+    /// The curve shows through the surface.
+    #[test]
+    fn a_skeleton_is_drawn_inside_its_surface() {
+        let points = vec![DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0)];
+        let net = CurveNet { points, radii: vec![0.5; 2], edges: vec![[0, 1]], ids: vec![0, 1], notes: Vec::new() };
+        let picture = skeleton_figure(&sphere(3), &net);
+        let count = |is: fn(&Rgb) -> bool| picture.pixels().iter().filter(|&p| is(p)).count();
+        let (red, all) = (count(|p| p[0] > p[1].saturating_add(40)), picture.pixels().len());
+        assert!(red > 500 && red < all / 20, "{red} of {all}");
+        assert!(count(|p| p.iter().any(|&c| c < 245)) > all / 5);
+    }
+}

@@ -7,6 +7,7 @@
 //! | stage | file |
 //! |---|---|
 //! | open ends get lids | `lids` |
+//! | walls are refused | `wall` |
 //! | centres of the largest inner balls | `poles` |
 //! | flow, collapses and splits | `flow` |
 //! | what is thin becomes curves | `curves` |
@@ -25,6 +26,7 @@ mod poles;
 #[cfg(test)]
 mod tests;
 mod tidy;
+mod wall;
 
 pub use lids::{Closed, Lid, closed};
 use tidy::Body;
@@ -236,6 +238,15 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
     let box_volume = closed.mesh.diagonal().powi(3);
     if topology.volume.is_some_and(|volume| !(volume.abs() > EMPTY * box_volume)) {
         return Err(no_room(String::new()));
+    }
+    if let Some(thickness) = wall::thickness(&closed.mesh, &topology) {
+        let share = 100.0 * thickness / closed.mesh.diagonal();
+        return Err(Error::input(
+            format!("the surface is that of a wall around a room, {share:.2} % of the diagonal thick: no filled tube"),
+            "",
+            "give its outer side alone, without the inner side and the rings between both: its open ends are closed by lids \
+             (`carreau segment` tells the faces apart)",
+        ));
     }
     let genus = topology.genus.unwrap_or(0);
     Ok((closed, genus, topology.components, warnings))

@@ -96,6 +96,41 @@ fn what_is_no_surface_is_refused() {
     assert_eq!(extract(&torus(8, 6), &options, &Context::new()).map_err(|e| e.exit_code()).err(), Some(2));
 }
 
+/// A pipe with an inner and an outer side and rings between them at its ends.
+fn pipe(rounds: u32, around: u32, length: f64, inner: f64) -> SurfaceMesh {
+    let outer = tube(rounds, around, length);
+    let inside = turned(&moved(&outer, |p| DVec3::new(inner * p.x, inner * p.y, p.z)), |_| true);
+    let both = together(&[outer.clone(), inside]);
+    let (base, last) = (outer.vertex_count() as u32, rounds * around);
+    let mut faces = both.faces().fan().0;
+    for j in 0..around {
+        let next = (j + 1) % around;
+        let ([a, b], [c, d]) = ([j, next], [base + j, base + next]);
+        faces.extend([[b, a, c], [b, c, d]]);
+        let [a, b, c, d] = [a, b, c, d].map(|v| v + last);
+        faces.extend([[a, b, d], [a, d, c]]);
+    }
+    triangles(both.points(), &faces)
+}
+
+/// The reason is told, in whatever unit, and what is advised helps.
+#[test]
+fn pipes_with_a_wall_are_refused_and_their_outer_sides_are_taken() {
+    for (scale, inner) in [(1.0, 0.8), (1e3, 0.9), (1e-3, 0.6)] {
+        let pipe = moved(&pipe(40, 24, 8.0, inner), |p| scale * p);
+        assert!(Topology::of(&pipe).closed && Topology::of(&pipe).genus == Some(1));
+        let error = extract(&pipe, &SkeletonOptions::default(), &Context::new()).unwrap_err();
+        assert_eq!(error.exit_code(), 3);
+        let share = 100.0 * (1.0 - inner) / pipe.diagonal() * scale;
+        let said = error.to_string();
+        assert!(said.contains("a wall around a room") && said.contains("outer side"), "{said}");
+        let told: f64 = said.split(", ").find_map(|part| part.split(" %").next()?.parse().ok()).unwrap();
+        assert!((told - share).abs() < 0.2 * share, "{told} instead of {share}");
+    }
+    let outer = skeleton(&tube(40, 24, 8.0));
+    assert_eq!((outer.figures.cycles, outer.closed.lids.len()), (0, 2));
+}
+
 /// A flat patch closed by its lid encloses nothing: no node could have a radius.
 #[test]
 fn a_flat_sheet_has_no_inside() {

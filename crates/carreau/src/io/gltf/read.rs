@@ -41,7 +41,7 @@ pub fn read(source: &Source) -> Result<RawMesh> {
     Ok(builder.finish())
 }
 
-/// One of the optional values of vertices, kept only when all vertices have it.
+/// One of the optional values of vertices: a default where a primitive has none.
 #[derive(Default)]
 struct Optional<T> {
     values: Vec<T>,
@@ -50,15 +50,21 @@ struct Optional<T> {
     missing: bool,
 }
 
-impl<T> Optional<T> {
-    fn append(&mut self, values: Option<Vec<T>>) {
+impl<T: Clone> Optional<T> {
+    fn append(&mut self, values: Option<Vec<T>>, count: usize, otherwise: T) {
         self.present |= values.is_some();
         self.missing |= values.is_none();
-        if !self.missing {
-            self.values.extend(values.into_iter().flatten());
+        match values {
+            Some(values) => self.values.extend(values),
+            None => self.values.resize(self.values.len() + count, otherwise),
         }
     }
 }
+
+/// Normal, texture coordinates and colour of vertices that have none.
+const NO_NORMAL: [f64; 3] = [0.0; 3];
+const NO_UV: [f64; 2] = [0.0; 2];
+const WHITE: [u8; 4] = [255; 4];
 
 /// Puts the mesh together.
 struct Builder<'a> {
@@ -226,9 +232,9 @@ impl<'a> Builder<'a> {
         }
         let first = self.mesh.points.len();
         self.mesh.points.extend(points);
-        self.normals.append(normals);
-        self.uvs.append(uvs);
-        self.colors.append(colors);
+        self.normals.append(normals, count, NO_NORMAL);
+        self.uvs.append(uvs, count, NO_UV);
+        self.colors.append(colors, count, WHITE);
         self.check_size()?;
         match (u32::try_from(first), u32::try_from(self.mesh.points.len())) {
             (Ok(first), Ok(end)) => Ok((first, end - first)),
@@ -312,14 +318,17 @@ impl<'a> Builder<'a> {
             mesh.notes.push("the file shows no mesh".to_string());
         }
         let vertex = &mut mesh.attributes.vertex;
-        let mut keep = |name: &str, column: Column, present: bool, missing: bool| match (present, missing) {
-            (true, false) => drop(vertex.insert(name.to_string(), column)),
-            (true, true) => mesh.notes.push(format!("'{name}' is left out: not all primitives have it")),
-            (false, _) => {}
+        let mut keep = |name: &str, column: Column, default: &str, present: bool, missing: bool| {
+            if present {
+                vertex.insert(name.to_string(), column);
+            }
+            if present && missing {
+                mesh.notes.push(format!("'{name}' is {default} at vertices of primitives that have none"));
+            }
         };
-        keep("normal", Column::Vector3(self.normals.values), self.normals.present, self.normals.missing);
-        keep("uv", Column::Vector2(self.uvs.values), self.uvs.present, self.uvs.missing);
-        keep("color", Column::Color(self.colors.values), self.colors.present, self.colors.missing);
+        keep("normal", Column::Vector3(self.normals.values), "0 0 0", self.normals.present, self.normals.missing);
+        keep("uv", Column::Vector2(self.uvs.values), "0 0", self.uvs.present, self.uvs.missing);
+        keep("color", Column::Color(self.colors.values), "white", self.colors.present, self.colors.missing);
         mesh
     }
 }

@@ -12,21 +12,14 @@ use super::super::repair::Soup;
 use super::bodies;
 use crate::mesh::SurfaceMesh;
 
-/// Leaves out what is there more often than it needs to be. Returns the faces that went, as ids of the file, each with the one
-/// that stands for it.
-pub(in crate::mesh) fn drop(soup: &mut Soup, original: &SurfaceMesh) -> Vec<[u32; 2]> {
+/// For every face the one that stands for it: itself, if it stays.
+pub(super) fn kept(soup: &Soup, original: &SurfaceMesh) -> Vec<u32> {
     let repeats = soup.faces_with_repeats();
     let first = first_on_same_vertices(&soup.faces, &repeats);
     if first.iter().enumerate().all(|(f, &l)| f == l as usize) {
-        return Vec::new();
+        return first;
     }
-    let kept = Groups::new(soup, original, first).kept(&repeats);
-    let gone: Vec<[u32; 2]> = (0..kept.len())
-        .filter(|&f| kept[f] as usize != f)
-        .map(|f| [soup.face_source[f], soup.face_source[kept[f] as usize]])
-        .collect();
-    soup.keep_faces(|f| kept[f] as usize == f);
-    gone
+    Groups::new(soup, original, first).kept(&repeats)
 }
 
 /// The faces, those on the same vertices together.

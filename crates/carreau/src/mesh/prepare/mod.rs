@@ -5,24 +5,30 @@
 //! | 1 | `super::weld` | vertices at one place become one |
 //! | 2 | `super::repair` | faces without area are left out, the surface stays closed |
 //! | 3 | `doubles` | of several faces on the same vertices one stays, or two as the wall between bodies |
-//! | 4 | `super::repair` | neighbours are turned until they agree; the majority of a part decides |
-//! | 5 | `sheets`, `radial` | bodies that touch come apart; vertices with several umbrellas, too |
-//! | 6 | `super::repair` | closed components look outward, cavities inward, each for itself |
-//! | 7 | `bodies`, `pieces` | bodies with their names; small pieces are told or left out |
+//! | 4 | `sheets` | neighbours are turned until they agree; the majority of a part decides |
+//! | 5 | `sheets`, `radial` | which sides of an edge of many faces are one body; 4 and 5 in turn, until nothing changes |
+//! | 6 | `separate` | bodies that touch come apart, and the sheets of a vertex |
+//! | 7 | `super::repair` | closed components look outward, cavities inward, each for itself |
+//! | 8 | `bodies`, `pieces` | bodies with their names; small pieces are told or left out |
+//!
+//! `mend` has steps 2 to 7, for [`super::repair`] as well: that cuts what is left besides, drops vertices that no face uses, and
+//! leaves steps out where it is asked to.
 //!
 //! A surface on which there is nothing to do is given back as it is, bit for bit; `scan` finds out, in a fraction of the time.
 //! Else the result remembers what each of its vertices and faces was in the file: [`Prepared`] leads back. Borders, edges of
 //! three faces and one-sided surfaces are not mended: [`PrepareReport::left`] names them in the words of `info`.
 //!
-//! The difference to [`super::repair`]: nothing is cut, no vertex is dropped that does not lie on another, and what was done can
-//! be traced.
+//! Nothing is cut, no vertex is dropped that does not lie on another, and what was done can be traced.
 
 mod bodies;
-pub(super) mod doubles;
+mod doubles;
+mod mend;
 mod pieces;
 mod radial;
 mod report;
 mod scan;
+mod seams;
+mod separate;
 mod sheets;
 #[cfg(test)]
 mod tests;
@@ -30,12 +36,13 @@ mod trace;
 
 pub(super) use bodies::labels as body_labels;
 pub use bodies::{Bodies, Body};
+pub(super) use mend::{Mended, Steps, mend};
 pub use pieces::Keep;
 pub use report::{PreparePlaces, PrepareReport};
-pub(super) use sheets::Sheets;
+pub(super) use scan::leaders;
 pub use trace::Prepared;
 
-use super::repair::{Soup, degenerate, orient};
+use super::repair::degenerate;
 use super::surface::SurfaceMesh;
 use super::triangles::NONE;
 use crate::context::Context;
@@ -107,8 +114,8 @@ pub fn prepare(mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes, contex
         let bodies = Bodies::of(&mesh, &scan.component, scan.components, &scan.shells);
         return pieces::keep(Prepared::unchanged(mesh, bodies), options.keep, takes);
     }
-    let mended = context.install(|| mend(&mesh, scan.leader, context))?;
-    pieces::keep(mended.into_prepared(mesh)?, options.keep, takes)
+    let mended = context.install(|| mend(&mesh, scan.leader.as_deref(), Steps::PREPARE, context))?;
+    pieces::keep(into_prepared(mended, mesh)?, options.keep, takes)
 }
 
 /// Leaves out pieces of a surface, and does nothing else.
@@ -121,66 +128,28 @@ pub fn keep_pieces(mesh: SurfaceMesh, keep: Keep) -> Result<Prepared> {
     pieces::keep(Prepared::unchanged(mesh, bodies), Some(keep), Takes::Bodies)
 }
 
-/// A surface on its way.
-struct Mended {
-    soup: Soup,
-    /// Faces that were left out, each with the one that stands for it.
-    doubles: Vec<[u32; 2]>,
-    report: PrepareReport,
-}
-
-/// Steps 1 to 6.
-fn mend(mesh: &SurfaceMesh, leader: Option<Vec<u32>>, context: &Context) -> Result<Mended> {
-    let diagonal = mesh.diagonal();
-    let mut report = PrepareReport::default();
-    let mut soup = Soup::of(mesh);
-    if let Some(leader) = &leader {
-        soup.merge_vertices(leader);
+/// The surface with its trace, or as it was where nothing came of it.
+fn into_prepared(mended: Mended, input: SurfaceMesh) -> Result<Prepared> {
+    let mut report = PrepareReport::of(&mended, &input);
+    let Mended { soup, doubles, .. } = mended;
+    if soup.points == input.points() && soup.faces == *input.faces() {
+        let (component, components, shells) = scan::parts(&input);
+        let bodies = Bodies::of(&input, &component, components, &shells);
+        report.count_left(&input, |v| v);
+        return Ok(Prepared {
+            report: PrepareReport { bodies: bodies.list.len(), ..report },
+            ..Prepared::unchanged(input, bodies)
+        });
     }
-    context.check()?;
-    report.note_degenerate(degenerate::found(&soup, diagonal).into_iter().map(|f| soup.face_source[f as usize]));
-    degenerate::remove(&mut soup, diagonal, context)?;
-    context.check()?;
-    let doubles = doubles::drop(&mut soup, mesh);
-    report.note_doubles(&doubles);
-    context.check()?;
-    let mut turned = orient::agree(&mut soup);
-    context.check()?;
-    let sheets = Sheets::of(&soup, mesh, context)?;
-    report.note_sheets(&sheets, |v| soup.vertex_source[v as usize]);
-    let (copies, _) = sheets.separate(&mut soup, mesh);
-    report.split_vertices = copies;
-    orient::agree(&mut soup).into_iter().zip(&mut turned).for_each(|(again, turned)| *turned ^= again);
-    context.check()?;
-    let inverted = orient::outward(&mut soup, body_labels(mesh));
-    report.note_turned(&turned, &inverted, &soup.face_source);
-    report.note_welded(mesh, &soup);
-    Ok(Mended { soup, doubles, report })
-}
-
-impl Mended {
-    /// The surface with its trace, or as it was where nothing came of it.
-    fn into_prepared(self, input: SurfaceMesh) -> Result<Prepared> {
-        let Mended { soup, doubles, mut report } = self;
-        if soup.points == input.points() && soup.faces == *input.faces() {
-            let (component, components, shells) = scan::parts(&input);
-            let bodies = Bodies::of(&input, &component, components, &shells);
-            report.count_left(&input, |v| v);
-            return Ok(Prepared {
-                report: PrepareReport { bodies: bodies.list.len(), ..report },
-                ..Prepared::unchanged(input, bodies)
-            });
-        }
-        let trace = Trace::of(&soup, &input, &doubles);
-        let corners = soup.corner_source.clone();
-        let mut mesh = soup.into_mesh(&input)?;
-        trace::split_columns(&mut mesh, &input, &trace.vertex_source, &corners);
-        let (component, components, shells) = scan::parts(&mesh);
-        let bodies = Bodies::of(&mesh, &component, components, &shells);
-        report.count_left(&mesh, |v| trace.vertex_source[v as usize]);
-        report.bodies = bodies.list.len();
-        Ok(Prepared { mesh, bodies, report, trace: Some(Box::new(trace.with(input))) })
-    }
+    let trace = Trace::of(&soup, &input, &doubles);
+    let corners = soup.corner_source.clone();
+    let mut mesh = soup.into_mesh(&input)?;
+    trace::split_columns(&mut mesh, &input, &trace.vertex_source, &corners);
+    let (component, components, shells) = scan::parts(&mesh);
+    let bodies = Bodies::of(&mesh, &component, components, &shells);
+    report.count_left(&mesh, |v| trace.vertex_source[v as usize]);
+    report.bodies = bodies.list.len();
+    Ok(Prepared { mesh, bodies, report, trace: Some(Box::new(trace.with(input))) })
 }
 
 /// The vertices that faces use.
@@ -190,7 +159,7 @@ fn used_vertices(mesh: &SurfaceMesh) -> Vec<bool> {
     used
 }
 
-/// The places of the first elements of a list, if any.
+/// The first element of a list, if any.
 fn first<T: Copy>(list: &[T]) -> Option<T> {
     list.first().copied()
 }

@@ -7,9 +7,12 @@
 //!           ╱ ╲
 //!        3 ╱   ╲ 0
 //! ```
+//!
+//! Bodies do not overlap: what begins is ended by the next one. Where that does not hold, for bodies that are inside out it holds
+//! with beginnings and ends exchanged; else the smaller wedges tell.
 
 use super::super::area::area_vector;
-use super::super::repair::Soup;
+use super::sheets::Sides;
 use std::f64::consts::TAU;
 
 /// Faces at angles that differ by less lie on each other, in radians.
@@ -19,38 +22,35 @@ const SAME_ANGLE: f64 = 1e-7;
 #[derive(Clone, Copy)]
 struct Spoke {
     corner: u32,
+    face: u32,
     angle: f64,
     /// Material follows in the sense of growing angles.
     begins: bool,
 }
 
-/// Pairs the sides of an edge between two vertices; none where their number is odd.
-pub(super) fn pairs_around(soup: &Soup, ends: [u32; 2], sides: &[u32], next: &[u32], face_of: &[u32]) -> Vec<[u32; 2]> {
+/// Pairs the sides of an edge, given from its lower end to the other; none where their number is odd.
+pub(super) fn pairs_around(at: &Sides, ends: [u32; 2], sides: &[u32]) -> Vec<[u32; 2]> {
     if sides.len() < 2 || sides.len() % 2 == 1 {
         return Vec::new();
     }
-    let mut spokes = spokes(soup, ends, sides, next, face_of);
-    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.corner.cmp(&b.corner)));
+    let mut spokes = spokes(at, ends, sides);
+    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.face.cmp(&b.face)));
     level(&mut spokes);
-    // What ends at an angle comes before what begins there; of several that end, the last first, as they will be asked for.
-    let order = |s: &Spoke| if s.begins { (true, s.corner) } else { (false, u32::MAX - s.corner) };
-    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then_with(|| order(a).cmp(&order(b))));
-    let begun = spokes.iter().filter(|s| s.begins).count();
-    if 2 * begun == spokes.len() { by_sense(&spokes) } else { by_angle(&spokes) }
+    by_sense(&spokes, false).or_else(|| by_sense(&spokes, true)).unwrap_or_else(|| by_angle(&spokes))
 }
 
-fn spokes(soup: &Soup, ends: [u32; 2], sides: &[u32], next: &[u32], face_of: &[u32]) -> Vec<Spoke> {
+fn spokes(at: &Sides, ends: [u32; 2], sides: &[u32]) -> Vec<Spoke> {
+    let soup = at.soup;
     let [a, b] = ends.map(|v| soup.points[v as usize]);
     let along = (b - a).normalize_or_zero();
     let (x, y) = along.any_orthonormal_pair();
     let spoke = |&corner: &u32| {
-        let face = soup.faces.face(face_of[corner as usize] as usize);
-        let normal = area_vector(&soup.points, face).normalize_or_zero();
-        let is_forward = soup.faces.corners()[corner as usize] == ends[0]
-            && soup.faces.corners()[next[corner as usize] as usize] == ends[1];
+        let face = at.face_of[corner as usize];
+        let normal = area_vector(&soup.points, soup.faces.face(face as usize)).normalize_or_zero();
+        let is_along = soup.faces.corners()[corner as usize] == ends[0];
         // The inside of a face is to the left of its half-edges.
-        let inward = if is_forward { normal.cross(along) } else { along.cross(normal) };
-        Spoke { corner, angle: inward.dot(y).atan2(inward.dot(x)).rem_euclid(TAU), begins: !is_forward }
+        let inward = if is_along { normal.cross(along) } else { along.cross(normal) };
+        Spoke { corner, face, angle: inward.dot(y).atan2(inward.dot(x)).rem_euclid(TAU), begins: !is_along }
     };
     sides.iter().map(spoke).collect()
 }
@@ -64,34 +64,25 @@ fn level(spokes: &mut [Spoke]) {
     for spoke in spokes.iter_mut() {
         spoke.angle = (spoke.angle - start).rem_euclid(TAU);
     }
-    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.corner.cmp(&b.corner)));
+    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.face.cmp(&b.face)));
     for k in 1..n {
         if spokes[k].angle - spokes[k - 1].angle < SAME_ANGLE {
             spokes[k].angle = spokes[k - 1].angle;
         }
     }
+    spokes.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.face.cmp(&b.face)));
 }
 
-/// As brackets: what ends closes what began last.
-fn by_sense(spokes: &[Spoke]) -> Vec<[u32; 2]> {
+/// What begins with what ends it, where both alternate; at one angle ends come before beginnings.
+fn by_sense(spokes: &[Spoke], inside_out: bool) -> Option<Vec<[u32; 2]>> {
     let n = spokes.len();
-    // From where on never more has ended than begun.
-    let (mut sum, mut least, mut start) = (0i64, 0i64, 0);
-    for (k, spoke) in spokes.iter().enumerate() {
-        sum += if spoke.begins { 1 } else { -1 };
-        if sum < least {
-            (least, start) = (sum, k + 1);
-        }
-    }
-    let (mut open, mut pairs) = (Vec::new(), Vec::new());
-    for spoke in (0..n).map(|k| &spokes[(start + k) % n]) {
-        if spoke.begins {
-            open.push(spoke.corner);
-        } else if let Some(first) = open.pop() {
-            pairs.push([first.min(spoke.corner), first.max(spoke.corner)]);
-        }
-    }
-    pairs
+    let begins = |s: &Spoke| s.begins != inside_out;
+    let mut sorted = spokes.to_vec();
+    // Of several at one angle those that end alternate with those that begin.
+    sorted.sort_by(|a, b| a.angle.total_cmp(&b.angle).then((begins(a), a.face).cmp(&(begins(b), b.face))));
+    let alternate = (0..n).all(|k| begins(&sorted[k]) != begins(&sorted[(k + 1) % n]));
+    let first = usize::from(!begins(&sorted[0]));
+    alternate.then(|| pairs_from(&sorted, first))
 }
 
 /// Neighbours, in the one of the two ways that has the smaller wedges; faces on each other make none.
@@ -102,6 +93,11 @@ fn by_angle(spokes: &[Spoke]) -> Vec<[u32; 2]> {
         if angle < SAME_ANGLE { TAU } else { angle }
     };
     let sum = |first: usize| (0..n / 2).map(|k| wedge(first + 2 * k)).sum::<f64>();
-    let first = usize::from(sum(1) < sum(0) - SAME_ANGLE);
+    pairs_from(spokes, usize::from(sum(1) < sum(0) - SAME_ANGLE))
+}
+
+/// Every second side with the one after it.
+fn pairs_from(spokes: &[Spoke], first: usize) -> Vec<[u32; 2]> {
+    let n = spokes.len();
     (0..n / 2).map(|k| [spokes[(first + 2 * k) % n].corner, spokes[(first + 2 * k + 1) % n].corner]).collect()
 }

@@ -4,7 +4,7 @@ use super::super::repair::Soup;
 use super::super::surface::SurfaceMesh;
 use super::super::topology::Topology;
 use super::bodies::Body;
-use super::sheets::Sheets;
+use super::mend::Mended;
 use serde::Serialize;
 
 /// What was done, and the first place of each kind. Ids are those of the file.
@@ -97,22 +97,24 @@ impl Pieces {
 }
 
 impl PrepareReport {
-    pub(super) fn note_degenerate(&mut self, mut faces: impl Iterator<Item = u32>) {
-        self.places.degenerate_faces = faces.next();
-        self.degenerate_faces = faces.count() + usize::from(self.places.degenerate_faces.is_some());
+    /// What was done to a surface.
+    pub(super) fn of(mended: &Mended, mesh: &SurfaceMesh) -> Self {
+        let mut report = PrepareReport {
+            degenerate_faces: mended.degenerate.len(),
+            duplicate_faces: mended.doubles.len(),
+            paired_edges: mended.paired.len(),
+            split_vertices: mended.copies,
+            ..PrepareReport::default()
+        };
+        report.places.degenerate_faces = super::first(&mended.degenerate);
+        report.places.duplicate_faces = super::first(&mended.doubles);
+        report.places.paired_edges = super::first(&mended.paired);
+        report.note_turned(&mended.turned, &mended.inverted, &mended.soup.face_source);
+        report.note_welded(mesh, &mended.soup);
+        report
     }
 
-    pub(super) fn note_doubles(&mut self, doubles: &[[u32; 2]]) {
-        self.duplicate_faces = doubles.len();
-        self.places.duplicate_faces = super::first(doubles);
-    }
-
-    pub(super) fn note_sheets(&mut self, sheets: &Sheets, source: impl Fn(u32) -> u32) {
-        self.paired_edges = sheets.paired.len();
-        self.places.paired_edges = super::first(&sheets.paired).map(|ends| ends.map(source));
-    }
-
-    pub(super) fn note_turned(&mut self, turned: &[bool], inverted: &[u32], face_source: &[u32]) {
+    fn note_turned(&mut self, turned: &[bool], inverted: &[u32], face_source: &[u32]) {
         let mut faces = (0..turned.len()).filter(|&f| turned[f]).map(|f| face_source[f]);
         self.places.turned_faces = faces.next();
         self.turned_faces = faces.count() + usize::from(self.places.turned_faces.is_some());
@@ -121,7 +123,7 @@ impl PrepareReport {
     }
 
     /// Vertices that faces use and that are not themselves any more.
-    pub(super) fn note_welded(&mut self, mesh: &SurfaceMesh, soup: &Soup) {
+    fn note_welded(&mut self, mesh: &SurfaceMesh, soup: &Soup) {
         let used = super::used_vertices(mesh);
         let mut stays = vec![false; mesh.vertex_count()];
         soup.vertex_source.iter().for_each(|&v| stays[v as usize] = true);
@@ -142,7 +144,8 @@ impl PrepareReport {
         let t = Topology::of(mesh);
         self.nonmanifold_edges = t.nonmanifold_edges;
         self.inconsistent_edges = t.inconsistent_edges;
-        let tiny = |f: &[u32]| super::degenerate::is_flat_face(mesh.points(), f, mesh.diagonal());
+        let diagonal = mesh.diagonal();
+        let tiny = |f: &[u32]| super::degenerate::is_flat_face(mesh.points(), f, diagonal);
         self.degenerate_faces_left = mesh.faces().iter().filter(|f| tiny(f)).count();
         self.places.nonmanifold_edges = t.places.nonmanifold_edges.first().map(|ends| ends.map(|v| source(v.0)));
         self.places.inconsistent_edges = t.places.inconsistent_edges.first().map(|ends| ends.map(|v| source(v.0)));

@@ -1,11 +1,11 @@
-//! Edges of more than two faces: which of their sides belong to one sheet, and the vertices of sheets that only touch.
+//! Which sides of an edge belong to one sheet, and the vertices of sheets that only touch.
 //!
 //! Two bodies in contact share vertices once these are welded: four faces meet in an edge. Each side finds the other one of its
 //! own body, in this order:
 //!
 //! 1. the two sides that share the edge in the file, by their own vertices;
 //! 2. the two sides of one name (`solid`, `object`, `body`, `group`);
-//! 3. the two sides of one part of the surface, linked elsewhere by edges of two faces;
+//! 3. the two sides of one part of the surface, linked elsewhere, whose senses agree;
 //! 4. by the sense of the faces: the material between two of them belongs to one body;
 //! 5. by angle, where the senses do not tell.
 //!
@@ -17,231 +17,334 @@
 //!     │               │
 //! ```
 //!
-//! What 3 to 5 say counts only where the sheet comes out closed: plates that cross stay as they are.
+//! What 3 to 5 say counts only where the sheet comes out closed: plates that cross stay as they are. Pairs are looked for in an
+//! order of edges that depends on faces and places alone, so that it is the same in a second preparation.
 
-use super::super::disjoint_sets::DisjointSets;
+use super::super::disjoint_sets::{DisjointSets, SignedSets};
 use super::super::half_edges::HalfEdges;
-use super::super::repair::{Soup, copies_of_tagged};
-use super::super::surface::SurfaceMesh;
+use super::super::repair::Soup;
 use super::super::triangles::NONE;
 use super::radial::pairs_around;
-use crate::context::Context;
-use crate::error::Result;
+use glam::DVec3;
 
-/// The sides of all edges.
-pub(in crate::mesh) struct Sheets {
+/// Rounds in which only those pairs are taken apart that need it; then all are.
+const PARTINGS: usize = 8;
+
+/// The edges of a welded surface, with what is known of the sides of each.
+pub(super) struct Sides<'a> {
+    pub soup: &'a Soup,
+    /// The sheet of every corner at its vertex, as far as it is known: only whether two are equal counts.
+    own: &'a [u32],
     half_edges: HalfEdges,
-    /// The other side of every half-edge, named by the corner that it leaves; [`NONE`] on borders and where none was found.
-    mate: Vec<u32>,
-    /// The sides without a mate of every edge with more than two.
-    loose: Vec<Vec<u32>>,
-    /// The ends of the edges all of whose sides were paired, and of those that stay.
-    pub paired: Vec<[u32; 2]>,
-    pub left: Vec<[u32; 2]>,
+    pub face_of: Vec<u32>,
+    pub next: Vec<u32>,
+    repeats: Vec<bool>,
 }
 
-/// An edge of more than two faces.
-struct Crowded {
-    ends: [u32; 2],
-    sides: Vec<u32>,
+/// An edge of more than two faces, its lower end first, and its sides, by the corners that they leave.
+pub(super) struct Crowded {
+    pub ends: [u32; 2],
+    pub sides: Vec<u32>,
+}
+
+impl<'a> Sides<'a> {
+    pub fn new(soup: &'a Soup, own: &'a [u32]) -> Self {
+        Sides {
+            soup,
+            own,
+            half_edges: soup.half_edges(),
+            face_of: soup.faces.face_of_corners(),
+            next: soup.faces.next_corners(),
+            repeats: soup.faces_with_repeats(),
+        }
+    }
+
+    /// The sides of every edge, without those of faces that use a vertex twice.
+    fn each_edge(&self, mut visit: impl FnMut([u32; 2], &[u32])) {
+        let mut sides = Vec::new();
+        for edge in self.half_edges.groups() {
+            sides.clear();
+            sides.extend(edge.corners().filter(|&c| !self.repeats[self.face_of[c as usize] as usize]));
+            visit(edge.ends, &sides);
+        }
+    }
+
+    fn face(&self, c: u32) -> u32 {
+        self.face_of[c as usize]
+    }
+
+    /// Whether a side leaves the vertex with the smaller number.
+    fn is_forward(&self, c: u32) -> bool {
+        let start = self.soup.faces.corners();
+        start[c as usize] < start[self.next[c as usize] as usize]
+    }
+
+    /// The corners of a side at the vertex with the smaller number, and at the other one.
+    fn corners(&self, c: u32) -> [u32; 2] {
+        let n = self.next[c as usize];
+        if self.is_forward(c) { [c, n] } else { [n, c] }
+    }
+
+    /// What tells a side from others of its edge that lie in other sheets.
+    fn key(&self, c: u32) -> [u32; 2] {
+        self.corners(c).map(|c| self.own[c as usize])
+    }
+
+    /// The faces to turn so that neighbours agree, in every part the fewer; none where all do. Neighbours share an edge of two
+    /// faces, or of two faces of one sheet. What agrees already is linked first: a surface with one side only keeps its seam.
+    pub fn turned(&self) -> Option<Vec<bool>> {
+        let mut senses = SignedSets::new(self.soup.faces.len());
+        let mut turns: Vec<[u32; 2]> = Vec::new();
+        self.each_edge(|_, sides| {
+            let mut link = |c: u32, d: u32| {
+                if self.is_forward(c) == self.is_forward(d) {
+                    turns.push([self.face(c), self.face(d)]);
+                } else {
+                    senses.relate(self.face(c), self.face(d), false);
+                }
+            };
+            match *sides {
+                [c, d] => link(c, d),
+                [_, _, _, ..] => pairs_of_one(sides, |c| self.key(c)).into_iter().for_each(|[c, d]| link(c, d)),
+                _ => {}
+            }
+        });
+        if turns.is_empty() {
+            return None;
+        }
+        for [f, g] in turns {
+            senses.relate(f, g, true);
+        }
+        let turned = senses.smaller_parts();
+        turned.contains(&true).then_some(turned)
+    }
+
+    /// Faces that use a vertex twice go with the first sheet of each of theirs.
+    fn add_repeats(&self, sheet: &mut [u32]) {
+        let mut least = vec![NONE; self.soup.points.len()];
+        let is_repeat = |c: usize| self.repeats[self.face_of[c] as usize];
+        let corners = self.soup.faces.corners();
+        for (c, &v) in corners.iter().enumerate().filter(|(c, _)| !is_repeat(*c)) {
+            least[v as usize] = least[v as usize].min(sheet[c]);
+        }
+        (0..corners.len()).filter(|&c| is_repeat(c)).for_each(|c| sheet[c] = least[corners[c] as usize]);
+    }
+
+    /// The edges of more than two faces, in an order that no numbers of vertices change.
+    fn crowded(&self) -> Vec<Crowded> {
+        let mut all: Vec<(Vec<u32>, [[u64; 3]; 2], Crowded)> = Vec::new();
+        self.each_edge(|ends, sides| {
+            if sides.len() > 2 {
+                let place = |v: u32| self.soup.points[v as usize];
+                let [a, b] = ends;
+                let ends = if is_lower(place(b), place(a)) { [b, a] } else { [a, b] };
+                let mut faces: Vec<u32> = sides.iter().map(|&c| self.face(c)).collect();
+                faces.sort_unstable();
+                let mut sides = sides.to_vec();
+                sides.sort_by_key(|&c| self.face(c));
+                let places = ends.map(|v| place(v).to_array().map(f64::to_bits));
+                all.push((faces, places, Crowded { ends, sides }));
+            }
+        });
+        all.sort_by(|a, b| (&a.0, a.1, a.2.ends).cmp(&(&b.0, b.1, b.2.ends)));
+        all.into_iter().map(|(_, _, edge)| edge).collect()
+    }
+
+    /// Looks for the sides that belong together; `names`: the body of every face of the file.
+    pub fn joined(&self, names: Option<&[i32]>) -> Sheets {
+        let mut finder = Finder {
+            at: self,
+            names,
+            mate: vec![NONE; self.soup.faces.corners().len()],
+            linked: SignedSets::new(self.soup.faces.len()),
+            guesses: Vec::new(),
+        };
+        self.each_edge(|_, sides| {
+            if let [c, d] = *sides {
+                finder.join([c, d], false);
+            }
+        });
+        let crowded = self.crowded();
+        finder.pair(&crowded);
+        let guesses = std::mem::take(&mut finder.guesses);
+        let mut sheets = Sheets { mate: finder.mate, crowded };
+        if !guesses.is_empty() {
+            sheets.dissolve(&guesses, self);
+        }
+        sheets.join_the_last_two();
+        sheets
+    }
+}
+
+/// Whether a place comes before another one.
+fn is_lower(a: DVec3, b: DVec3) -> bool {
+    let order = a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
+    order.is_lt()
+}
+
+/// The sides that belong together.
+pub(super) struct Sheets {
+    /// The other side of every half-edge; [`NONE`] on borders and where none was found.
+    mate: Vec<u32>,
+    pub crowded: Vec<Crowded>,
 }
 
 impl Sheets {
-    /// Looks for the sides that belong together; `original` is what the soup was made of.
-    pub fn of(soup: &Soup, original: &SurfaceMesh, context: &Context) -> Result<Self> {
-        let half_edges = soup.half_edges();
-        let repeats = soup.faces_with_repeats();
-        let face_of = soup.faces.face_of_corners();
-        let mut mate = vec![NONE; soup.faces.corners().len()];
-        let mut crowded = Vec::new();
-        let mut linked = DisjointSets::new(soup.faces.len());
-        let mut sides: Vec<u32> = Vec::new();
-        for edge in half_edges.groups() {
-            sides.clear();
-            sides.extend(edge.corners().filter(|&c| !repeats[face_of[c as usize] as usize]));
-            match sides[..] {
-                [] | [_] => {}
-                [c, d] => {
-                    (mate[c as usize], mate[d as usize]) = (d, c);
-                    linked.union(face_of[c as usize], face_of[d as usize]);
-                }
-                _ => crowded.push(Crowded { ends: edge.ends, sides: sides.clone() }),
-            }
-        }
-        let mut sheets = Sheets { half_edges, mate, loose: Vec::new(), paired: Vec::new(), left: Vec::new() };
-        if !crowded.is_empty() {
-            context.check()?;
-            let guesses = Finder::new(soup, original, &face_of, linked.leaders()).pair(&crowded, &mut sheets.mate);
-            sheets.dissolve(&guesses, &crowded, &face_of, soup.faces.len());
-            sheets.sort_out(&crowded);
-        }
-        Ok(sheets)
-    }
-
     /// Takes guessed pairs apart where the sheet is open.
-    fn dissolve(&mut self, guesses: &[[u32; 2]], crowded: &[Crowded], face_of: &[u32], faces: usize) {
-        let mut sets = DisjointSets::new(faces);
-        for (c, &d) in self.mate.iter().enumerate().filter(|(_, d)| **d != NONE) {
-            sets.union(face_of[c], face_of[d as usize]);
+    fn dissolve(&mut self, guesses: &[[u32; 2]], at: &Sides) {
+        let mut sets = DisjointSets::new(at.soup.faces.len());
+        for (c, &d) in (0u32..).zip(&self.mate).filter(|&(_, &d)| d != NONE) {
+            sets.union(at.face(c), at.face(d));
         }
         let sheet = sets.leaders();
-        let mut open = vec![false; faces];
-        for (c, _) in self.mate.iter().enumerate().filter(|(_, d)| **d == NONE) {
-            open[sheet[face_of[c] as usize] as usize] = true;
+        let mut open = vec![false; sheet.len()];
+        for (c, _) in (0u32..).zip(&self.mate).filter(|&(_, &d)| d == NONE) {
+            open[sheet[at.face(c) as usize] as usize] = true;
         }
-        debug_assert!(guesses.is_empty() || !crowded.is_empty());
-        for &[c, d] in guesses.iter().filter(|[c, _]| open[sheet[face_of[*c as usize] as usize] as usize]) {
+        for &[c, d] in guesses.iter().filter(|[c, _]| open[sheet[at.face(*c) as usize] as usize]) {
             (self.mate[c as usize], self.mate[d as usize]) = (NONE, NONE);
         }
     }
 
-    /// Which edges have all their sides paired. Two sides that are left over belong together: what is regular without the others.
-    fn sort_out(&mut self, crowded: &[Crowded]) {
-        for edge in crowded {
-            let loose: Vec<u32> = edge.sides.iter().copied().filter(|&c| self.mate[c as usize] == NONE).collect();
-            match loose[..] {
-                [] => self.paired.push(edge.ends),
-                [c, d] => {
-                    (self.mate[c as usize], self.mate[d as usize]) = (d, c);
-                    self.paired.push(edge.ends);
-                }
-                _ => {
-                    self.left.push(edge.ends);
-                    self.loose.push(loose);
-                }
+    /// Two sides that are left over belong together: what is regular without the others.
+    fn join_the_last_two(&mut self) {
+        for edge in &self.crowded {
+            let mut loose = edge.sides.iter().copied().filter(|&c| self.mate[c as usize] == NONE);
+            if let (Some(c), Some(d), None) = (loose.next(), loose.next(), loose.next()) {
+                (self.mate[c as usize], self.mate[d as usize]) = (d, c);
             }
         }
     }
 
-    /// Gives every umbrella of a vertex a vertex of its own: that of the file, where it had one. Sides without a mate stay
-    /// together. Returns how many vertices are copies, and one that was copied.
-    pub fn separate(&self, soup: &mut Soup, original: &SurfaceMesh) -> (usize, Option<u32>) {
-        let umbrella = self.umbrellas(soup);
-        let own: Vec<u32> = soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
-        let repeats = soup.faces_with_repeats();
-        let face_of = soup.faces.face_of_corners();
-        // The file's vertex of every umbrella: the first of those that its corners had.
-        let mut source = vec![NONE; umbrella.len()];
-        for (c, &u) in umbrella.iter().enumerate().filter(|(c, _)| !repeats[face_of[*c] as usize]) {
-            source[u as usize] = source[u as usize].min(own[c]);
+    /// The sheet of every corner, by the first face that it has at the vertex. Sides without a mate stay together, or are cut.
+    pub fn of_corners(&mut self, at: &Sides, cut: bool) -> Vec<u32> {
+        let mut first = self.umbrellas(at, cut);
+        let mut rounds = 0;
+        while cut && self.part_doubled(at, &first, rounds == PARTINGS) {
+            first = self.umbrellas(at, cut);
+            rounds += 1;
         }
-        let named = |&c: &u32| umbrella[c as usize] == c && source[c as usize] != NONE;
-        let mut firsts: Vec<u32> = (0..umbrella.len() as u32).filter(named).collect();
-        let old: Vec<u32> = soup.faces.corners().to_vec();
-        firsts.sort_by_key(|&c| (old[c as usize], source[c as usize], c));
-        if firsts.windows(2).all(|w| old[w[0] as usize] != old[w[1] as usize]) {
-            return (0, None);
+        let mut sheet: Vec<u32> = first.into_iter().map(|c| at.face(c)).collect();
+        if at.repeats.contains(&true) {
+            at.add_repeats(&mut sheet);
         }
-        let mut of_umbrella = old.clone();
-        for of_vertex in firsts.chunk_by(|&a, &b| old[a as usize] == old[b as usize]).filter(|list| list.len() > 1) {
-            for (k, &c) in of_vertex.iter().enumerate() {
-                let v = old[c as usize];
-                if k > 0 {
-                    of_umbrella[c as usize] = soup.points.len() as u32;
-                    soup.points.push(original.points()[source[c as usize] as usize]);
-                    soup.vertex_source.push(source[c as usize]);
-                } else {
-                    soup.points[v as usize] = original.points()[source[c as usize] as usize];
-                    soup.vertex_source[v as usize] = source[c as usize];
-                }
-            }
-        }
-        let new: Vec<u32> = (0..old.len()).map(|c| of_umbrella[umbrella[c] as usize]).collect();
-        let next = soup.faces.next_corners();
-        soup.tagged = copies_of_tagged(&soup.tagged, &self.half_edges, &new, &next);
-        soup.faces.corners_mut().copy_from_slice(&new);
-        for (c, &v) in own.iter().enumerate().rev() {
-            soup.vertex_image[v as usize] = new[c];
-        }
-        let copies = soup.in_order_of_source();
-        (copies.len(), copies.first().copied())
+        sheet
     }
 
     /// The umbrella of every corner, by its smallest corner.
-    fn umbrellas(&self, soup: &Soup) -> Vec<u32> {
-        let (start, next) = (soup.faces.corners(), soup.faces.next_corners());
-        let mut sets = DisjointSets::new(start.len());
-        // The corners of a half-edge at the smaller and the larger vertex.
-        let ends = |c: u32| {
-            let n = next[c as usize];
-            if start[c as usize] < start[n as usize] { [c, n] } else { [n, c] }
-        };
+    fn umbrellas(&self, at: &Sides, cut: bool) -> Vec<u32> {
+        let mut sets = DisjointSets::new(self.mate.len());
         let mut link = |c: u32, d: u32| {
-            let (a, b) = (ends(c), ends(d));
+            let (a, b) = (at.corners(c), at.corners(d));
             sets.union(a[0], b[0]);
             sets.union(a[1], b[1]);
         };
         for (c, &d) in (0u32..).zip(&self.mate).filter(|&(c, &d)| d != NONE && c < d) {
             link(c, d);
         }
-        self.loose.iter().flat_map(|sides| sides.windows(2)).for_each(|w| link(w[0], w[1]));
-        sets.leaders()
-    }
-}
-
-/// What is known about the sides of an edge.
-struct Finder<'a> {
-    soup: &'a Soup,
-    face_of: &'a [u32],
-    next: Vec<u32>,
-    /// The file's vertex of every corner.
-    own: Vec<u32>,
-    /// Body name of every face of the file.
-    names: Option<&'a [i32]>,
-    /// The part of the surface that every face is in.
-    part: Vec<u32>,
-}
-
-impl<'a> Finder<'a> {
-    fn new(soup: &'a Soup, original: &'a SurfaceMesh, face_of: &'a [u32], part: Vec<u32>) -> Self {
-        let own = soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
-        let names = super::bodies::labels(original);
-        Finder { soup, face_of, next: soup.faces.next_corners(), own, names, part }
-    }
-
-    /// Pairs the sides of all crowded edges, and returns the pairs that are guesses.
-    fn pair(&self, crowded: &[Crowded], mate: &mut [u32]) -> Vec<[u32; 2]> {
-        let mut guesses = Vec::new();
-        for edge in crowded {
-            let mut rest = edge.sides.clone();
-            let mut join = |pairs: Vec<[u32; 2]>, rest: &mut Vec<u32>, guessed: bool| {
-                for [c, d] in pairs {
-                    (mate[c as usize], mate[d as usize]) = (d, c);
-                    rest.retain(|&side| side != c && side != d);
-                    if guessed {
-                        guesses.push([c, d]);
-                    }
-                }
-            };
-            join(pairs_of_one(&rest, |c| self.own_edge(c)), &mut rest, false);
-            if self.names.is_some() {
-                join(pairs_of_one(&rest, |c| self.name(c)), &mut rest, false);
-            }
-            let alike = pairs_of_one(&rest, |c| self.part[self.face_of[c as usize] as usize]);
-            let alike = alike.into_iter().filter(|&[c, d]| self.is_forward(c) != self.is_forward(d)).collect();
-            join(alike, &mut rest, true);
-            let mut by_name = rest.clone();
-            by_name.sort_by_key(|&c| (self.name(c), c));
-            for group in by_name.chunk_by(|&a, &b| self.name(a) == self.name(b)) {
-                join(pairs_around(self.soup, edge.ends, group, &self.next, self.face_of), &mut rest, true);
+        if !cut {
+            for edge in &self.crowded {
+                let loose: Vec<u32> = edge.sides.iter().copied().filter(|&c| self.mate[c as usize] == NONE).collect();
+                loose.windows(2).for_each(|w| link(w[0], w[1]));
             }
         }
-        guesses
+        sets.leaders()
     }
 
-    fn own_edge(&self, c: u32) -> [u32; 2] {
-        let ends = [self.own[c as usize], self.own[self.next[c as usize] as usize]];
-        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    /// Takes pairs apart that have the same vertices as others of their edge, or all. Whether there were any.
+    fn part_doubled(&mut self, at: &Sides, umbrella: &[u32], all: bool) -> bool {
+        let mut found = false;
+        for edge in &self.crowded {
+            let mut keyed: Vec<([u32; 2], u32)> =
+                edge.sides.iter().map(|&c| (at.corners(c).map(|c| umbrella[c as usize]), c)).collect();
+            keyed.sort_unstable();
+            for &(_, c) in keyed.chunk_by(|a, b| a.0 == b.0).filter(|group| all || group.len() > 2).flatten() {
+                let d = std::mem::replace(&mut self.mate[c as usize], NONE);
+                if d != NONE {
+                    self.mate[d as usize] = NONE;
+                    found = true;
+                }
+            }
+        }
+        found
+    }
+
+    /// The edges whose sides are all in sheets of two, by vertices of the surface.
+    pub fn paired(&self, at: &Sides) -> Vec<[u32; 2]> {
+        let is_paired = |edge: &&Crowded| 2 * pairs_of_one(&edge.sides, |c| at.key(c)).len() == edge.sides.len();
+        self.crowded.iter().filter(is_paired).map(|edge| edge.ends).collect()
+    }
+}
+
+/// Looks for pairs.
+struct Finder<'a> {
+    at: &'a Sides<'a>,
+    names: Option<&'a [i32]>,
+    mate: Vec<u32>,
+    /// Faces that are linked, with their senses.
+    linked: SignedSets,
+    /// Pairs of rules 3 to 5.
+    guesses: Vec<[u32; 2]>,
+}
+
+impl Finder<'_> {
+    fn join(&mut self, [c, d]: [u32; 2], is_guess: bool) {
+        (self.mate[c as usize], self.mate[d as usize]) = (d, c);
+        let turn = self.at.is_forward(c) == self.at.is_forward(d);
+        self.linked.relate(self.at.face(c), self.at.face(d), turn);
+        if is_guess {
+            self.guesses.push([c, d]);
+        }
+    }
+
+    /// Pairs the sides of all crowded edges, the surest first.
+    fn pair(&mut self, crowded: &[Crowded]) {
+        for edge in crowded {
+            let pairs = pairs_of_one(&edge.sides, |c| self.at.key(c));
+            pairs.into_iter().for_each(|pair| self.join(pair, false));
+        }
+        if self.names.is_some() {
+            for edge in crowded {
+                let pairs = pairs_of_one(&self.rest(edge), |c| self.name(c));
+                pairs.into_iter().for_each(|pair| self.join(pair, false));
+            }
+        }
+        crowded.iter().for_each(|edge| self.pair_by_parts(edge));
+        for edge in crowded {
+            self.pair_by_parts(edge);
+            let mut rest = self.rest(edge);
+            rest.sort_by_key(|&c| (self.name(c), self.at.face(c)));
+            let groups = rest.chunk_by(|&a, &b| self.name(a) == self.name(b));
+            let pairs: Vec<[u32; 2]> = groups.flat_map(|group| pairs_around(self.at, edge.ends, group)).collect();
+            pairs.into_iter().for_each(|pair| self.join(pair, true));
+        }
+    }
+
+    /// The sides of an edge that have no mate.
+    fn rest(&self, edge: &Crowded) -> Vec<u32> {
+        edge.sides.iter().copied().filter(|&c| self.mate[c as usize] == NONE).collect()
+    }
+
+    /// The two sides of one part, where they agree in sense.
+    fn pair_by_parts(&mut self, edge: &Crowded) {
+        let mut parts: Vec<(u32, u32, bool)> = Vec::new();
+        for c in self.rest(edge) {
+            let (part, differs) = self.linked.find(self.at.face(c));
+            parts.push((part, c, differs));
+        }
+        parts.sort_unstable();
+        for pair in parts.chunk_by(|a, b| a.0 == b.0) {
+            if let &[(_, c, first), (_, d, second)] = pair
+                && (first != second) == (self.at.is_forward(c) == self.at.is_forward(d))
+            {
+                self.join([c, d], true);
+            }
+        }
     }
 
     fn name(&self, c: u32) -> Option<i32> {
-        let source = self.soup.face_source[self.face_of[c as usize] as usize];
+        let source = self.at.soup.face_source[self.at.face(c) as usize];
         self.names.map(|names| names[source as usize])
-    }
-
-    fn is_forward(&self, c: u32) -> bool {
-        let start = self.soup.faces.corners();
-        start[c as usize] < start[self.next[c as usize] as usize]
     }
 }
 

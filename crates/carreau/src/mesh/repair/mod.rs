@@ -2,27 +2,36 @@
 //!
 //! | step | file | what happens | option |
 //! |---|---|---|---|
-//! | 1 | `weld` | vertices at one place become one | `weld` |
+//! | 1 | `super::weld` | vertices at one place become one | `weld` |
 //! | 2 | `degenerate` | faces without area go, the surface stays closed | `degenerate` |
-//! | 3 | `duplicates` | of several faces on the same vertices one stays | `duplicates` |
-//! | 4 | `orient` | neighbours are turned until they agree | `orient` |
-//! | 5 | `split` | non-manifold edges and vertices are cut into sheets | `split` |
+//! | 3 | `super::prepare` | of several faces on the same vertices one stays, two between bodies | `duplicates` |
+//! | 4 | `super::prepare` | neighbours are turned until they agree | `orient` |
+//! | 5 | `super::prepare` | bodies that touch come apart; what is still not manifold is cut into sheets | `split` |
 //! | 6 | `orient` | closed components look outward, cavities inward | `outward` |
 //! | 7 | `soup` | unreferenced vertices are dropped | `unreferenced` |
+//!
+//! Steps 2 to 6 are those of the preparation that every verb makes, but for the cuts (Guéziec, Taubin, Lazarus, Horn, "Cutting and
+//! Stitching: Converting Sets of Polygons to Manifold Surfaces", IEEE TVCG 2001, global cutting): corners of a vertex stay together
+//! only where a chain of edges of two sides links their faces.
+//!
+//! ```text
+//!   ╲ │ ╱            ╲ │ ╱
+//!    ╲│╱              ╲│╱
+//!     •       →        •        two umbrellas, two vertices at one place
+//!    ╱│╲               •
+//!   ╱ │ ╲             ╱│╲
+//! ```
 //!
 //! The order matters: welding makes degenerate and duplicate faces, both hide the sense and the umbrellas of their
 //! neighbours, and what is outside can only be told once bodies that touched are separate. Holes are not filled. A
 //! repaired mesh is left as it is by a second repair with the same options.
 
 pub(super) mod degenerate;
-mod duplicates;
-pub(super) mod orient;
+mod orient;
 mod sound;
 mod soup;
-mod split;
-mod weld;
 
-use super::prepare::body_labels;
+use super::prepare::{Mended, Steps, leaders, mend};
 use super::surface::SurfaceMesh;
 use super::topology::Topology;
 use crate::context::Context;
@@ -30,11 +39,11 @@ use crate::error::{Error, Result};
 use crate::length::Length;
 use serde::{Deserialize, Serialize};
 
+pub(super) use orient::outward;
 pub(super) use sound::is_umbrella;
 pub use sound::sound;
 pub(crate) use sound::{divided, is_flawed};
 pub(super) use soup::Soup;
-pub(super) use split::copies_of_tagged;
 
 /// Which steps to take. By default all, with vertices welded at exactly equal positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -118,44 +127,29 @@ pub struct Repaired {
 /// [`Error::Options`] for a negative tolerance, [`Error::Cancelled`] and [`Error::Deadline`].
 pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) -> Result<Repaired> {
     let before = Topology::of(mesh);
-    let diagonal = mesh.diagonal();
-    let mut soup = Soup::of(mesh);
     let stage = context.stage("repair");
-    let done = |step: usize| stage.step(step, 7);
-
-    done(0)?;
-    let mut welded_vertices = 0;
-    if let Some(tolerance) = options.weld {
-        welded_vertices = weld::weld(&mut soup, resolved(tolerance, diagonal)?);
-    }
-    done(1)?;
-    let flat = if options.degenerate { degenerate::remove(&mut soup, diagonal, context)? } else { Default::default() };
-    done(2)?;
-    let dropped_duplicates = if options.duplicates { duplicates::drop(&mut soup) } else { 0 };
-    done(3)?;
-    let turned = if options.orient { orient::agree(&mut soup) } else { vec![false; soup.faces.len()] };
-    done(4)?;
-    let split_vertices = if options.split { split::into_sheets(&mut soup) } else { 0 };
-    let turned_faces = turned.into_iter().filter(|&t| t).count();
-    done(5)?;
-    let names = body_labels(mesh);
-    let turned_components = if options.outward { orient::outward(&mut soup, names).len() } else { 0 };
-    done(6)?;
-    let dropped_vertices = if options.unreferenced { soup.drop_unreferenced() } else { 0 };
+    stage.step(0, 3)?;
+    let tolerance = options.weld.map(|tolerance| resolved(tolerance, mesh.diagonal())).transpose()?;
+    let leader = tolerance.and_then(|tolerance| leaders(mesh, tolerance));
+    stage.step(1, 3)?;
+    let mut mended = mend(mesh, leader.as_deref(), options.steps(), context)?;
+    stage.step(2, 3)?;
+    let dropped_vertices = if options.unreferenced { mended.soup.drop_unreferenced() } else { 0 };
+    let Mended { soup, removed, doubles, turned, inverted, copies, .. } = mended;
+    let welded_vertices = welded(leader.as_deref(), &soup);
     let mesh = soup.into_mesh(mesh)?;
     let after = Topology::of(&mesh);
-    done(7)?;
-
+    stage.step(3, 3)?;
     let report = RepairReport {
         welded_vertices,
-        collapsed_faces: flat.collapsed_faces,
-        flipped_edges: flat.flipped_edges,
-        merged_vertices: flat.merged_vertices,
-        dropped_faces: flat.dropped_faces,
-        dropped_duplicates,
-        turned_faces,
-        split_vertices,
-        turned_components,
+        collapsed_faces: removed.collapsed_faces,
+        flipped_edges: removed.flipped_edges,
+        merged_vertices: removed.merged_vertices,
+        dropped_faces: removed.dropped_faces,
+        dropped_duplicates: doubles.len(),
+        turned_faces: turned.into_iter().filter(|&t| t).count(),
+        split_vertices: copies,
+        turned_components: inverted.len(),
         dropped_vertices,
         before,
         after,
@@ -163,7 +157,26 @@ pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) ->
     Ok(Repaired { mesh, report })
 }
 
+/// Vertices that have become one with another: not those whose sheets have got them back.
+fn welded(leader: Option<&[u32]>, soup: &Soup) -> usize {
+    let Some(leader) = leader else { return 0 };
+    let mut stays = vec![false; leader.len()];
+    soup.vertex_source.iter().for_each(|&v| stays[v as usize] = true);
+    (0u32..).zip(leader).filter(|&(v, &l)| l != v && !stays[v as usize]).count()
+}
+
 impl RepairOptions {
+    fn steps(&self) -> Steps {
+        Steps {
+            degenerate: self.degenerate,
+            doubles: self.duplicates,
+            orient: self.orient,
+            sheets: self.split,
+            cut: self.split,
+            outward: self.outward,
+        }
+    }
+
     /// Refuses a tolerance that is no length.
     ///
     /// # Errors

@@ -1,18 +1,8 @@
-//! Steps 4 and 6: neighbours agree, and closed components look outward.
+//! Closed components look outward, cavities inward.
 
 use super::soup::Soup;
 use crate::mesh::connectivity::Connectivity;
 use crate::mesh::nesting::Shells;
-
-/// Turns faces so that the two faces of every regular edge run along it in opposite directions. In each connected part
-/// the majority keeps its sense. Returns the faces that were turned.
-///
-/// A part with one side only (a Möbius strip, a Klein bottle) keeps a seam of inconsistent edges.
-pub fn agree(soup: &mut Soup) -> Vec<bool> {
-    let parts = Connectivity::of(&soup.faces, &soup.half_edges(), &soup.faces_with_repeats());
-    soup.turn_faces(|f| parts.turned[f]);
-    parts.turned
-}
 
 /// Turns closed components that look inward, and cavities that look outward; what has a name of its own is no cavity. Returns a
 /// face of each component that was turned.

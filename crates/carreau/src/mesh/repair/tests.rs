@@ -239,6 +239,26 @@ fn touching_bodies_come_apart() {
     }
 }
 
+/// Two bodies with a common face, every triangle with corners of its own, as an STL file has them.
+#[test]
+fn bodies_in_contact_are_closed_and_keep_their_names() {
+    let boxes = together(&[cube(DVec3::ZERO, 1.0), cube(DVec3::X, 1.0)]).triangulated().unwrap();
+    let half = boxes.face_count() / 2;
+    for turn in [false, true] {
+        let mut mesh = soup_of(&turned(&boxes, |f| turn && f < half));
+        let labels = (0..2 * half).map(|f| i32::from(f >= half)).collect();
+        mesh.attributes.face.insert("solid".into(), Column::Label(labels));
+        let result = repaired(&mesh);
+        let after = &result.report.after;
+        assert!(is_clean(after) && after.closed && after.components == 2, "{after:?}");
+        assert!((after.volume.unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!(result.mesh.vertex_count(), boxes.vertex_count());
+        let Column::Label(labels) = &result.mesh.attributes.face["solid"] else { panic!("labels") };
+        let of_body = |f: usize| result.mesh.face(FaceId::new(f)).iter().all(|&v| (v < 8) == (labels[f] == 0));
+        assert!((0..2 * half).all(of_body));
+    }
+}
+
 #[test]
 fn three_sheets_on_an_edge_are_cut() {
     let p = [DVec3::ZERO, DVec3::Z, DVec3::X, DVec3::new(-1., 1., 0.), DVec3::new(-1., -1., 0.)];

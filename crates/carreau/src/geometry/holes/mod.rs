@@ -1,0 +1,129 @@
+//! Holes filled with faces that follow the surroundings.
+//!
+//! | stage | file | source |
+//! |---|---|---|
+//! | the border loops | `loops` | – |
+//! | a triangulation of least area | `area` | Barequet, Sharir, "Filling gaps in the boundary of a polyhedron", 1995 |
+//! | triangles of the size of those around | `refine` | Liepa, "Filling holes in meshes", SGP 2003, §4 |
+//! | vertices where the surface goes on | `fair` | the same, §5, by one linear system |
+//!
+//! Where the faces around a hole lie in a plane, so does what fills it: nothing is faired there. New vertices and faces come after
+//! all others, hole by hole; faces take the labels of a face beside the hole, vertices the values of the nearest border vertex.
+
+mod area;
+mod fair;
+mod loops;
+mod refine;
+#[cfg(test)]
+mod tests;
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::{Attributes, CornerId, SurfaceMesh, UnitScale, gather_columns};
+use glam::DVec3;
+use loops::Loop;
+use serde::Serialize;
+
+/// A hole that was filled.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hole {
+    /// Number of its border edges.
+    pub edges: usize,
+    /// The new faces: the first, and one after the last.
+    pub faces: [u32; 2],
+    /// The new vertices: the first, and one after the last.
+    pub vertices: [u32; 2],
+}
+
+/// A surface whose holes were filled.
+#[derive(Debug, Clone)]
+pub struct Filled {
+    /// The surface; the new faces are triangles.
+    pub mesh: SurfaceMesh,
+    /// The holes, in the order of their first border edges.
+    pub holes: Vec<Hole>,
+    /// Holes that were left: with more edges than asked for, or with a border that meets itself.
+    pub left: usize,
+}
+
+/// A patch on a hole: triangles on vertices of the mesh and on new ones after these.
+struct Patch {
+    points: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Fills the holes of up to so many border edges, all by default.
+///
+/// # Errors
+/// [`Error::Numeric`] where a system cannot be solved, [`Error::Cancelled`], [`Error::Deadline`].
+pub fn fill(mesh: &SurfaceMesh, most: Option<usize>, context: &Context) -> Result<Filled> {
+    let scale = UnitScale::of_mesh(mesh);
+    if let Some(mesh) = scale.mesh(mesh, &[]) {
+        let filled = fill(&mesh, most, context)?;
+        return Ok(Filled { mesh: scale.back().moved(filled.mesh, &[]), ..filled });
+    }
+    let _stage = context.stage("fill holes");
+    let borders = loops::loops(mesh);
+    let is_wanted = |border: &&Loop| border.simple && most.is_none_or(|most| border.corners.len() <= most);
+    let wanted: Vec<&Loop> = borders.iter().filter(is_wanted).collect();
+    let left = borders.len() - wanted.len();
+    let half_edges = mesh.half_edges();
+    let (mut points, mut faces) = (mesh.points().to_vec(), mesh.faces().clone());
+    let (mut holes, mut vertex_source, mut face_source, mut corner_source) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for border in wanted {
+        context.check()?;
+        let ring: Vec<u32> = border.corners.iter().map(|&c| mesh.vertex(CornerId(c)).0).collect();
+        // The patch runs against the faces around.
+        let against: Vec<u32> = ring.iter().rev().copied().collect();
+        let Some(triangles) =
+            area::least_area(mesh.points(), &against, |a, b| half_edges.find(a, b).is_some(), context)?
+        else {
+            continue;
+        };
+        let first = points.len() as u32;
+        let mut patch = Patch { points: Vec::new(), triangles };
+        refine::refine(&mut patch, mesh, &ring, first, context)?;
+        fair::fair(&mut patch, mesh, &ring, first, context)?;
+        let nearest = |p: DVec3| {
+            let near = |a: usize, b: usize| {
+                p.distance_squared(mesh.points()[ring[a] as usize])
+                    < p.distance_squared(mesh.points()[ring[b] as usize])
+            };
+            (0..ring.len()).fold(0, |best, k| if near(k, best) { k } else { best })
+        };
+        let sources: Vec<usize> = patch.points.iter().map(|&p| nearest(p)).collect();
+        let face = mesh.face_of(CornerId(border.corners[0])).0;
+        let from = faces.len() as u32;
+        for t in &patch.triangles {
+            faces.push(t);
+            face_source.push(face);
+            corner_source.extend(t.iter().map(|&v| {
+                let k =
+                    if v >= first { Some(sources[(v - first) as usize]) } else { ring.iter().position(|&r| r == v) };
+                border.corners[k.unwrap_or(0)]
+            }));
+        }
+        vertex_source.extend(sources.into_iter().map(|k| ring[k]));
+        points.extend(&patch.points);
+        holes.push(Hole {
+            edges: ring.len(),
+            faces: [from, faces.len() as u32],
+            vertices: [first, points.len() as u32],
+        });
+    }
+    if !faces.fits() {
+        return Err(Error::input("the filled surface has more corners than a mesh can number", "", "fill fewer holes"));
+    }
+    let all = |n: usize, more: Vec<u32>| (0..n as u32).chain(more).collect::<Vec<u32>>();
+    let from = &mesh.attributes;
+    let attributes = Attributes {
+        vertex: gather_columns(&from.vertex, &all(mesh.vertex_count(), vertex_source)),
+        face: gather_columns(&from.face, &all(mesh.face_count(), face_source)),
+        corner: gather_columns(&from.corner, &all(mesh.corner_count(), corner_source)),
+        ..Attributes::words_of(from)
+    };
+    let mut out = SurfaceMesh::new(points, faces)?;
+    (out.attributes, out.tagged_edges) = (attributes, mesh.tagged_edges.clone());
+    Ok(Filled { mesh: out, holes, left })
+}
