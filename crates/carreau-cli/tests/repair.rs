@@ -48,7 +48,7 @@ fn bodies_in_contact_are_closed_and_keep_their_names() {
     assert_eq!(done["repair"]["after"]["closed"], true);
     let found = topology(&output);
     assert_eq!((found["closed"].as_bool(), found["components"].as_u64()), (Some(true), Some(2)));
-    assert_eq!((found["volume"].as_f64(), found["vertices"].as_u64()), (Some(48.0), Some(16)));
+    assert!((found["volume"].as_f64().unwrap() - 48.0).abs() < 1e-9 && found["vertices"] == 16, "{found}");
     let text = fs::read_to_string(&output).unwrap();
     assert!(text.contains("housing") && text.contains("lid"), "{text}");
 }
@@ -80,9 +80,10 @@ fn holes_are_filled_up_to_a_size_and_pieces_left_out() {
     let done = record(&["repair", text(&input), "-o", text(&output), "--fill-holes", &small.to_string()]);
     assert_eq!(done["filled"].as_array().unwrap().len(), 1);
     assert!(done["warnings"].to_string().contains("1 boundary loop is left"), "{}", done["warnings"]);
-    let said = carreau().args(["info", text(&input), "--walls", "0.02", "--gaps", "0.001"]).assert().success();
-    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
-    assert!(said.contains("4 faces have a wall thinner than 0.02") && said.contains("no face has a gap"), "{said}");
+    let found = record(&["info", text(&input), "--walls", "3", "--gaps", "0.001"]);
+    assert!(found["walls"]["faces"].as_u64().unwrap() > 300 && found["gaps"]["faces"] == 0, "{}", found["walls"]);
+    let least = found["walls"]["least"].as_f64().unwrap();
+    assert!((0.5..2.0).contains(&least), "{least}");
 }
 
 /// Files that STL programs write make no noise, and a result that is larger than its input is explained.
