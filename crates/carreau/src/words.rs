@@ -138,7 +138,10 @@ pub fn agreed(text: &str) -> String {
         if !starts || words[k].trim_start_matches('(') != "1" {
             continue;
         }
-        let noun = (k + 1..words.len().min(k + 2 + BETWEEN)).find_map(|n| {
+        // What it counts stands in the same clause.
+        let ends_clause = |n: usize| words[n].ends_with([',', ';', ':', '.']);
+        let clause = (k + 1..words.len()).find(|&n| ends_clause(n)).map_or(words.len(), |n| n + 1);
+        let noun = (k + 1..clause.min(k + 2 + BETWEEN)).find_map(|n| {
             let plain = bare(&words[n]);
             let (_, one) = NOUNS.iter().find(|(many, _)| *many == plain)?;
             Some((n, plain, *one))
@@ -172,6 +175,7 @@ mod tests {
                 "the file: 1 faces of fewer than 3 corners were left out",
                 "the file: 1 face of fewer than 3 corners was left out",
             ),
+            ("1 solid, 6 faces", "1 solid, 6 faces"),
             ("11 faces were left out", "11 faces were left out"),
             ("rung 1 edges", "rung 1 edges"),
             ("2 of 1 faces", "2 of 1 faces"),

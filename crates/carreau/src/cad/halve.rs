@@ -7,6 +7,7 @@
 //! ```
 
 use super::regions::{Map, Piece, Rung, area_vector};
+use super::spline::MOST_EFFORT;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, NONE, Triangles};
 use glam::DVec3;
@@ -26,7 +27,7 @@ impl Map<'_> {
     /// Cuts a piece; false where it is not worth it.
     pub fn cut(&mut self, p: u32) -> bool {
         let piece = &self.pieces[p as usize];
-        if piece.triangles.len() < LEAST || piece.cuts >= MOST_CUTS {
+        if piece.triangles.len() < LEAST || piece.cuts >= MOST_CUTS || self.effort >= MOST_EFFORT {
             return false;
         }
         let part = Part { t: self.t, label: &self.label, p, triangles: &piece.triangles };

@@ -76,6 +76,8 @@ pub struct Map<'a> {
     pub pieces: Vec<Piece>,
     /// Regions that had no surface from the beginning.
     pub free: Vec<u32>,
+    /// What was spent on spline surfaces so far: see [`super::spline::MOST_EFFORT`].
+    pub effort: u64,
     /// The number of the next piece.
     next: u64,
 }
@@ -94,7 +96,8 @@ impl<'a> Map<'a> {
             .filter(|(a, b)| a < b)
             .collect();
         shared.unify(&neighbours);
-        let mut map = Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), free: Vec::new(), next: 0 };
+        let mut map =
+            Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), free: Vec::new(), effort: 0, next: 0 };
         map.collect(&label, &primitives);
         map
     }

@@ -35,8 +35,18 @@ const FIRST_SPANS: f64 = 4.0;
 const MOST_SPANS: usize = 64;
 /// Halvings of the grid.
 const HALVINGS: u32 = 3;
+/// A grid of half the size brings a smooth surface nearer by a factor of sixteen; where it does not bring it nearer by this, the
+/// region has a bend inside, or borders that contradict each other, and no finer grid helps.
+const GAIN: f64 = 2.0;
 /// Share of the rectangle by which it is larger than the region on every side, so that feet do not leave it.
 const MARGIN: f64 = 0.04;
+/// Points that are projected, and control points that are solved for, for all surfaces of a model: a second or two. What is not settled
+/// then becomes facets.
+pub const MOST_EFFORT: u64 = 400_000;
+/// Pieces that are fitted side by side before the effort is looked at.
+const AT_ONCE: usize = 8;
+/// A control point that is solved for takes as long as the projection of so many points.
+const CONTROL_POINT: u64 = 4;
 /// Rounds in which parameters are corrected.
 const CORRECTIONS: usize = 3;
 /// Weight of a second difference, for a strong point of weight 1. It decides only where no points do.
@@ -77,21 +87,35 @@ pub fn settle(
     for (chain, k) in graph.chains.iter().zip(0u32..) {
         chain.sides.iter().filter(|&&s| s != NONE).for_each(|&s| chains_of[s as usize].push(k));
     }
-    let known = &*memory;
-    let one = |&p: &u32| {
-        context.check()?;
-        let chains = &chains_of[p as usize];
-        let key = Memory::surface_key(&map.pieces[p as usize], chains, tracks);
-        let found = known.surface(&key).cloned();
-        Ok((key, found.unwrap_or_else(|| fitted(map, p, chains, graph, tracks))))
-    };
-    let found: Vec<_> = context.install(|| which.par_iter().map(one).collect::<Result<_>>())?;
-    found.iter().for_each(|(key, found)| memory.keep_surface(*key, found));
+    let mut found = Vec::with_capacity(which.len());
+    for group in which.chunks(AT_ONCE) {
+        let known = &*memory;
+        let one = |&p: &u32| {
+            context.check()?;
+            let chains = &chains_of[p as usize];
+            let key = Memory::surface_key(&map.pieces[p as usize], chains, tracks);
+            Ok(match known.surface(&key) {
+                Some(found) => (key, found.clone(), 0),
+                None if map.effort >= MOST_EFFORT => (key, None, 0),
+                None => {
+                    let (found, effort) = fitted(map, p, chains, graph, tracks);
+                    (key, found, effort)
+                }
+            })
+        };
+        let fits: Vec<_> = context.install(|| group.par_iter().map(one).collect::<Result<_>>())?;
+        for (key, fit, effort) in fits {
+            memory.keep_surface(key, &fit);
+            map.effort += effort;
+            found.push(fit);
+        }
+    }
     let mut obstacles = Vec::new();
-    for (&p, (_, found)) in which.iter().zip(found) {
+    for (&p, found) in which.iter().zip(found) {
         let piece = &mut map.pieces[p as usize];
         let Some(Fitted { surface, gaps, max, square }) = found else {
-            obstacles.push(Obstacle { pieces: vec![p], reason: "it cannot be laid out in a plane".into() });
+            let reason = "it cannot be laid out in a plane, or there was no time left for it";
+            obstacles.push(Obstacle { pieces: vec![p], reason: reason.into() });
             continue;
         };
         let off = gaps.iter().copied().fold(0.0, f64::max);
@@ -120,9 +144,10 @@ pub struct Fitted {
     square: f64,
 }
 
-fn fitted(map: &Map<'_>, p: u32, chains: &[u32], graph: &Graph, tracks: &[Track]) -> Option<Fitted> {
+/// The surface of a piece, and the effort.
+fn fitted(map: &Map<'_>, p: u32, chains: &[u32], graph: &Graph, tracks: &[Track]) -> (Option<Fitted>, u64) {
     let triangles = &map.pieces[p as usize].triangles;
-    let flat = flatten(map.t, triangles)?;
+    let Some(flat) = flatten(map.t, triangles) else { return (None, triangles.len() as u64) };
     let mut samples: Vec<Sample> = flat
         .vertices
         .iter()
@@ -133,12 +158,16 @@ fn fitted(map: &Map<'_>, p: u32, chains: &[u32], graph: &Graph, tracks: &[Track]
     samples.extend(raised(map.t, triangles, &map.label, p, &flat));
     let mut borders: Vec<Border<'_>> =
         chains.iter().map(|&k| Border::new(map.t, &graph.chains[k as usize], &tracks[k as usize], &flat)).collect();
-    let surface = approximate(&mut samples, vertices, &mut borders, NEAR_ENOUGH * map.diagonal)?;
+    let mut effort = 0;
+    let near = NEAR_ENOUGH * map.diagonal;
+    let Some(surface) = approximate(&mut samples, vertices, &mut borders, near, &mut effort) else {
+        return (None, effort);
+    };
     let gaps = borders.iter().map(|b| b.gap(&surface)).collect();
     let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
     let max = samples[..vertices].iter().map(off).fold(0.0, f64::max);
     let square = samples[..vertices].iter().map(|s| off(s).powi(2)).sum::<f64>() / vertices as f64;
-    Some(Fitted { surface, gaps, max, square })
+    (Some(Fitted { surface, gaps, max, square }), effort)
 }
 
 /// A curve around the region: parameters of points along it, and their places.
@@ -241,6 +270,7 @@ fn approximate(
     vertices: usize,
     borders: &mut [Border<'_>],
     near: f64,
+    effort: &mut u64,
 ) -> Option<BSplineSurface> {
     let places = || samples.iter().map(|s| s.uv).chain(borders.iter().flat_map(|b| b.at.iter().map(|a| a.1)));
     let low = places().fold(DVec2::INFINITY, DVec2::min);
@@ -259,14 +289,18 @@ fn approximate(
         for border in borders.iter_mut() {
             while border.double(POINTS_A_CELL * cell) {}
         }
+        let points = samples.len() + borders.iter().map(|b| b.at.len()).sum::<usize>();
+        let controls = spans.iter().map(|s| *s as u64 + 3).product::<u64>();
+        *effort += (CORRECTIONS as u64 + 1) * (points as u64 + CONTROL_POINT * controls);
         let surface = corrected(samples, borders, low, size, spans)?;
         let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
         let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
         let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
+        let hopeless = halving > 1 && best.as_ref().is_some_and(|b| GAIN * far > b.0);
         if best.as_ref().is_none_or(|b| far < b.0) {
             best = Some((far, surface, Places::of(samples, borders)));
         }
-        if far <= near || spans.iter().all(|&s| s == MOST_SPANS) {
+        if far <= near || hopeless || spans.iter().all(|&s| s == MOST_SPANS) {
             break;
         }
     }
