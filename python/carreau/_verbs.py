@@ -762,8 +762,8 @@ def repair(
     keep : {"all", "largest"} or float or str, optional
         Pieces that stay: all, the largest, or those with at least this share of the largest one's area ("all").
     fill_holes : int or "all", optional
-        Fill holes of up to this many border edges, or all: least area, refined and smoothed like the surroundings; the record's
-        ``filled`` has the new faces and vertices of each.
+        Fill holes of up to this many border edges, or all: least area, refined and smoothed like the surroundings; the
+        record's ``filled`` has the new faces and vertices of each.
     orient : bool
         Turn faces even where replayed options say not to.
     **common
