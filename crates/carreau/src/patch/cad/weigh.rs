@@ -213,9 +213,27 @@ impl Run {
 
 /// Area and volume of a surface for each unit of parameter area.
 fn density(surface: &BSplineSurface, u: f64, v: f64, origin: DVec3) -> [f64; 2] {
-    let jet = surface.jet(u, v);
-    let vector = jet.first[0].cross(jet.first[1]);
-    [vector.length(), (jet.point - origin).dot(vector) / 3.0]
+    let [point, du, dv] = if surface.knots().iter().all(|k| k.degree() == 1) {
+        bilinear(surface, u, v)
+    } else {
+        let jet = surface.jet(u, v);
+        [jet.point, jet.first[0], jet.first[1]]
+    };
+    let vector = du.cross(dv);
+    [vector.length(), (point - origin).dot(vector) / 3.0]
+}
+
+/// Point and derivatives of a surface of degree (1, 1): most faces are, and the rule looks at thousands of points of each.
+fn bilinear(surface: &BSplineSurface, u: f64, v: f64) -> [DVec3; 3] {
+    let [(i, s, width), (j, t, height)] = [(0, u), (1, v)].map(|(k, x)| {
+        let knots = surface.knots()[k];
+        let span = knots.span(x);
+        let (low, high) = (knots.values()[span], knots.values()[span + 1]);
+        (span - 1, (x - low) / (high - low), high - low)
+    });
+    let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(k, l)| surface.control(i + k, j + l));
+    let (bottom, top) = (a.lerp(b, s), c.lerp(d, s));
+    [bottom.lerp(top, t), (b - a).lerp(d - c, t) / width, (top - bottom) / height]
 }
 
 fn integral_of([a, b]: [f64; 2], count: usize, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
@@ -248,4 +266,25 @@ fn legendre(n: usize) -> Vec<(f64, f64)> {
         (x, 2.0 / ((1.0 - x * x) * slope * slope))
     };
     (0..n).map(root).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::bspline::Knots;
+
+    #[test]
+    fn the_short_way_to_bilinear_points_is_that_of_splines() {
+        let [u, v] = [&[0.0, 0.3, 1.0, 1.1][..], &[-1.0, 2.0, 2.5]].map(|at| Knots::from_breaks(1, at, 1).unwrap());
+        let at = |k: u32| DVec3::new(f64::from(k % 4), f64::from(k / 4), f64::from(k * k % 7));
+        let surface = BSplineSurface::new(u, v, (0..12).map(at).collect()).unwrap();
+        for k in 0..=20 {
+            for l in 0..=20 {
+                let (u, v) = (1.1 * f64::from(k) / 20.0, -1.0 + 3.5 * f64::from(l) / 20.0);
+                let (jet, short) = (surface.jet(u, v), bilinear(&surface, u, v));
+                let off = [short[0] - jet.point, short[1] - jet.first[0], short[2] - jet.first[1]];
+                assert!(off.iter().all(|d| d.length() < 1e-12), "{u} {v} {off:?}");
+            }
+        }
+    }
 }
