@@ -177,8 +177,9 @@ pub fn validate(
     Ok(findings)
 }
 
-/// Halvings of the angle (and quarterings of the chord) along the edges of a face whose polygons cross.
-const FINER: u32 = 6;
+/// Halvings of the angle (and quarterings of the chord) along the edges of a face whose polygons cross, each of which costs a whole
+/// tessellation with twice the points there.
+const FINER: u32 = 3;
 
 /// Triangles of the model, with chords near enough to its edges that loops which do not cross have polygons that do not, either:
 /// where those of a thin face cross, its edges are sampled again at half the angle.
