@@ -11,7 +11,7 @@ use carreau::geometry::features::Creases;
 use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
 use carreau::io::{WriteOptions, extension};
-use carreau::mesh::{FaceId, PrepareOptions, Prepared, VertexId};
+use carreau::mesh::{FaceId, PrepareOptions, Prepared, Takes, VertexId};
 use carreau::patch::cad::{self, BrepOptions, Fit};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
 use carreau::report::page::Scene;
@@ -214,7 +214,13 @@ impl Patch {
     }
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
-        let prepared = session.read_fans(&self.input, &options.prepare)?;
+        let mut prepared = session.read_fans(&self.input, &options.prepare)?;
+        if self.layout.is_some() && prepared.report.degenerate_faces > 0 {
+            // Their neighbours meet across other edges than in the file once they are gone.
+            session.warn("the layout names faces of the file, so those without area are taken as they are there");
+            let as_is = PrepareOptions { as_is: true, ..options.prepare };
+            prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
+        }
         let mesh = &prepared.mesh;
         let context = session.context.clone();
         let mut limits = options.patch.clone();
