@@ -56,7 +56,9 @@ ROOMS = {
                      ["--layout", "{layout}"], "out.step"),
     "cad-iges": Room("patch", ["cad.py", "{out}", "--mesh", "{in}", "--layout", "{layout}", "--record", "{record}", "--no-volume", "--mass", "1e-4"],
                      ["--layout", "{layout}"], "out.igs"),
-    "field": Room("field", ["field.py", "{in}", "{layout}", "--record", "{record}", "{tags}"], ["--layout", "{layout}"]),
+    # The checker takes every edge above the angle for a feature.
+    "field": Room("field", ["field.py", "{in}", "{layout}", "--record", "{record}", "{tags}"],
+                  ["--layout", "{layout}", "--feature-angle", "35"]),
     "quad": Room("quad", ["quad.py", "{in}", "{out}", "--record", "{record}", "{tags}"], ["--quads", "3000"], "out.obj"),
     "skeleton": Room("skeleton", ["hex.py", "--kind", "skeleton"], categories=("tubular",)),
     "hex": Room("hex", ["hex.py", "--kind", "surface"], categories=("tubular",)),
