@@ -57,7 +57,7 @@ describe('pages in a browser', { skip: browser === null }, () => {
       prints.add(print);
     };
     const layers = await page.locator('#colour-right option').evaluateAll((all) => all.map((o) => o.value));
-    assert.deepEqual(layers, ['plain', 'region', 'quality']);
+    assert.deepEqual(layers, ['plain', 'region', 'truth', 'quality']);
     await page.selectOption('#colour-right', 'quality');
     await changed('quality');
     await page.selectOption('#colour-right', 'plain');
