@@ -20,7 +20,7 @@ use std::path::PathBuf;
 /// Finds the curve skeleton of a surface, with radii
 ///
 /// By mean curvature flow drawn to the centres of inner balls. The skeleton has as many cycles as the surface has handles, and
-/// every node is inside. Open ends are closed by lids. The file is a graph: .cgr, .cg, .skel, .swc (no cycles), .tgf, .vtp, .vtk, .obj.
+/// every node is inside. Open ends are closed by lids; branches end at flat ends. The file is a graph: .cgr, .cg, .skel, .swc (no cycles), .tgf, .vtp, .vtk, .obj.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau skeleton vessel.stl -o vessel.cgr --picture vessel.png\n  \

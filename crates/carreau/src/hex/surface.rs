@@ -361,7 +361,8 @@ fn skeleton_of(
 ) -> Result<(Closed, CurveNet, Vec<String>)> {
     match given {
         None => {
-            let found = skeleton::extract(mesh, &SkeletonOptions::default(), context)?;
+            // The ends are met by the cells themselves.
+            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), false, context)?;
             Ok((found.closed, found.net, found.warnings))
         }
         Some(net) => {

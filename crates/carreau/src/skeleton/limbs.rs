@@ -184,7 +184,7 @@ fn is_stub(net: &CurveNet, way: &[DVec3], radius: f64, body: &Body) -> bool {
 }
 
 /// The radius of a circle as large as the section of the body across a direction, as far as it is seen from a point.
-fn section(p: DVec3, direction: DVec3, body: &Body) -> f64 {
+pub fn section(p: DVec3, direction: DVec3, body: &Body) -> f64 {
     let Some(tangent) = direction.try_normalize() else { return f64::INFINITY };
     let (u, v) = tangent.any_orthonormal_pair();
     let square = |k: usize| {
@@ -294,6 +294,7 @@ mod tests {
     use super::super::poles::poles;
     use super::*;
     use crate::context::Context;
+    use crate::geometry::normals::face_normals;
     use crate::geometry::winding::WindingTree;
     use crate::sample::{Tube, tubes};
 
@@ -318,7 +319,9 @@ mod tests {
         };
         let mut preimage: Vec<u32> = surface.points().iter().map(|p| nearest(p).unwrap()).collect();
         let inside = WindingTree::new(&tree);
-        let body = Body { surface: &surface, poles: &centres, tree: &tree, inside: &inside };
+        let normals = face_normals(&surface);
+        let body =
+            Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
         let count = grow_limbs(&mut net, &mut preimage, &body);
         assert!(net.points.iter().all(|&p| inside.contains(p)));
         assert!(preimage.iter().all(|&v| (v as usize) < net.points.len()));
@@ -359,7 +362,9 @@ mod tests {
         let tree = TriangleTree::new(surface.points(), &surface.faces().fan().0);
         let centres = poles(&surface, &context).unwrap();
         let inside = WindingTree::new(&tree);
-        let body = Body { surface: &surface, poles: &centres, tree: &tree, inside: &inside };
+        let normals = face_normals(&surface);
+        let body =
+            Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
         let points = [[0.0, 0.0], [3.0, 1.0], [2.5, -0.83]].map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let net = CurveNet::new(points, vec![0.2; 3], vec![[0, 1], [1, 2]]);
         assert!(!leaves(&net, &[0, 1], &body) && leaves(&net, &[0, 1, 2], &body));

@@ -8,17 +8,22 @@
 //! |---|---|
 //! | open ends get lids | `lids` |
 //! | walls are refused | `wall` |
+//! | long edges are divided | `divide` |
 //! | centres of the largest inner balls | `poles` |
 //! | flow, collapses and splits | `flow` |
 //! | what is thin becomes curves | `curves` |
 //! | limbs that the flow has lost get branches | `limbs` |
 //! | stubs go, radii, nodes outside are brought in | `tidy` |
+//! | branches are led to flat ends | `ends` |
 //!
 //! Departures from the paper: the poles are centres of shrinking balls (Ma, Bae, Choi 2012), no Voronoi diagram is made;
-//! every node has a radius, the distance to the surface; and the result is checked: as many cycles as the surface has
+//! every node has a radius, the distance to the surface (in flat ends: across); branches end at flat ends; the triangles of
+//! CAD systems are divided first; and the result is checked: as many cycles as the surface has
 //! handles, every node inside. Where the cycles are too many or too few the flow is repeated at a finer scale.
 
 mod curves;
+mod divide;
+mod ends;
 mod flow;
 mod lids;
 mod limbs;
@@ -35,6 +40,7 @@ pub(crate) use tidy::centre;
 use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
@@ -77,7 +83,7 @@ impl SkeletonOptions {
 /// A skeleton with its radii.
 #[derive(Debug, Clone)]
 pub struct Skeleton {
-    /// The net; the radii are distances to the surface.
+    /// The net; the radii are distances to the surface, in flat ends those of sections.
     pub net: CurveNet,
     /// The node that every vertex of the surface was drawn to.
     pub preimage: Vec<u32>,
@@ -144,18 +150,30 @@ const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 /// [`Error::Input`] for a surface that is not triangular, not manifold or not consistently oriented, [`Error::Numeric`]
 /// where the cycles do not come out as many as the handles; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context) -> Result<Skeleton> {
+    extract_with(mesh, options, true, context)
+}
+
+/// As [`extract`]; the branches of flat ends stop before these unless they are to be led there.
+pub(crate) fn extract_with(
+    mesh: &SurfaceMesh,
+    options: &SkeletonOptions,
+    to_ends: bool,
+    context: &Context,
+) -> Result<Skeleton> {
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
-        let found = extract(&mesh, options, context)?;
+        let found = extract_with(&mesh, options, to_ends, context)?;
         let closed = found.closed.moved(scale.back());
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
     context.install(|| {
         let (closed, genus, components, mut warnings) = prepare(mesh, context)?;
-        let surface = &closed.mesh;
+        let divided = divide::divided(&closed.mesh, context)?;
+        let surface = divided.as_ref().unwrap_or(&closed.mesh);
         let triangles = surface.faces().fan().0;
         let tree = TriangleTree::new(surface.points(), &triangles);
+        let normals = face_normals(surface);
         let poles = {
             let _stage = context.stage("inner balls");
             poles::poles(surface, context)?
@@ -173,7 +191,8 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
                 continue;
             }
             let (mut net, mut preimage) = (curves.net, curves.preimage);
-            let body = Body { surface, poles: &poles, tree: &tree, inside: &WindingTree::new(&tree) };
+            let inside = WindingTree::new(&tree);
+            let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
             let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, options.prune);
             if brought_in > 0 {
                 warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
@@ -185,6 +204,10 @@ pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context)
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
+            if to_ends {
+                ends::reach_ends(&mut net, &body);
+            }
+            preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
             return Ok(Skeleton { net, preimage, closed, figures, warnings });
         }

@@ -53,6 +53,25 @@ fn around_in_the_middle(mesh: &SurfaceMesh) {
     }
 }
 
+/// Triangles of a CAD system, as long as the tube, closed by flat fans or open: the axis, from end to end, at the radius.
+#[test]
+fn a_tube_of_long_triangles_gets_its_axis_from_end_to_end() {
+    for (around, length, is_closed) in [(24, 40.0, true), (96, 30.0, true), (16, 20.0, false)] {
+        let open = tube(1, around, length);
+        let mesh = if is_closed { closed(&open).unwrap().mesh } else { open };
+        let s = skeleton(&mesh);
+        assert_eq!((s.figures.extremities, s.figures.branchings, s.figures.components), (2, 0, 1));
+        assert_eq!(s.preimage.len(), s.closed.mesh.vertex_count());
+        let inner = (std::f64::consts::PI / f64::from(around)).cos();
+        for (p, r) in s.net.points.iter().zip(&s.net.radii) {
+            assert!(p.truncate().length() < 0.02 && (inner - 0.02..1.01).contains(r), "{p} {r}");
+        }
+        let heights = s.net.points.iter().map(|p| p.z);
+        let [low, high] = [heights.clone().fold(f64::MAX, f64::min), heights.fold(f64::MIN, f64::max)];
+        assert!(low > 0.0 && low < 0.05 && high < length && high > length - 0.05, "{low} {high}");
+    }
+}
+
 #[test]
 fn an_open_tube_gets_two_lids_and_an_axis() {
     let s = skeleton(&tube(24, 16, 12.0));

@@ -31,6 +31,8 @@ pub struct Body<'a> {
     /// The centre of the inner ball at every vertex.
     pub poles: &'a [DVec3],
     pub tree: &'a TriangleTree,
+    /// Unit normals of its triangles.
+    pub normals: &'a [DVec3],
     pub inside: &'a WindingTree,
 }
 

@@ -60,16 +60,22 @@ pub fn block_by_length(scene: &Scene, block: Block) -> Result<PieceSurface> {
     Ok(PieceSurface { surface, border: Some([u.clone(), v.clone(), u, v]), trimmed: false })
 }
 
-/// The plane of a part of a flat region: through the middle of its border, an axis along its longest side.
+/// The plane of a part of a flat region: at the mean height of its triangles, so that the volume below stays theirs where the
+/// file's rounding has left vertices off any plane; an axis along the longest side of its border.
 pub fn plane_of_flat(scene: &Scene, piece: &Piece, normal: DVec3) -> PieceSurface {
     let border = &piece.loops[0].vertices;
     let point = |k: usize| scene.point(border[k % border.len()]);
     let length = |k: usize| point(k).distance_squared(point(k + 1));
     let longest = (1..border.len()).fold(0, |best, k| if length(k) > length(best) { k } else { best });
-    let all = piece.loops.iter().flat_map(|l| &l.vertices);
-    let count = piece.loops.iter().map(|l| l.vertices.len()).sum::<usize>() as f64;
     // Along the normal only, so that the point stays a vertex where all are exactly in the plane.
-    let height = all.map(|&v| (scene.point(v) - point(longest)).dot(normal)).sum::<f64>() / count;
+    let (mut volume, mut area) = (0.0, 0.0);
+    for &[a, b, c, _] in &piece.cells {
+        let [a, b, c] = [a, b, c].map(|v| scene.point(v) - point(longest));
+        let seen = (b - a).cross(c - a).dot(normal);
+        volume += seen * (a + b + c).dot(normal) / 3.0;
+        area += seen;
+    }
+    let height = if area > 0.0 { volume / area } else { 0.0 };
     let axis = (point(longest + 1) - point(longest)).reject_from(normal);
     let axis = axis.try_normalize().unwrap_or(normal.any_orthonormal_vector());
     let frame = Frame { origin: point(longest) + height * normal, z: normal, x: axis };
