@@ -11,6 +11,7 @@
 //! | vertices where the surface comes to a point | `tips` | – |
 //! | the surface: normals, radii, walking | `support` | Part I |
 //! | size map, gradation, lengths | `source`, `size`, `rings` | §3, remark; H-shock |
+//! | sheets close to each other | `sheets` | – |
 //! | edges longer where the surface bends less | `anisotropy` | announced |
 //! | the mesh at work | `work` | – |
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
@@ -48,6 +49,7 @@ mod quality;
 mod relocate;
 mod rings;
 mod search;
+mod sheets;
 mod size;
 mod source;
 mod spacing;

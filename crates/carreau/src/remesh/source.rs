@@ -5,7 +5,7 @@ use super::curves::{Curves, Kind};
 use super::output::{self, Made};
 use super::support::{Radius, Support};
 use super::work::{self, Limits, Work};
-use super::{RemeshOptions, anisotropy, features, size, target};
+use super::{RemeshOptions, anisotropy, features, sheets, size, target};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FoundFeatures, USUAL_ELEMENTS, length_of_squares};
@@ -18,6 +18,10 @@ const SAG_SHARE: f64 = 0.85;
 const CURVE_SAG: f64 = 0.3;
 /// On clean models edges of the surface sag by no more than this many tolerances of the ridges.
 const SURFACE_SAG: f64 = 1.4;
+/// A chord may sag by this share of the way to the next sheet, a triangle by a third more: both sheets may sag.
+const SHEET_SAG: f64 = 0.25;
+/// Least angle up to which sheets are looked for, as α: a wanted number may scale sizes up.
+const SHEET_ALPHA: f64 = 0.5;
 /// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
 const BORDER_RADIUS: f64 = 0.07;
 /// Corners of a ragged border are turns over so many sizes, and over as many of its edges: below, there is only noise.
@@ -42,6 +46,8 @@ pub struct Source {
     pub found: FoundFeatures,
     /// Largest size at every vertex, where that was given.
     given: Option<Vec<f64>>,
+    /// Distance to the next sheet at every vertex.
+    next_sheet: Vec<f64>,
 }
 
 impl Source {
@@ -64,7 +70,9 @@ impl Source {
         let radius = support.radii(&curves.rank);
         let bend = if options.anisotropic { support.bends(&curves.rank) } else { Vec::new() };
         let given = given_sizes(mesh, &support.mesh, options)?;
-        let mut source = Source { support, curves, radius, bend, diagonal: mesh.diagonal(), noisy, found, given };
+        let next_sheet = next_sheets(mesh, &support.mesh, &radius, options, context)?;
+        let diagonal = mesh.diagonal();
+        let mut source = Source { support, curves, radius, bend, diagonal, noisy, found, given, next_sheet };
         if noisy && marks.contains(&Some(Kind::Border)) {
             source.set_size_map(options, context)?;
             let least = mean_border_edge(&source.support.mesh);
@@ -101,7 +109,9 @@ impl Source {
             let on_curve = (alpha * r).min((8.0 * SAG_SHARE * r * tolerance).sqrt());
             let on_surface = (alpha * radius).min(options.scale * (8.0 * radius * sag).sqrt());
             let given = self.given.as_ref().map_or(f64::INFINITY, |given| options.scale * given[v]);
-            on_surface.min(on_curve).min(given).max(low).min(high)
+            // No shorter than the edges of the source, which are as close to the next sheet.
+            let between = (8.0 * SHEET_SAG * radius * self.next_sheet[v]).sqrt().max(self.radius[v].spacing);
+            on_surface.min(on_curve).min(given).min(options.scale * between).max(low).min(high)
         };
         let mut radius: Vec<f64> = self.radius.iter().map(|r| r.at_scale(alpha)).collect();
         if self.noisy {
@@ -204,6 +214,29 @@ fn mean_border_edge(mesh: &EditMesh) -> f64 {
     let border = mesh.edges().filter(|&h| mesh.opposite(h) == NONE);
     let (sum, count) = border.fold((0.0, 0), |(sum, count), h| (sum + length(h), count + 1));
     sum / f64::from(count.max(1))
+}
+
+/// How far it is to the next sheet at the vertices of the mesh at work, as far as sizes could sag.
+fn next_sheets(
+    mesh: &SurfaceMesh,
+    edit: &EditMesh,
+    radius: &[Radius],
+    options: &RemeshOptions,
+    context: &Context,
+) -> Result<Vec<f64>> {
+    let alpha = (2.0 * options.deviation.to_radians().sin()).max(SHEET_ALPHA);
+    let largest = options.max_size * mesh.diagonal();
+    let mut reach = vec![0.0f64; mesh.vertex_count()];
+    for v in 0..edit.vertex_slots() as usize {
+        let r = radius[v].at_scale(alpha);
+        let longest = (alpha * r).min(largest);
+        let far = longest * longest / (8.0 * SHEET_SAG * r);
+        let known = &mut reach[edit.origin[v] as usize];
+        // Where the surface is plane nothing sags.
+        *known = if far.is_finite() { known.max(far) } else { *known };
+    }
+    let found = sheets::distances(mesh, |v| reach[v], context)?;
+    Ok((0..edit.vertex_slots()).map(|v| found[edit.origin[v as usize] as usize]).collect())
 }
 
 /// The sizes that a vertex property asks for, at the vertices of the mesh at work.

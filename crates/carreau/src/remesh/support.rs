@@ -58,7 +58,7 @@ pub struct Radius {
     /// With weights that rise with the fourth power of the distance.
     far: f64,
     /// Mean length of the edges.
-    spacing: f64,
+    pub spacing: f64,
 }
 
 impl Radius {

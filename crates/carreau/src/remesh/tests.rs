@@ -4,8 +4,9 @@ use super::search::CLOSE_LOOK;
 use super::*;
 use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
+use crate::geometry::intersections::Intersections;
 use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::test_models::{grid, moved, without};
+use crate::mesh::test_models::{grid, moved, sphere, together, turned, without};
 use crate::mesh::{Column, CornerId, Topology, area_vector};
 use crate::sample;
 use glam::DVec3;
@@ -195,6 +196,17 @@ fn flat_faces_beside_fillets_stay_flat() {
     let worst = made.points().iter().map(|p| off(p).abs()).fold(0.0, f64::max);
     // The normals of faces and strips weighted alike would tilt those of the faces by two degrees: .02 in their middle.
     assert!(worst < 0.004 * thickness, "{worst}");
+}
+
+/// Two spheres, one in the other, nearer to each other than chords at the usual angle sag.
+#[test]
+fn sheets_close_to_each_other_do_not_meet() {
+    let inner = turned(&moved(&sphere(5), |p| 0.99 * p), |_| true);
+    let both = together(&[sphere(5), inner]);
+    let made = simplify(&both, &RemeshOptions::default(), &Context::new()).unwrap().mesh;
+    assert!(made.face_count() < both.face_count() / 2, "{}", made.face_count());
+    let crossing = Intersections::of(&made, &Context::new()).unwrap();
+    assert_eq!(crossing.pairs, 0);
 }
 
 #[test]

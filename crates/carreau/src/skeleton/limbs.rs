@@ -320,8 +320,7 @@ mod tests {
         let mut preimage: Vec<u32> = surface.points().iter().map(|p| nearest(p).unwrap()).collect();
         let inside = WindingTree::new(&tree);
         let normals = face_normals(&surface);
-        let body =
-            Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
+        let body = Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
         let count = grow_limbs(&mut net, &mut preimage, &body);
         assert!(net.points.iter().all(|&p| inside.contains(p)));
         assert!(preimage.iter().all(|&v| (v as usize) < net.points.len()));
@@ -363,8 +362,7 @@ mod tests {
         let centres = poles(&surface, &context).unwrap();
         let inside = WindingTree::new(&tree);
         let normals = face_normals(&surface);
-        let body =
-            Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
+        let body = Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
         let points = [[0.0, 0.0], [3.0, 1.0], [2.5, -0.83]].map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let net = CurveNet::new(points, vec![0.2; 3], vec![[0, 1], [1, 2]]);
         assert!(!leaves(&net, &[0, 1], &body) && leaves(&net, &[0, 1, 2], &body));
