@@ -76,9 +76,9 @@ pub fn skeleton_figure(surface: &SurfaceMesh, net: &CurveNet) -> Image {
     let edges: Vec<[u32; 2]> = net.edges.iter().map(|e| e.map(|v| first + v)).collect();
     let view = View::automatic(surface.points(), surface.faces());
     let none = Polygons::new();
-    let mut inside = Picture { view, ..Picture::new(&points, &none) };
+    let mut inside = Picture { view, framed: &points, ..Picture::new(&points, &none) };
     inside.lines.push(Lines::new(Path::Edges(&edges), SKELETON, SKELETON_WIDTH));
-    let outside = Picture { view, ..Picture::new(&points, surface.faces()) };
+    let outside = Picture { view, framed: &points, ..Picture::new(&points, surface.faces()) };
     render(&inside).behind(&render(&outside), VEIL)
 }
 
@@ -114,6 +114,30 @@ pub fn hex_figure(mesh: &HexMesh) -> Image {
 mod tests {
     use super::*;
     use crate::mesh::test_models::*;
+
+    /// The curve lies where it is in the surface: in the middle of a tube that is drawn from aside, however short the curve.
+    #[test]
+    fn a_skeleton_is_drawn_where_it_is() {
+        let points = vec![DVec3::new(0.3, 0.0, 0.0), DVec3::new(0.7, 0.0, 0.0)];
+        let net = CurveNet { points, radii: vec![0.5; 2], edges: vec![[0, 1]], ids: vec![0, 1], notes: Vec::new() };
+        let ball = sphere(4);
+        let picture = skeleton_figure(&ball, &net);
+        let width = picture.width() as usize;
+        let middle = |is: &dyn Fn(&Rgb) -> bool| {
+            let (mut sum, mut count) = ([0.0; 2], 0.0);
+            for (k, _) in picture.pixels().iter().enumerate().filter(|(_, p)| is(p)) {
+                sum = [sum[0] + (k % width) as f64, sum[1] + (k / width) as f64];
+                count += 1.0;
+            }
+            [sum[0] / count, sum[1] / count, count]
+        };
+        let [x, y, area] = middle(&|p| p.iter().any(|&c| c < 245));
+        let [u, v, _] = middle(&|p| p[0] > p[1].saturating_add(40));
+        let radius = (area / std::f64::consts::PI).sqrt();
+        // The middle of the curve is half a radius from that of the ball, foreshortened by the view.
+        let off = (u - x).hypot(v - y) / radius;
+        assert!((0.2..0.56).contains(&off), "{off}");
+    }
 
     /// The curve shows through the surface.
     #[test]

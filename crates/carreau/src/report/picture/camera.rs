@@ -130,6 +130,7 @@ fn drawn_points(picture: &Picture<'_>) -> Vec<DVec3> {
             Path::Segments(segments) => ends.extend(segments.as_flattened().iter().filter(|p| p.is_finite())),
         }
     }
+    ends.extend(picture.framed.iter().filter(|p| p.is_finite()));
     view::picked(picture.points, &used).chain(ends).collect()
 }
 

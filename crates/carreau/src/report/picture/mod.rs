@@ -66,6 +66,8 @@ pub struct Picture<'a> {
     pub crease: f64,
     /// Colour where nothing is drawn.
     pub background: Rgb,
+    /// Points that the image has room for besides what is drawn, so that two pictures with the same view lie upon each other.
+    pub framed: &'a [DVec3],
 }
 
 impl<'a> Picture<'a> {
@@ -81,6 +83,7 @@ impl<'a> Picture<'a> {
             field_of_view: 25.0,
             crease: 35.0,
             background: [255; 3],
+            framed: &[],
         }
     }
 }
