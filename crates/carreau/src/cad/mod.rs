@@ -179,12 +179,12 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     let _stage = context.stage("map");
     let mut map = Map::new(t, mesh.diagonal(), segmentation);
     map.unify();
-    map.part_lids();
     arcs::round(&mut map)?;
     swept::sweep(&mut map)?;
     if map.exact_share() > SOME && map.part_misfits() {
         swept::sweep(&mut map)?;
     }
+    map.part_lids();
     map.unify();
     map.tighten();
     Ok(map)

@@ -13,9 +13,6 @@ use super::regions::vertex_ids;
 use crate::mesh::Triangles;
 use glam::DVec3;
 
-/// Places nearer to each other than this many times the precision of the vertices are one: a curve through both would turn with the
-/// rounding.
-const APART: f64 = 20.0;
 /// Most places: time grows with their square.
 const MOST: usize = 1500;
 
@@ -31,14 +28,14 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The places of the vertices of triangles, which `flat` moves into the plane of the profile. `None` where they are not in a
-    /// row, or not as many as `bounds` say.
+    /// The places of the vertices of triangles, which `flat` moves into the plane of the profile; those that are nearer to each other
+    /// than `apart` are one, which is where one of them is. `None` where they are not in a row, or not as many as `bounds` say.
     pub fn of(
         t: Triangles<'_>,
         triangles: &[u32],
         flat: impl Fn(DVec3) -> DVec3,
         across: DVec3,
-        near: f64,
+        apart: f64,
         bounds: [usize; 2],
     ) -> Option<Self> {
         let vertices = vertex_ids(t, triangles);
@@ -46,7 +43,6 @@ impl Profile {
         let mut order: Vec<(f64, u32)> = vertices.iter().map(|&v| (place(v).dot(across), v)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let [least, most] = [bounds[0], bounds[1].min(MOST)];
-        let apart = APART * near;
         let mut places: Vec<DVec3> = Vec::new();
         let mut of: Vec<(u32, u32)> = Vec::with_capacity(order.len());
         let mut recent: Vec<(f64, u32)> = Vec::new();
@@ -81,6 +77,20 @@ impl Profile {
             closed,
             place_of: of.into_iter().map(|(v, p)| (v, number[p as usize])).collect(),
         })
+    }
+
+    /// Moves the ends of an open profile to the outermost of their vertices.
+    pub fn reach_out(&mut self, t: Triangles<'_>, flat: impl Fn(DVec3) -> DVec3) {
+        let n = self.points.len();
+        if self.closed || n < 2 {
+            return;
+        }
+        for (end, next) in [(0, 1), (n - 1, n - 2)] {
+            let from = self.points[next];
+            let of = self.place_of.iter().filter(|o| o.1 as usize == end).map(|o| flat(t.points()[o.0 as usize]));
+            let far = of.max_by(|a, b| a.distance(from).total_cmp(&b.distance(from)));
+            self.points[end] = far.unwrap_or(self.points[end]);
+        }
     }
 
     /// The number of the place of a vertex.

@@ -35,7 +35,7 @@ use rayon::prelude::*;
 const FIRST_SPANS: f64 = 4.0;
 const MOST_SPANS: usize = 64;
 /// Halvings of the grid.
-const HALVINGS: u32 = 3;
+const HALVINGS: u32 = 4;
 /// A grid of half the size brings a smooth surface nearer by a factor of sixteen, and where points were few, of this in all that was
 /// seen; where it does not bring it nearer by two, the region has a bend inside, or borders that contradict each other, and no finer
 /// grid helps.
@@ -197,6 +197,7 @@ fn approximate(
         let off = |s: &Sample| surface.point(s.uv.x, s.uv.y).distance(s.point);
         let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
         let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
+        tracing::debug!(spans = ?spans, samples = samples.len(), inside = inside / diagonal, far = far / diagonal, "spline surface");
         let slow = halving > 1 && best.as_ref().is_some_and(|b| GAIN * far > b.0);
         // Nearer by the largest gain with every halving that is left is not near enough.
         let hopeless = far > GAP * diagonal * MOST_GAIN.powi((HALVINGS - halving) as i32);

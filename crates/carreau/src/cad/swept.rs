@@ -37,6 +37,13 @@ const LEAST: usize = 4;
 const LEAST_REVOLVED: usize = 3;
 /// Most axes that are tried for a region.
 const MOST_AXES: usize = 8;
+/// Places nearer to each other than this many times the precision of the vertices are one: a curve through both would turn with the
+/// rounding.
+const APART: f64 = 20.0;
+/// Share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first; and how often that is
+/// halved.
+const WIDE: f64 = 0.04;
+const HALVINGS: i32 = 5;
 /// Vertices beyond the number of parameters that speak for a surface.
 const SPARE: usize = 3;
 /// Steps of a fit that starts from the result of another.
@@ -114,36 +121,55 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     let beside = directions(map, pieces, graph).into_iter().map(|d| (Sweep::Along(d), many));
     let around = axes(map, pieces, &triangles, graph).into_iter();
     let around = around.map(|(o, z)| (Sweep::Around(Frame::along(o, z)), many));
-    let found = along.into_iter().chain(beside).chain(around).find_map(|(sweep, most)| {
-        let profile = sweep.profile(map.t, &triangles, near, most)?;
-        let parts = sweep.parts(map.t, &triangles, profile, near)?;
+    let fits = |parts: &Vec<Part>| {
         let far = |(own, surface, primitive): &Part| {
             let off = |q: &DVec3| primitive.map_or_else(|| surface.distance(*q), |p| p.distance(*q).abs());
-            vertices(map.t, own).iter().map(off).fold(0.0, f64::max)
+            vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
         };
-        parts.iter().all(|part| far(part) <= 2.0 * near).then_some(parts)
+        parts.iter().all(far)
+    };
+    let found = along.into_iter().chain(beside).chain(around).find_map(|(sweep, most)| {
+        if let Some(profile) = sweep.profile(map.t, &triangles, near, APART * near, most) {
+            return sweep.parts(map.t, &triangles, profile, near).filter(fits);
+        }
+        // Every vertex at a place of its own: as few of them as say what the profile is.
+        (0..HALVINGS).find_map(|k| {
+            let apart = map.diagonal * WIDE * 0.5f64.powi(k);
+            let mut profile = sweep.profile(map.t, &triangles, near, apart, many)?;
+            profile.reach_out(map.t, sweep.flat(map.t.point(3 * triangles[0]), near));
+            sweep.whole(&triangles, &profile).filter(fits)
+        })
     });
     found.unwrap_or_default()
 }
 
 impl Sweep {
-    fn profile(self, t: Triangles<'_>, triangles: &[u32], near: f64, most: usize) -> Option<Profile> {
-        match self {
-            Sweep::Along(direction) => {
-                let origin = t.point(3 * triangles[0]);
-                let flat = |p: DVec3| p - direction * (p - origin).dot(direction);
-                Profile::of(t, triangles, flat, direction.any_orthonormal_vector(), near, [LEAST, most])
-            }
+    /// Moves points into the plane of the profile, which for an extrusion is that through a point.
+    fn flat(self, origin: DVec3, near: f64) -> impl Fn(DVec3) -> DVec3 {
+        move |q: DVec3| match self {
+            Sweep::Along(direction) => q - direction * (q - origin).dot(direction),
             Sweep::Around(frame) => {
-                let flat = |q: DVec3| {
-                    let at = frame.profile(q);
-                    // On the axis, to the bit.
-                    let x = if at.x < near { 0.0 } else { at.x };
-                    frame.origin + frame.x * x + frame.z * at.y
-                };
-                Profile::of(t, triangles, flat, frame.z + 0.5 * frame.x, near, [LEAST_REVOLVED, most])
+                let at = frame.profile(q);
+                // On the axis, to the bit.
+                let x = if at.x < near { 0.0 } else { at.x };
+                frame.origin + frame.x * x + frame.z * at.y
             }
         }
+    }
+
+    fn profile(self, t: Triangles<'_>, triangles: &[u32], near: f64, apart: f64, most: usize) -> Option<Profile> {
+        let flat = self.flat(t.point(3 * triangles[0]), near);
+        match self {
+            Sweep::Along(d) => Profile::of(t, triangles, flat, d.any_orthonormal_vector(), apart, [LEAST, most]),
+            Sweep::Around(f) => Profile::of(t, triangles, flat, f.z + 0.5 * f.x, apart, [LEAST_REVOLVED, most]),
+        }
+    }
+
+    /// All triangles on one surface.
+    fn whole(self, triangles: &[u32], profile: &Profile) -> Option<Vec<Part>> {
+        let mut points = profile.points.clone();
+        points.extend(profile.closed.then(|| points[0]));
+        Some(vec![(triangles.to_vec(), self.free(&points)?, None)])
     }
 
     /// The plane of the profile, whose z axis is across it, and whose y axis is that of a revolution.
@@ -162,14 +188,9 @@ impl Sweep {
             DVec2::new(l.x, l.y)
         };
         let first = profile.closed.then(|| joint(&profile.points.iter().map(flat).collect::<Vec<DVec2>>(), near));
-        let whole = |profile: &Profile| -> Option<Vec<Part>> {
-            let mut points = profile.points.clone();
-            points.extend(profile.closed.then(|| points[0]));
-            Some(vec![(triangles.to_vec(), self.free(&points)?, None)])
-        };
         if first == Some(None) {
             let round = circle_through(profile.points.iter().map(flat)).filter(|c| c.2 <= near);
-            let Some((center, radius, _)) = round else { return whole(&profile) };
+            let Some((center, radius, _)) = round else { return self.whole(triangles, &profile) };
             let run = Run { ends: [0, 0], shape: Shape::Arc { center, radius } };
             let primitive = self.primitive(&run, &profile.points, &plane, near)?;
             return Some(vec![(triangles.to_vec(), Surface::of_primitive(&primitive), Some(primitive))]);
@@ -180,7 +201,7 @@ impl Sweep {
         let runs = runs(&points.iter().map(flat).collect::<Vec<DVec2>>(), near);
         let (lids, sides): (Vec<u32>, Vec<u32>) = triangles.iter().partition(|&&k| self.is_lid(t, k, &profile));
         let triangles = &sides;
-        let Some(of) = assigned(t, triangles, &profile, &runs) else { return whole(&profile) };
+        let Some(of) = assigned(t, triangles, &profile, &runs) else { return self.whole(triangles, &profile) };
         let part = |(k, run): (usize, &Run)| {
             let own: Vec<u32> = triangles.iter().zip(&of).filter(|o| *o.1 == k).map(|o| *o.0).collect();
             let primitive = self.primitive(run, &points, &plane, near);
