@@ -1,6 +1,6 @@
 //! Pieces as plane facets: which are no more than that from the beginning, and how the others are divided.
 
-use super::regions::{Map, Piece, Rung, area_vector};
+use super::regions::{Map, Piece, Rung, area_vector, vertex_ids};
 use super::tuning::{COARSEST, COPLANAR, COPLANAR_DISTANCE, FILE};
 use super::unions::SHARP;
 use crate::brep::{Frame, Surface};
@@ -11,6 +11,9 @@ use glam::DVec3;
 
 /// Facets that look different ways: corners of fewer are on some cylinder by chance.
 const CERTAIN: usize = 4;
+/// Vertices on a surface that bends both ways, which is no chance: twice the parameters of a torus and more. Facets at the seam of a
+/// sphere may bend by any angle.
+const MANY: usize = 16;
 /// Radians: facets look different ways from here on.
 const OTHER_WAY: f64 = 1e-3;
 
@@ -29,6 +32,10 @@ impl Map<'_> {
 
     /// Whether a piece has several facets that look different ways and bend as those of one surface.
     fn is_certain(&self, piece: &Piece) -> bool {
+        let both_ways = matches!(piece.surface, Surface::Sphere { .. } | Surface::Torus { .. });
+        if both_ways && vertex_ids(self.t, &piece.triangles).len() >= MANY {
+            return true;
+        }
         let normal = |k: u32| unit(area_vector(self.t, k));
         let mut ways: Vec<DVec3> = Vec::new();
         for n in piece.triangles.iter().map(|&k| normal(k)) {

@@ -11,6 +11,7 @@
 //! | fillets of flat strips | `arcs` |
 //! | extrusions and surfaces of revolution among the regions without a surface | `swept` |
 //! | neighbours that may be parts of one of them | `unions` |
+//! | directions and axes of sweeps | `axes` |
 //! | their profiles, and the lines and arcs of these | `profile`, `runs` |
 //! | pieces that fit in part | `misfits` |
 //! | corners, edges and loops of the map | `topology` |
@@ -33,6 +34,7 @@
 //! | constants | `tuning` |
 
 mod arcs;
+mod axes;
 mod borders;
 mod check;
 mod clean;

@@ -60,7 +60,7 @@ const WEAKER: f64 = 0.1;
 /// Samples for every control point: more do not change the surface.
 const SAMPLES_A_CONTROL: usize = 6;
 /// Share of a cell of the grid: points along borders are this near to each other, so that a surface cannot swing between them.
-const POINTS_A_CELL: f64 = 0.5;
+const POINTS_A_CELL: f64 = 0.34;
 
 /// Gives all pieces of the rung their surfaces, between the curves of their edges, whose gaps they add to. Returns the pieces that
 /// have none.
@@ -198,7 +198,7 @@ fn approximate(
         let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
         let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
         tracing::debug!(spans = ?spans, samples = samples.len(), inside = inside / diagonal, far = far / diagonal, "spline surface");
-        let slow = halving > 1 && best.as_ref().is_some_and(|b| GAIN * far > b.0);
+        let slow = halving > 2 && best.as_ref().is_some_and(|b| GAIN * far > b.0);
         // Nearer by the largest gain with every halving that is left is not near enough.
         let hopeless = far > GAP * diagonal * MOST_GAIN.powi((HALVINGS - halving) as i32);
         if best.as_ref().is_none_or(|b| far < b.0) {
