@@ -43,9 +43,9 @@ const MOST_GAIN: f64 = 32.0;
 const GAIN: f64 = 2.0;
 /// Share of the rectangle by which it is larger than the region on every side, so that feet do not leave it.
 const MARGIN: f64 = 0.04;
-/// Points that are projected, and control points that are solved for, for all surfaces of a model: a second or two. What is not settled
+/// Points that are projected, and control points that are solved for, for all surfaces of a model: a second. What is not settled
 /// then becomes facets.
-pub const MOST_EFFORT: u64 = 400_000;
+pub const MOST_EFFORT: u64 = 200_000;
 /// Pieces that are fitted side by side before the effort is looked at.
 const AT_ONCE: usize = 8;
 /// A control point that is solved for takes as long as the projection of so many points.
