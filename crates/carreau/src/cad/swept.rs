@@ -194,7 +194,10 @@ impl Sweep {
         let runs = runs(&points.iter().map(flat).collect::<Vec<DVec2>>(), near);
         let (lids, sides): (Vec<u32>, Vec<u32>) = triangles.iter().partition(|&&k| self.is_lid(t, k, &profile));
         let triangles = &sides;
-        let Some(of) = assigned(t, triangles, &profile, &runs) else { return self.whole(triangles, &profile) };
+        let Some(of) = assigned(t, triangles, &profile, &runs) else {
+            let lids = self.lids(t, &lids, &profile);
+            return self.whole(triangles, &profile).map(|sides| sides.into_iter().chain(lids).collect());
+        };
         let part = |(k, run): (usize, &Run)| {
             let own: Vec<u32> = triangles.iter().zip(&of).filter(|o| *o.1 == k).map(|o| *o.0).collect();
             let primitive = self.primitive(run, &points, &plane, near);
