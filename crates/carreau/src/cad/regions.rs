@@ -104,10 +104,17 @@ impl Map<'_> {
         self.next - 1
     }
 
-    /// Puts pieces in the place of others: parts of their triangles with their surfaces, a piece for every connected part.
-    pub fn replace(&mut self, which: &[u32], parts: Vec<(Vec<u32>, Option<Described>)>) {
+    /// Puts pieces in the place of others: parts of their triangles with their surfaces, a piece for every connected part. Triangles in
+    /// none of the parts have no surface.
+    pub fn replace(&mut self, which: &[u32], mut parts: Vec<(Vec<u32>, Option<Described>)>) {
         let region = self.pieces[which[0] as usize].region;
-        which.iter().for_each(|&p| self.pieces[p as usize].triangles.clear());
+        let mut rest: Vec<u32> =
+            which.iter().flat_map(|&p| std::mem::take(&mut self.pieces[p as usize].triangles)).collect();
+        rest.sort_unstable();
+        let mut taken: Vec<u32> = parts.iter().flat_map(|part| part.0.iter().copied()).collect();
+        taken.sort_unstable();
+        rest.retain(|k| taken.binary_search(k).is_err());
+        parts.push((rest, None));
         for (triangles, described) in parts {
             for triangles in connected(self.t, &triangles, |_, _| true) {
                 let mut piece = match &described {
