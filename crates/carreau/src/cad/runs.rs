@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!     ●────────────●                a line
-//!                    ╲ ●            an arc: four places or more on one circle, and the next one is not
+//!                    ╲ ●            an arc: five places or more on one circle, and the next one is not
 //!                      ●  ╲
 //!                      │   neither
 //! ```
@@ -10,8 +10,9 @@
 use crate::geometry::primitive::circle;
 use glam::DVec2;
 
-/// Places of an arc, at least: three lie on some circle always.
-const LEAST_ARC: usize = 4;
+/// Places of an arc, at least: three lie on some circle always, and so do four around an extremum of the curvature, which are the
+/// corners of a symmetric trapezoid.
+const LEAST_ARC: usize = 5;
 /// The place after the end of a line or an arc is off by so many times the precision: else it is a curve that bends little.
 const DEFINITE: f64 = 20.0;
 /// Cosine: two sides of a profile that bend by more than 43° meet at an edge.

@@ -84,37 +84,6 @@ fn a_prism_stays_a_prism() {
     assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Plane)), (8, 8));
 }
 
-/// One region that is four faces: its profile is two straight lines and two arcs.
-#[test]
-fn a_region_around_a_slot_becomes_planes_and_cylinders() {
-    let count = 8u32;
-    let ring = |z: f64| -> Vec<DVec3> {
-        (0..2 * (count + 1))
-            .map(|k| {
-                let end = f64::from(k / (count + 1));
-                let angle = std::f64::consts::PI * (end + f64::from(k % (count + 1)) / f64::from(count))
-                    - 0.5 * std::f64::consts::PI;
-                DVec3::new(if end == 0.0 { 3.0 } else { -3.0 }, 0.0, z) + 1.5 * DVec2::from_angle(angle).extend(0.0)
-            })
-            .collect()
-    };
-    let mesh = loft(&[ring(0.0), ring(2.0)]);
-    let sides = 4 * (count + 1);
-    let lid = 2 * (count + 1) - 2;
-    let labels = (0..sides + 2 * lid).map(|k| if k < sides { 0 } else { 1 + (k - sides) % 2 });
-    let options = CadOptions { labels: Some(labels.collect()), ..CadOptions::default() };
-    let model = rebuild(&mesh, &options, &Context::new()).unwrap();
-    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
-    assert_eq!((count_of(&model), model.brep.faces.len()), ((4, 2), 6));
-    let volume = 2.0 * (3.0 * 6.0 + std::f64::consts::PI * 1.5 * 1.5);
-    assert!((model.volume / volume - 1.0).abs() < 1e-9, "{} for {volume}", model.volume);
-}
-
-/// Planes and cylinders.
-fn count_of(model: &CadModel) -> (usize, usize) {
-    (count(model, SurfaceKind::Plane), count(model, SurfaceKind::Cylinder))
-}
-
 /// A vase has rings at uneven heights on a profile with no name: one region, or several that fit badly.
 #[test]
 fn a_vase_has_one_side() {
