@@ -10,7 +10,7 @@
 //!                  c₁ │ ─► n₁
 //! ```
 
-use super::regions::{Map, Piece, Rung, looks_along, mean_square, vertices};
+use super::regions::{Map, Piece};
 use super::topology::Graph;
 use super::tuning::{COLUMN, NAMED};
 use crate::brep::Surface;
@@ -70,20 +70,10 @@ pub fn round(map: &mut Map<'_>) -> Result<()> {
 }
 
 fn merge(map: &mut Map<'_>, strips: &[u32], cylinder: Primitive) {
-    let into = strips[0];
     let mut triangles: Vec<u32> =
-        strips.iter().flat_map(|&p| std::mem::take(&mut map.pieces[p as usize].triangles)).collect();
+        strips.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
-    triangles.iter().for_each(|&k| map.label[k as usize] = into);
-    let id = map.new_id();
-    let kept = &map.pieces[into as usize];
-    let surface = Surface::of_primitive(&cylinder);
-    let mut piece = Piece { id, surface, primitive: Some(cylinder), rung: Rung::Analytic, triangles, ..kept.clone() };
-    piece.same_sense = looks_along(map.t, &piece);
-    let far = |q: &DVec3| cylinder.distance(*q).abs();
-    piece.max = vertices(map.t, &piece.triangles).iter().map(far).fold(0.0, f64::max);
-    piece.square = mean_square(map.t, &piece.triangles, |q| cylinder.distance(q));
-    map.pieces[into as usize] = piece;
+    map.replace(strips, vec![(triangles, Some((Surface::of_primitive(&cylinder), Some(cylinder))))]);
 }
 
 /// Links and the two of them that a strip has.

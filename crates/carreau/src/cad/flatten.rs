@@ -10,7 +10,7 @@
 //!      ╱____╱__╲                 ╱__╲__╱__╲
 //! ```
 
-use super::regions::area_vector;
+use super::regions::{area_vector, vertex_ids};
 use crate::brep::Frame;
 use crate::mesh::Triangles;
 use crate::numeric::eigen3::{Eigen3, outer};
@@ -42,9 +42,7 @@ impl Flat {
 
 /// Lays a region out with its outer side up; `None` where triangles would be turned over or sizes too uneven.
 pub fn flatten(t: Triangles<'_>, triangles: &[u32]) -> Option<Flat> {
-    let mut vertices: Vec<u32> = triangles.iter().flat_map(|&k| t.triangle(k)).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let vertices = vertex_ids(t, triangles);
     let whole: DVec3 = triangles.iter().map(|&k| area_vector(t, k)).sum();
     let up = whole.try_normalize()?;
     let looks_up = |&k: &u32| {

@@ -7,15 +7,13 @@
 //! ```
 
 use super::regions::{Map, Piece, Rung, area_vector};
-use super::spline::MOST_EFFORT;
+use super::unions::SHARP;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, NONE, Triangles};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Radians: edges that bend by more are none of one smooth surface, whose facets bend by half a radian at most.
-const SHARP: f64 = 0.75;
 /// Pieces with fewer triangles are not cut.
 const LEAST: usize = 12;
 /// Most cuts, one after the other.
@@ -24,10 +22,26 @@ const MOST_CUTS: u8 = 5;
 const ROUNDS: usize = 3;
 
 impl Map<'_> {
+    /// Divides the pieces without a surface at sharp edges.
+    pub fn part_at_edges(&mut self) {
+        for p in 0..self.pieces.len() {
+            let piece = &self.pieces[p];
+            if piece.rung != Rung::Spline {
+                continue;
+            }
+            let part = Part { t: self.t, label: &self.label, p: p as u32, triangles: &piece.triangles };
+            let parts = listed(&part.smooth(), &piece.triangles);
+            if parts.len() > 1 {
+                self.replace(&[p as u32], parts.into_iter().map(|own| (own, None)).collect());
+            }
+        }
+        self.compact();
+    }
+
     /// Cuts a piece; false where it is not worth it.
     pub fn cut(&mut self, p: u32) -> bool {
         let piece = &self.pieces[p as usize];
-        if piece.triangles.len() < LEAST || piece.cuts >= MOST_CUTS || self.effort >= MOST_EFFORT {
+        if piece.triangles.len() < LEAST || piece.cuts >= MOST_CUTS {
             return false;
         }
         let part = Part { t: self.t, label: &self.label, p, triangles: &piece.triangles };
@@ -38,9 +52,7 @@ impl Map<'_> {
         if of.iter().all(|&o| o == 0) {
             return false;
         }
-        let count = of.iter().copied().max().map_or(0, |m| m as usize + 1);
-        let mut triangles = vec![Vec::new(); count];
-        of.iter().zip(&piece.triangles).for_each(|(&o, &k)| triangles[o as usize].push(k));
+        let triangles = listed(&of, &piece.triangles);
         let kept = Piece { triangles: Vec::new(), cuts: piece.cuts + 1, rung: Rung::Spline, ..piece.clone() };
         self.pieces[p as usize].triangles.clear();
         for triangles in triangles {
@@ -51,6 +63,13 @@ impl Map<'_> {
         }
         true
     }
+}
+
+/// The triangles of every part.
+fn listed(of: &[u32], triangles: &[u32]) -> Vec<Vec<u32>> {
+    let mut parts = vec![Vec::new(); of.iter().copied().max().map_or(0, |m| m as usize + 1)];
+    of.iter().zip(triangles).for_each(|(&o, &k)| parts[o as usize].push(k));
+    parts
 }
 
 struct Part<'a> {

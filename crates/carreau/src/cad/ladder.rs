@@ -10,8 +10,9 @@ use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::primitive::Kind;
-use crate::mesh::SurfaceMesh;
+use crate::mesh::{NONE, SurfaceMesh};
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// A region that fell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,53 +30,66 @@ pub struct Fallback {
 /// Goes down the ladder until there is a model.
 pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Result<(Brep, Vec<Fallback>)> {
     let mut fallback = Vec::new();
-    let free = std::mem::take(&mut map.free);
+    let mut memory = Memory::default();
     // What has no border is cut before anything is tried.
-    let whole: Vec<u32> = free
-        .into_iter()
-        .filter(|&p| !spline::has_border(map.t, &map.pieces[p as usize], &map.label) && !map.cut(p))
-        .collect();
+    let is_whole = |map: &Map<'_>, p: u32| {
+        let piece = &map.pieces[p as usize];
+        piece.rung == Rung::Spline && !spline::has_border(map.t, piece, &map.label)
+    };
+    let whole: Vec<u32> = (0..map.pieces.len() as u32).filter(|&p| is_whole(map, p) && !map.cut(p)).collect();
     let coarse = map.coarse();
     let reason = "it lies on no surface of a simple kind and has no border";
-    fall_without_numbers(map, &whole, Rung::Planes, reason, &mut fallback);
-    fall_without_numbers(map, &coarse, Rung::Planes, "its facets cut off too much of its surface", &mut fallback);
+    fall(map, &whole, Rung::Planes, reason, &mut fallback);
+    fall(map, &coarse, Rung::Planes, "its facets cut off too much of its surface", &mut fallback);
     map.compact();
-    let mut memory = Memory::default();
-    for round in 0..ROUNDS {
+    let mut round = 0;
+    loop {
         context.check()?;
-        let tried = attempt(map, &mut memory, context)?;
-        let mut obstacles = tried.obstacles;
-        if obstacles.is_empty() {
-            let mut brep = tried.brep;
-            enclose(map, &mut brep)?;
-            obstacles = super::check::obstacles(map, mesh, &brep, context)?;
-            if obstacles.is_empty() {
-                return Ok((brep, fallback));
+        let obstacles = match judged(map, mesh, &mut memory, context)? {
+            Ok(brep) => return Ok((brep, fallback)),
+            Err(obstacles) => obstacles,
+        };
+        for obstacle in &obstacles {
+            let first = obstacle.pieces.first().map_or(NONE, |&p| map.pieces[p as usize].region);
+            tracing::debug!(round, region = first, pieces = ?obstacle.pieces, reason = obstacle.reason, "obstacle");
+        }
+        match round.cmp(&ROUNDS) {
+            Ordering::Less => demote(map, &obstacles, round, memory.is_spent(), &mut fallback),
+            Ordering::Equal => {
+                // Nothing but triangles is left to be said.
+                let above = |&p: &u32| map.pieces[p as usize].rung < Rung::Triangles;
+                let rest: Vec<u32> = (0..map.pieces.len() as u32).filter(above).collect();
+                fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
+                map.compact();
+            }
+            Ordering::Greater => {
+                let reason = obstacles.first().map_or("", |o| o.reason.as_str());
+                return Err(Error::Numeric(format!("not even the triangles make a valid model: {reason}")));
             }
         }
-        demote(map, &obstacles, round, &mut fallback);
-    }
-    // Nothing but triangles is left to be said.
-    let rest: Vec<u32> =
-        (0..map.pieces.len() as u32).filter(|&p| map.pieces[p as usize].rung < Rung::Triangles).collect();
-    fall(map, &rest, Rung::Triangles, "no better description was valid", &mut fallback);
-    let tried = attempt(map, &mut memory, context)?;
-    let mut brep = tried.brep;
-    let mut obstacles = tried.obstacles;
-    if obstacles.is_empty() {
-        enclose(map, &mut brep)?;
-        obstacles = super::check::obstacles(map, mesh, &brep, context)?;
-    }
-    match obstacles.first() {
-        Some(obstacle) => {
-            Err(Error::Numeric(format!("not even the triangles make a valid model: {}", obstacle.reason)))
-        }
-        None => Ok((brep, fallback)),
+        round += 1;
     }
 }
 
+/// One attempt and what the validator says: a model, or what is in the way of one.
+fn judged(
+    map: &mut Map<'_>,
+    mesh: &SurfaceMesh,
+    memory: &mut Memory,
+    context: &Context,
+) -> Result<std::result::Result<Brep, Vec<Obstacle>>> {
+    let tried = attempt(map, memory, context)?;
+    if !tried.obstacles.is_empty() {
+        return Ok(Err(tried.obstacles));
+    }
+    let mut brep = tried.brep;
+    enclose(map, &mut brep)?;
+    let obstacles = super::check::obstacles(map, mesh, &brep, context)?;
+    Ok(if obstacles.is_empty() { Ok(brep) } else { Err(obstacles) })
+}
+
 /// Demotes the cause of every obstacle: the least certain of its pieces.
-fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mut Vec<Fallback>) {
+fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, fallback: &mut Vec<Fallback>) {
     let mut chosen: Vec<(u32, &str)> = Vec::new();
     for obstacle in obstacles {
         // One fall of a piece may clear more than one obstacle.
@@ -106,11 +120,11 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, fallback: &mu
         let rung = map.pieces[p as usize].rung;
         let next = match rung {
             Rung::Analytic | Rung::Swept => Rung::Spline,
-            Rung::Spline if map.cut(p) => continue,
+            Rung::Spline if !spent && map.cut(p) => continue,
             Rung::Spline => Rung::Planes,
             Rung::Planes | Rung::Triangles => Rung::Triangles,
         };
-        fall_without_numbers(map, &[p], next, reason, fallback);
+        fall(map, &[p], next, reason, fallback);
     }
     map.compact();
 }
@@ -137,7 +151,7 @@ fn doubt(piece: &Piece) -> f64 {
 
 fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
     let corners = pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter()).flat_map(|&k| 3 * k..3 * k + 3);
-    let others = corners.map(|c| map.t.opposite(c)).filter(|&o| o != crate::mesh::NONE);
+    let others = corners.map(|c| map.t.opposite(c)).filter(|&o| o != NONE);
     let mut found: Vec<u32> = others.map(|o| map.label[o as usize / 3]).filter(|l| !pieces.contains(l)).collect();
     found.sort_unstable();
     found.dedup();
@@ -145,11 +159,6 @@ fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
 }
 
 fn fall(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str, fallback: &mut Vec<Fallback>) {
-    fall_without_numbers(map, which, to, reason, fallback);
-    map.compact();
-}
-
-fn fall_without_numbers(map: &mut Map<'_>, which: &[u32], to: Rung, reason: &str, fallback: &mut Vec<Fallback>) {
     for &p in which {
         let piece = &map.pieces[p as usize];
         let from = piece.primitive.map_or("freeform", |p| p.kind().name());

@@ -3,7 +3,7 @@
 
 use super::curves::Track;
 use super::regions::{Map, Piece};
-use super::spline::Fitted;
+use super::spline::{Fitted, MOST_EFFORT};
 use super::topology::Chain;
 use crate::mesh::NONE;
 use glam::DVec3;
@@ -17,6 +17,8 @@ type TrackKey = ([u64; 2], u32, usize, [u64; 6]);
 pub struct Memory {
     tracks: BTreeMap<TrackKey, Option<Track>>,
     splines: BTreeMap<(u64, u64), Option<Fitted>>,
+    /// What was spent on spline surfaces so far.
+    pub effort: u64,
 }
 
 impl Memory {
@@ -25,6 +27,11 @@ impl Memory {
         let of = |s: u32| if s == NONE { u64::MAX } else { map.pieces[s as usize].id };
         let [a, b] = ends.map(|p| p.to_array().map(f64::to_bits));
         (chain.sides.map(of), chain.half_edges[0], chain.half_edges.len(), [a[0], a[1], a[2], b[0], b[1], b[2]])
+    }
+
+    /// Whether no more is spent on spline surfaces.
+    pub fn is_spent(&self) -> bool {
+        self.effort >= MOST_EFFORT
     }
 
     /// An earlier track.

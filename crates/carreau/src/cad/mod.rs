@@ -6,10 +6,14 @@
 //! | stage | file |
 //! |---|---|
 //! | regions and their surfaces | [`crate::segment`] |
-//! | the map: neighbours on one surface made one, crumbs absorbed | `regions` |
+//! | the map of its pieces | `regions` |
+//! | neighbours on one surface made one, crumbs absorbed | `clean` |
 //! | fillets of flat strips | `arcs` |
 //! | extrusions and surfaces of revolution among the regions without a surface | `swept` |
-//! | their profiles | `profile` |
+//! | neighbours that may be parts of one of them | `unions` |
+//! | directions and axes of sweeps | `axes` |
+//! | their profiles, and the lines and arcs of these | `profile`, `runs` |
+//! | pieces that fit in part | `misfits` |
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
@@ -17,6 +21,7 @@
 //! | corners | `corners` |
 //! | regions laid out in a plane | `flatten` |
 //! | spline surfaces between the curves around them | `spline` |
+//! | the points that they are fitted to, and the fit on one grid | `points`, `grid` |
 //! | loops in parameters, seams, spheres turned | `faces` |
 //! | the model while it is made | `draft` |
 //! | one attempt, all of the above | `model` |
@@ -24,24 +29,32 @@
 //! | shells and bodies | `shells` |
 //! | what a model must pass | `check` |
 //! | pieces that are in the way go down a rung | `ladder` |
+//! | the last rungs: plane facets | `facets` |
 //! | regions that are too much for one spline surface | `halve` |
 //! | constants | `tuning` |
 
 mod arcs;
+mod axes;
 mod borders;
 mod check;
+mod clean;
 mod conics;
 mod corners;
 mod curves;
 mod draft;
 mod faces;
+mod facets;
 mod flatten;
+mod grid;
 mod halve;
 mod ladder;
 mod memory;
+mod misfits;
 mod model;
+mod points;
 mod profile;
 mod regions;
+mod runs;
 mod shells;
 mod spline;
 mod swept;
@@ -50,6 +63,7 @@ mod tests;
 mod topology;
 mod trace;
 mod tuning;
+mod unions;
 
 use crate::brep::Brep;
 use crate::context::Context;
@@ -58,6 +72,7 @@ use crate::mesh::{SurfaceMesh, Triangles};
 use crate::segment::{Rectify, SegmentOptions, Segmentation, segment};
 use regions::Map;
 use serde::{Deserialize, Serialize};
+use tuning::{EXACT, NEARLY_ALL, SOME};
 
 pub use ladder::Fallback;
 pub use regions::Rung;
@@ -131,14 +146,19 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         rectify: if options.labels.is_some() { Rectify::None } else { Rectify::default() },
         ..SegmentOptions::default()
     };
-    let segmentation = segment(mesh, &wanted, context)?;
-    let mut map = {
-        let _stage = context.stage("map");
-        let mut map = Map::new(triangles, mesh.diagonal(), &segmentation);
-        arcs::round(&mut map)?;
-        swept::sweep(&mut map)?;
-        map
-    };
+    let mut segmentation = segment(mesh, &wanted, context)?;
+    let mut map = mapped(mesh, triangles, &segmentation, context)?;
+    // Free surfaces in exact data look like noise, but with noise nothing would be exact.
+    let share = map.exact_share();
+    let doubtful = segmentation.chosen.noise > 0.0 && wanted.tolerance.is_none() && wanted.labels.is_none();
+    if doubtful && (SOME..NEARLY_ALL).contains(&share) {
+        let exact = SegmentOptions { tolerance: Some(EXACT * mesh.diagonal()), ..wanted };
+        let other = segment(mesh, &exact, context)?;
+        let other_map = mapped(mesh, triangles, &other, context)?;
+        if other_map.exact_share() > share + SOME {
+            (segmentation, map) = (other, other_map);
+        }
+    }
     let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
     if options.max_faces.is_some_and(|most| brep.faces.len() > most as usize) {
         return Err(Error::Numeric(format!(
@@ -154,6 +174,22 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
     let face_of_triangle = map.label;
     Ok(CadModel { brep, face_of_triangle, fallback, segmentation, areas, area, volume, distance_max, distance_rms })
+}
+
+/// The pieces of a segmentation, with everything that is known of them before there is a topology.
+fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation, context: &Context) -> Result<Map<'a>> {
+    let _stage = context.stage("map");
+    let mut map = Map::new(t, mesh.diagonal(), segmentation);
+    map.unify();
+    arcs::round(&mut map)?;
+    swept::sweep(&mut map)?;
+    if map.exact_share() > SOME && map.part_misfits() {
+        swept::sweep(&mut map)?;
+    }
+    map.part_lids();
+    map.unify();
+    map.tighten();
+    Ok(map)
 }
 
 /// Largest and root mean square distance of the vertices of all pieces from their surfaces.

@@ -10,148 +10,308 @@
 //!            │────●                  n · (x × c) + (p × n) · c = 0
 //!            │   ╱ p
 //! ```
+//!
+//! Parts of the profile that are straight, or arcs of circles, sweep surfaces with a name: a flat side that runs into a fillet is a
+//! plane and a cylinder.
 
-use super::borders::circle;
-use super::profile::profile;
-use super::regions::{Map, Piece, Rung, area_vector, looks_along, mean_square, vertices};
+use super::axes::{axes, direction, directions};
+use super::clean::normals;
+use super::profile::Profile;
+use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
+use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
-use super::tuning::{ALONG, COLUMN, NAMED};
+use super::trace::interpolate;
+use super::tuning::COLUMN;
+use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
-use crate::geometry::primitive::Primitive;
-use crate::mesh::{NONE, Triangles};
-use crate::numeric::eigen3::{Eigen3, outer};
-use glam::{DMat3, DVec3};
+use crate::geometry::primitive::{self, Kind, Primitive};
+use crate::mesh::Triangles;
+use glam::{DVec2, DVec3};
 
 /// Least number of places of an extruded profile: fewer are a plane or a wedge.
 const LEAST: usize = 4;
 /// The same of a revolved one: two are a cone.
 const LEAST_REVOLVED: usize = 3;
-/// Most axes that are tried for a region.
-const MOST_AXES: usize = 8;
-/// Of its largest eigenvalue: what is below has no inverse, because all normals are in a plane.
-const SINGULAR: f64 = 1e-9;
+/// Places nearer to each other than this many times the precision of the vertices are one: a curve through both would turn with the
+/// rounding.
+const APART: f64 = 20.0;
+/// Share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first; and how often that is
+/// halved.
+const WIDE: f64 = 0.04;
+const HALVINGS: i32 = 5;
+/// Vertices beyond the number of parameters that speak for a surface.
+const SPARE: usize = 3;
+/// Steps of a fit that starts from the result of another.
+const REFINE_STEPS: usize = 30;
 
-/// Gives swept surfaces to the pieces without a surface that lie on some; the others stay in the list.
+/// Gives swept surfaces to the pieces without a surface that lie on some, alone or together with neighbours whose surfaces do not fit
+/// well, and surfaces with a name to those parts of them that have one.
 pub fn sweep(map: &mut Map<'_>) -> Result<()> {
-    if map.free.is_empty() {
+    let is_wanted = |p: &Piece| p.rung == Rung::Spline || p.primitive.is_some_and(|q| q.kind() != Kind::Plane);
+    if !map.pieces.iter().any(is_wanted) {
         return Ok(());
     }
+    map.part_at_edges();
     let graph = Graph::of(map.t, &map.label, map.pieces.len(), &[])?;
-    let mut chains_of: Vec<Vec<u32>> = vec![Vec::new(); map.pieces.len()];
-    for (chain, k) in graph.chains.iter().zip(0u32..) {
-        chain.sides.iter().filter(|&&s| s != NONE).for_each(|&s| chains_of[s as usize].push(k));
-    }
-    let free = std::mem::take(&mut map.free);
-    let mut left = Vec::new();
-    for p in free {
-        let triangles = &map.pieces[p as usize].triangles;
-        let surface = extrusion(map.t, triangles, map.diagonal)
-            .or_else(|| revolution(map, p, &axes(map, p, &graph, &chains_of[p as usize])));
-        if let Some(surface) = surface {
-            let piece = &mut map.pieces[p as usize];
-            *piece = Piece { surface, rung: Rung::Swept, ..piece.clone() };
-            piece.same_sense = looks_along(map.t, piece);
-            piece.square = mean_square(map.t, &piece.triangles, |q| piece.surface.distance(q));
-            let far = |q: &DVec3| piece.surface.distance(*q);
-            piece.max = vertices(map.t, &piece.triangles).iter().map(far).fold(0.0, f64::max);
-        } else {
-            left.push(p);
+    for union in unions(map, &graph) {
+        let whole = swept(map, &union, &graph);
+        if !whole.is_empty() {
+            replace(map, &union, whole);
+            continue;
+        }
+        let mut rest = union.clone();
+        for &p in union.iter().filter(|_| union.len() > 1) {
+            let alone = if map.pieces[p as usize].rung == Rung::Spline { swept(map, &[p], &graph) } else { Vec::new() };
+            if !alone.is_empty() {
+                replace(map, &[p], alone);
+                rest.retain(|&q| q != p);
+            }
+        }
+        // Crumbs belong to the free piece around them.
+        let flat = |p: &u32| map.pieces[*p as usize].primitive.is_none_or(|q| q.kind() == Kind::Plane);
+        if rest.len() > 1 && rest.iter().all(flat) {
+            let mut triangles: Vec<u32> =
+                rest.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
+            triangles.sort_unstable();
+            map.replace(&rest, vec![(triangles, None)]);
         }
     }
-    map.free = left;
+    map.compact();
     Ok(())
 }
 
-fn extrusion(t: Triangles<'_>, triangles: &[u32], diagonal: f64) -> Option<Surface> {
-    let mut matrix = DMat3::ZERO;
-    for &k in triangles {
-        let n = area_vector(t, k);
-        matrix += outer(n.normalize_or_zero()) * n.length();
-    }
-    let eigen = Eigen3::new(matrix);
-    if !(eigen.values[0] <= ALONG * ALONG * eigen.values[2]) || eigen.values[1] <= ALONG * eigen.values[2] {
-        return None;
-    }
-    let direction = eigen.vectors[0];
-    let origin = t.point(3 * triangles[0]);
-    let flat = |p: DVec3| p - direction * (p - origin).dot(direction);
-    let across = direction.any_orthonormal_vector();
-    let profile = profile(t, triangles, flat, across, COLUMN * diagonal, LEAST)?;
-    Some(Surface::Extrusion { profile, direction })
+fn replace(map: &mut Map<'_>, pieces: &[u32], parts: Vec<Part>) {
+    let parts = parts.into_iter().map(|(own, surface, primitive)| (own, Some((surface, primitive))));
+    map.replace(pieces, parts.collect());
 }
 
-/// Axes that a piece may be round about, the surest first: points and directions.
-fn axes(map: &Map<'_>, p: u32, graph: &Graph, chains: &[u32]) -> Vec<(DVec3, DVec3)> {
-    let mut out: Vec<(DVec3, DVec3)> = Vec::new();
-    let diagonal = map.diagonal;
-    let mut add = |axis: (DVec3, DVec3)| {
-        let same = |o: &(DVec3, DVec3)| {
-            let offset = axis.0 - o.0;
-            axis.1.cross(o.1).length() < NAMED && (offset - o.1 * offset.dot(o.1)).length() < NAMED * diagonal
-        };
-        if !out.iter().any(same) && out.len() < MOST_AXES {
-            out.push(axis);
-        }
-    };
-    for &k in chains {
-        let chain = &graph.chains[k as usize];
-        let other = chain.sides.into_iter().find(|&s| s != p && s != NONE);
-        match other.and_then(|s| map.pieces[s as usize].primitive) {
-            Some(Primitive::Cylinder { origin, axis, .. }) => add((origin, axis)),
-            Some(Primitive::Cone { apex, axis, .. }) => add((apex, axis)),
-            Some(Primitive::Torus { center, axis, .. }) => add((center, axis)),
-            _ => {}
-        }
-        let polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
-        let closed = chain.vertices[0] == chain.vertices[chain.vertices.len() - 1];
-        if let Some(Curve::Circle { frame, .. }) = circle(&polyline, closed, COLUMN * diagonal).map(|t| t.curve) {
-            add((frame.origin, frame.z));
-        }
-    }
-    if let Some(axis) = complex(map.t, &map.pieces[p as usize].triangles) {
-        add(axis);
-    }
-    out
+/// What is swept, and how.
+#[derive(Clone, Copy)]
+enum Sweep {
+    Along(DVec3),
+    Around(Frame),
 }
 
-/// The axis that the normals of triangles meet, in the sense of least squares.
-fn complex(t: Triangles<'_>, triangles: &[u32]) -> Option<(DVec3, DVec3)> {
-    let about = t.point(3 * triangles[0]);
-    let (mut turn, mut mixed, mut shift) = (DMat3::ZERO, DMat3::ZERO, DMat3::ZERO);
-    for &k in triangles {
-        let n = area_vector(t, k);
-        let weight = n.length();
-        let n = n.normalize_or_zero();
-        let p = t.triangle(k).map(|v| t.points()[v as usize]).iter().sum::<DVec3>() / 3.0 - about;
-        let m = p.cross(n);
-        turn += outer(m) * weight;
-        shift += outer(n) * weight;
-        mixed += DMat3::from_cols(m * n.x, m * n.y, m * n.z) * weight;
-    }
-    // The moment is that of least residual for a direction: what is left is a quadratic form of the direction.
-    let shift = Eigen3::new(shift);
-    let inverse = |b: DVec3| shift.solve(b, SINGULAR);
-    let back = mixed.transpose();
-    let solved = DMat3::from_cols(inverse(back.x_axis), inverse(back.y_axis), inverse(back.z_axis));
-    let direction = Eigen3::new(turn - mixed * solved).vectors[0];
-    let moment = -(solved * direction);
-    let axis = (about + direction.cross(moment), direction);
-    (axis.0.is_finite() && axis.1.is_finite()).then_some(axis)
-}
+/// A part of a swept piece: triangles and the surface.
+type Part = (Vec<u32>, Surface, Option<Primitive>);
 
-fn revolution(map: &Map<'_>, p: u32, axes: &[(DVec3, DVec3)]) -> Option<Surface> {
-    let (t, triangles) = (map.t, &map.pieces[p as usize].triangles);
+/// The parts of a set of pieces that one profile sweeps; none where none does.
+fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
+    let mut triangles: Vec<u32> =
+        pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
+    triangles.sort_unstable();
     let near = COLUMN * map.diagonal;
-    axes.iter().find_map(|&(origin, axis)| {
-        let frame = Frame::along(origin, axis);
-        let flat = |q: DVec3| {
-            let at = frame.profile(q);
-            // On the axis, to the bit.
-            let x = if at.x < near { 0.0 } else { at.x };
-            frame.origin + frame.x * x + frame.z * at.y
+    if let Some(primitive) = simple(map.t, &triangles, near) {
+        return vec![(triangles, Surface::of_primitive(&primitive), Some(primitive))];
+    }
+    let vertices_of = |own: &[u32]| vertex_ids(map.t, own).len();
+    // Where nothing else speaks for a sweep, there are two vertices and more at every place of the profile.
+    let many = vertices_of(&triangles) / 2;
+    let along = direction(map.t, &triangles).map(|d| (Sweep::Along(d), usize::MAX));
+    let beside = directions(map, pieces, graph).into_iter().map(|d| (Sweep::Along(d), many));
+    let around = axes(map, pieces, &triangles, graph).into_iter();
+    let around = around.map(|(o, z)| (Sweep::Around(Frame::along(o, z)), many));
+    let fits = |parts: &Vec<Part>| {
+        let far = |(own, surface, primitive): &Part| {
+            let off = |q: &DVec3| primitive.map_or_else(|| surface.distance(*q), |p| p.distance(*q).abs());
+            vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
         };
-        let profile = profile(t, triangles, flat, frame.z + 0.5 * frame.x, near, LEAST_REVOLVED)?;
-        Some(Surface::Revolution { profile, frame })
+        parts.iter().all(far)
+    };
+    let found = along.into_iter().chain(beside).chain(around).find_map(|(sweep, most)| {
+        let columns = |most: usize| {
+            let profile = sweep.profile(map.t, &triangles, near, APART * near, most)?;
+            sweep.parts(map.t, &triangles, profile, near).filter(fits)
+        };
+        // Every vertex at a place of its own: as few of them as say what the profile is.
+        let few = |k: i32| {
+            let apart = map.diagonal * WIDE * 0.5f64.powi(k);
+            let mut profile = sweep.profile(map.t, &triangles, near, apart, many)?;
+            profile.reach_out(map.t, sweep.flat(map.t.point(3 * triangles[0]), near));
+            sweep.whole(&triangles, &profile).filter(fits)
+        };
+        columns(many).or_else(|| (0..HALVINGS).find_map(few)).or_else(|| columns(most))
+    });
+    found.unwrap_or_default()
+}
+
+impl Sweep {
+    /// Moves points into the plane of the profile, which for an extrusion is that through a point.
+    fn flat(self, origin: DVec3, near: f64) -> impl Fn(DVec3) -> DVec3 {
+        move |q: DVec3| match self {
+            Sweep::Along(direction) => q - direction * (q - origin).dot(direction),
+            Sweep::Around(frame) => {
+                let at = frame.profile(q);
+                // On the axis, to the bit.
+                let x = if at.x < near { 0.0 } else { at.x };
+                frame.origin + frame.x * x + frame.z * at.y
+            }
+        }
+    }
+
+    fn profile(self, t: Triangles<'_>, triangles: &[u32], near: f64, apart: f64, most: usize) -> Option<Profile> {
+        let flat = self.flat(t.point(3 * triangles[0]), near);
+        match self {
+            Sweep::Along(d) => Profile::of(t, triangles, flat, d.any_orthonormal_vector(), apart, [LEAST, most]),
+            Sweep::Around(f) => Profile::of(t, triangles, flat, f.z + 0.5 * f.x, apart, [LEAST_REVOLVED, most]),
+        }
+    }
+
+    /// All triangles on one surface.
+    fn whole(self, triangles: &[u32], profile: &Profile) -> Option<Vec<Part>> {
+        let mut points = profile.points.clone();
+        points.extend(profile.closed.then(|| points[0]));
+        Some(vec![(triangles.to_vec(), self.free(&points)?, None)])
+    }
+
+    /// The plane of the profile, whose z axis is across it, and whose y axis is that of a revolution.
+    fn plane(self, at: DVec3) -> Frame {
+        match self {
+            Sweep::Along(direction) => Frame::along(at, direction),
+            Sweep::Around(frame) => Frame::new(frame.origin, -frame.y(), frame.x),
+        }
+    }
+
+    /// A surface for every run of a profile, with its triangles; one for all where some triangles are in two.
+    fn parts(self, t: Triangles<'_>, triangles: &[u32], mut profile: Profile, near: f64) -> Option<Vec<Part>> {
+        let plane = self.plane(profile.points[0]);
+        let flat = |p: &DVec3| {
+            let l = plane.local(*p);
+            DVec2::new(l.x, l.y)
+        };
+        let first = profile.closed.then(|| joint(&profile.points.iter().map(flat).collect::<Vec<DVec2>>(), near));
+        if first == Some(None) {
+            let round = circle_through(profile.points.iter().map(flat)).filter(|c| c.2 <= near);
+            let Some((center, radius, _)) = round else { return self.whole(triangles, &profile) };
+            let run = Run { ends: [0, 0], shape: Shape::Arc { center, radius } };
+            let primitive = self.primitive(&run, &profile.points, &plane, near)?;
+            return Some(vec![(triangles.to_vec(), Surface::of_primitive(&primitive), Some(primitive))]);
+        }
+        profile.begin_at(first.flatten().unwrap_or(0));
+        let mut points = profile.points.clone();
+        points.extend(profile.closed.then(|| points[0]));
+        let runs = runs(&points.iter().map(flat).collect::<Vec<DVec2>>(), near);
+        let (lids, sides): (Vec<u32>, Vec<u32>) = triangles.iter().partition(|&&k| self.is_lid(t, k, &profile));
+        let triangles = &sides;
+        let Some(of) = assigned(t, triangles, &profile, &runs) else {
+            let lids = self.lids(t, &lids, &profile);
+            return self.whole(triangles, &profile).map(|sides| sides.into_iter().chain(lids).collect());
+        };
+        let part = |(k, run): (usize, &Run)| {
+            let own: Vec<u32> = triangles.iter().zip(&of).filter(|o| *o.1 == k).map(|o| *o.0).collect();
+            let primitive = self.primitive(run, &points, &plane, near);
+            let surface = match &primitive {
+                Some(p) => Surface::of_primitive(p),
+                None => self.free(&points[run.ends[0]..=run.ends[1]])?,
+            };
+            Some((own, surface, primitive))
+        };
+        let mut parts: Vec<Part> = runs.iter().enumerate().map(part).collect::<Option<_>>()?;
+        parts.extend(self.lids(t, &lids, &profile));
+        Some(parts.into_iter().filter(|p| !p.0.is_empty()).collect())
+    }
+
+    /// Whether all corners of a triangle are at one place of the profile of a revolution: it is a part of the disc inside of it.
+    fn is_lid(self, t: Triangles<'_>, k: u32, profile: &Profile) -> bool {
+        let at = t.triangle(k).map(|v| profile.place(v));
+        matches!(self, Sweep::Around(_)) && at[0] == at[1] && at[1] == at[2]
+    }
+
+    fn lids(self, t: Triangles<'_>, triangles: &[u32], profile: &Profile) -> Vec<Part> {
+        let Sweep::Around(frame) = self else { return Vec::new() };
+        let place = |k: u32| profile.place(t.triangle(k)[0]);
+        let mut order: Vec<(usize, u32)> = triangles.iter().map(|&k| (place(k), k)).collect();
+        order.sort_unstable();
+        let lid = |of: &[(usize, u32)]| {
+            let origin = frame.origin + frame.z * frame.profile(profile.points[of[0].0]).y;
+            let plane = Primitive::Plane { origin, normal: frame.z };
+            (of.iter().map(|o| o.1).collect(), Surface::of_primitive(&plane), Some(plane))
+        };
+        order.chunk_by(|a, b| a.0 == b.0).map(lid).collect()
+    }
+
+    /// The surface that a spline through points sweeps.
+    fn free(self, points: &[DVec3]) -> Option<Surface> {
+        let (spline, _) = interpolate(points, points[0] == points[points.len() - 1])?;
+        let profile = Curve::Spline(spline);
+        Some(match self {
+            Sweep::Along(direction) => Surface::Extrusion { profile, direction },
+            Sweep::Around(frame) => Surface::Revolution { profile, frame },
+        })
+    }
+
+    /// The surface that a line or an arc sweeps.
+    fn primitive(self, run: &Run, points: &[DVec3], plane: &Frame, near: f64) -> Option<Primitive> {
+        let [a, b] = run.ends.map(|k| points[k]);
+        match (self, run.shape) {
+            (_, Shape::Free) => None,
+            (Sweep::Along(axis), Shape::Line) => {
+                Some(Primitive::Plane { origin: a, normal: axis.cross(b - a).normalize_or_zero() })
+            }
+            (Sweep::Along(axis), Shape::Arc { center, radius }) => {
+                Some(Primitive::Cylinder { origin: plane.global(center.extend(0.0)), axis, radius })
+            }
+            (Sweep::Around(frame), Shape::Line) => {
+                let [p, q] = [a, b].map(|x| frame.profile(x));
+                if (p.y - q.y).abs() <= near {
+                    return Some(Primitive::Plane { origin: frame.origin + frame.z * p.y, normal: frame.z });
+                }
+                if (p.x - q.x).abs() <= near {
+                    let (origin, axis) = (frame.origin, frame.z);
+                    return Some(Primitive::Cylinder { origin, axis, radius: 0.5 * (p.x + q.x) });
+                }
+                let slope = (q.x - p.x) / (q.y - p.y);
+                let apex = frame.origin + frame.z * (p.y - p.x / slope);
+                Some(Primitive::Cone { apex, axis: frame.z * slope.signum(), half_angle: slope.abs().atan() })
+            }
+            (Sweep::Around(frame), Shape::Arc { center, radius }) => {
+                let middle = frame.origin + frame.z * center.y;
+                if center.x.abs() <= near {
+                    return Some(Primitive::Sphere { center: middle, radius });
+                }
+                // The inner leaf of a tube that crosses the axis has no name.
+                let torus =
+                    Primitive::Torus { center: middle, axis: frame.z, major_radius: center.x, minor_radius: radius };
+                (center.x > 0.0).then_some(torus)
+            }
+        }
+    }
+}
+
+/// The run of every triangle; `None` where one is in two.
+fn assigned(t: Triangles<'_>, triangles: &[u32], profile: &Profile, runs: &[Run]) -> Option<Vec<usize>> {
+    let n = profile.points.len();
+    let of = |&k: &u32| {
+        let mut at = t.triangle(k).map(|v| profile.place(v));
+        at.sort_unstable();
+        // The first place is also that after the last one.
+        if profile.closed && at[0] == 0 && at[2] > n / 2 {
+            at.iter_mut().filter(|a| **a == 0).for_each(|a| *a = n);
+            at.sort_unstable();
+        }
+        runs.iter().position(|run| run.ends[0] <= at[0] && at[2] <= run.ends[1])
+    };
+    triangles.iter().map(of).collect()
+}
+
+/// Centre, radius, and the largest distance of a point.
+fn circle_through(points: impl Iterator<Item = DVec2> + Clone) -> Option<(DVec2, f64, f64)> {
+    let (center, radius) = primitive::circle(points.clone())?;
+    Some((center, radius, points.map(|p| (p.distance(center) - radius).abs()).fold(0.0, f64::max)))
+}
+
+/// The surface with a name that all vertices lie on.
+fn simple(t: Triangles<'_>, triangles: &[u32], near: f64) -> Option<Primitive> {
+    let (points, normals) = (vertices(t, triangles), normals(t, triangles));
+    let mut scratch = primitive::Scratch::default();
+    [Kind::Plane, Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus].into_iter().find_map(|kind| {
+        let enough = kind == Kind::Plane || points.len() >= kind.parameters() + SPARE;
+        if !enough {
+            return None;
+        }
+        let found = primitive::fit_within(kind, &points, &normals, 2.0 * near, &mut scratch)?;
+        let better = primitive::refine(found.primitive, &points, None, REFINE_STEPS).filter(|f| f.max <= found.max);
+        Some(better.unwrap_or(found).primitive)
     })
 }

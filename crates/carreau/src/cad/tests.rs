@@ -83,3 +83,18 @@ fn a_prism_stays_a_prism() {
     let model = of(&loft(&[ring(0.0), ring(2.0)]));
     assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Plane)), (8, 8));
 }
+
+/// A vase has rings at uneven heights on a profile with no name: one region, or several that fit badly.
+#[test]
+fn a_vase_has_one_side() {
+    let radius = |z: f64| 1.2 + 0.4 * (2.1 * z).sin() + 0.1 * z;
+    let ring = |z: f64| -> Vec<DVec3> {
+        let angle = |k: u32| std::f64::consts::TAU * f64::from(k) / 24.0;
+        (0..24).map(|k| (radius(z) * DVec2::from_angle(angle(k))).extend(z)).collect()
+    };
+    let heights: Vec<f64> = (0..=12).map(|k| 3.0 * f64::from(k) / 12.0 + 0.03 * f64::from(k * k % 5)).collect();
+    let rings: Vec<Vec<DVec3>> = heights.iter().map(|&z| ring(z)).collect();
+    let model = of(&loft(&rings));
+    assert_eq!(model.brep.faces.len(), 3, "{:?}", model.fallback);
+    assert_eq!(count(&model, SurfaceKind::Revolution), 1);
+}

@@ -19,12 +19,15 @@ pub fn signed(surface: &Surface, p: DVec3) -> (DVec3, f64) {
 /// The point near `p` on all surfaces, by steps of least length; where they are tangent, between them.
 pub fn meet(surfaces: &[&Surface], p: DVec3) -> DVec3 {
     let mut p = p;
+    // The way is short: from the second step on the nearest points are near those before.
+    let mut feet: Vec<[f64; 2]> = surfaces.iter().map(|s| s.project(p)).collect();
     for _ in 0..STEPS {
         let (mut matrix, mut rhs) = (DMat3::ZERO, DVec3::ZERO);
-        for s in surfaces {
-            let (n, d) = signed(s, p);
+        for (s, at) in surfaces.iter().zip(&mut feet) {
+            *at = s.project_near(p, *at);
+            let n = s.normal(at[0], at[1]);
             matrix += outer(n);
-            rhs -= n * d;
+            rhs -= n * n.dot(p - s.point(at[0], at[1]));
         }
         let step = Eigen3::new(matrix).solve(rhs, FREE);
         p += step;

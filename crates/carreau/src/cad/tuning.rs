@@ -38,8 +38,6 @@ pub const ROUNDS: usize = 24;
 /// Share of the diagonal: facets that cut off more than this speak against their surface. Programs tessellate within half a radian a
 /// facet, which is 1.1 % for a circle as wide as the part; four corners of two flat sides always lie on some circle.
 pub const COARSEST: f64 = 0.02;
-/// Vertices: twice the parameters of a torus and more.
-pub const CERTAIN: usize = 16;
 /// Radians: triangles of one plane facet differ by no more than this.
 pub const COPLANAR: f64 = 1e-6;
 /// Share of the diagonal: the same as a distance.
@@ -59,3 +57,9 @@ pub const ALONG: f64 = 1e-4;
 pub const COLUMN: f64 = 1e-6;
 /// Points that are this many tolerances from a vertex are that vertex: shorter edges break what is done with the model later.
 pub const NEAR_VERTEX: f64 = 12.0;
+/// Share of the diagonal: the tolerance of a segmentation of exact data; that of [`crate::segment`] where it sees no noise.
+pub const EXACT: f64 = 3e-5;
+/// Shares of the area on exact surfaces: with less the data is not exact, with more there is no doubt about it.
+pub const SOME: f64 = 0.05;
+/// See [`SOME`].
+pub const NEARLY_ALL: f64 = 0.999;

@@ -1,6 +1,7 @@
 //! The parameter of the point of a curve that is nearest to a given one.
 
 use super::Curve;
+use crate::geometry::bspline::BSplineCurve;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -35,14 +36,7 @@ impl Curve {
                 let side = (local.x * a / (a * a + b * b)).max(1.0).acosh();
                 self.nearest(p, [(local.y / b).asinh(), side, -side].into_iter(), STARTS)
             }
-            Curve::Spline(s) => {
-                let breaks = s.knots().breaks();
-                let inside = breaks.windows(2).flat_map(|w| {
-                    let [a, b] = [w[0], w[1]];
-                    (0..SPAN_SAMPLES).map(move |k| a + (b - a) * k as f64 / SPAN_SAMPLES as f64)
-                });
-                self.nearest(p, inside.chain(breaks.last().copied()), STARTS)
-            }
+            Curve::Spline(s) => self.nearest(p, near_samples(s, p).into_iter(), STARTS),
         }
     }
 
@@ -97,4 +91,31 @@ impl Curve {
         }
         t
     }
+}
+
+/// Samples of the spans that the nearest point may be on: a span is in the box of its control points, and no nearer than that.
+fn near_samples(s: &BSplineCurve, p: DVec3) -> Vec<f64> {
+    let (values, degree) = (s.knots().values(), s.knots().degree());
+    let bound = |k: usize| {
+        let points = &s.points()[k - degree..=k];
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        p.clamp(low, high).distance_squared(p)
+    };
+    let spans = (degree..s.knots().count()).filter(|&k| values[k] < values[k + 1]);
+    let mut spans: Vec<(f64, usize)> = spans.map(|k| (bound(k), k)).collect();
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut nearest = f64::INFINITY;
+    let mut out = Vec::new();
+    for (bound, k) in spans {
+        if bound > nearest {
+            break;
+        }
+        for j in 0..=SPAN_SAMPLES {
+            let t = values[k] + (values[k + 1] - values[k]) * j as f64 / SPAN_SAMPLES as f64;
+            nearest = nearest.min(s.point(t).distance_squared(p));
+            out.push(t);
+        }
+    }
+    out
 }

@@ -6,8 +6,8 @@ use super::face::Plane;
 use crate::brep::Surface;
 use crate::brep::boundary::Ring;
 use crate::error::Result;
-use glam::DVec2;
-use spade::Triangulation;
+use glam::{DVec2, DVec3};
+use spade::{Point2, Triangulation};
 
 /// Most rounds of refinement. Every round halves the chords that are too long, so that a dozen is enough for any face of
 /// ordinary proportions; the rest is for long thin triangles, which are halved in one direction at a time.
@@ -51,31 +51,43 @@ pub(super) fn fill(plane: &mut Plane, rings: &[Ring], fineness: &Fineness) -> Re
 fn missing(plane: &Plane, fineness: &Fineness) -> Vec<DVec2> {
     let inside = plane.inside();
     let surface = plane.surface;
-    let mut out = Vec::new();
     let at = |uv: DVec2| surface.point(uv.x, uv.y);
+    let place = |p: Point2<f64>| DVec2::new(p.x, p.y);
+    // Every vertex is an end of six edges. A pole has another normal for each of them.
+    let known = |v: Point2<f64>| {
+        let uv = plane.chart.parameters(place(v));
+        (at(uv), surface.normal(uv.x, uv.y))
+    };
+    let known: Vec<(DVec3, DVec3)> = plane.cdt.vertices().map(|v| known(v.position())).collect();
+    let mut out = Vec::new();
     for edge in plane.cdt.undirected_edges().filter(|e| !e.is_constraint_edge()) {
         let directed = edge.as_directed();
         if !directed.face().as_inner().is_some_and(|f| inside[f.fix().index()]) {
             continue;
         }
-        let ends = edge.vertices().map(|v| DVec2::new(v.position().x, v.position().y));
+        let ends = edge.vertices().map(|v| place(v.position()));
         let middle = 0.5 * (ends[0] + ends[1]);
-        let [a, b] = ends.map(|p| plane.uv(p, middle));
-        let middle = plane.chart.parameters(middle);
-        let far = at(middle).distance(0.5 * (at(a) + at(b))) > fineness.chord;
+        let [a, b] = edge.vertices().map(|v| known[v.fix().index()]);
+        let normal = |k: usize, of: DVec3| {
+            if !plane.chart.is_pole(ends[k]) {
+                return of;
+            }
+            let uv = plane.uv(ends[k], middle);
+            surface.normal(uv.x, uv.y)
+        };
+        let uv = plane.chart.parameters(middle);
+        let far = at(uv).distance(0.5 * (a.0 + b.0)) > fineness.chord;
         // Normals vary along a chord by twice the tolerance at most, as between two triangles.
-        let turned = || surface.normal(a.x, a.y).angle_between(surface.normal(b.x, b.y)) > 2.0 * fineness.angle;
-        if far || turned() {
-            out.push(middle);
+        if far || normal(0, a.1).angle_between(normal(1, b.1)) > 2.0 * fineness.angle {
+            out.push(uv);
         }
     }
     for face in plane.cdt.inner_faces().filter(|f| inside[f.fix().index()]) {
-        let corners = face.vertices().map(|v| DVec2::new(v.position().x, v.position().y));
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let flat = corners.map(|p| at(plane.uv(p, middle)));
-        let middle = plane.chart.parameters(middle);
-        if at(middle).distance((flat[0] + flat[1] + flat[2]) / 3.0) > fineness.chord {
-            out.push(middle);
+        let [a, b, c] = face.vertices().map(|v| place(v.position()));
+        let flat = face.vertices().map(|v| known[v.fix().index()].0);
+        let uv = plane.chart.parameters((a + b + c) / 3.0);
+        if at(uv).distance((flat[0] + flat[1] + flat[2]) / 3.0) > fineness.chord {
+            out.push(uv);
         }
     }
     out
@@ -94,7 +106,7 @@ fn grid(surface: &Surface, scale: DVec2, rings: &[Ring], fineness: &Fineness) ->
             let uv = low + size * DVec2::new(f64::from(i), f64::from(j)) / f64::from(PROBES);
             let jet = surface.jet(uv.x, uv.y);
             let normal = surface.normal(uv.x, uv.y);
-            let step = |first: glam::DVec3, second: glam::DVec3| {
+            let step = |first: DVec3, second: DVec3| {
                 let l = first.length();
                 if l > 0.0 { arc_step(second.dot(normal) / (l * l), fineness) / l } else { f64::INFINITY }
             };

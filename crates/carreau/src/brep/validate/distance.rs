@@ -175,18 +175,19 @@ fn to_mesh(
     let most_bent = border_curvature(brep, f);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();
+    // A surface with a name does not swing, so that what the largest of its facets cuts off is allowed everywhere: the facet that a
+    // point is nearest to need not be the one under it.
+    let named = !matches!(surface, Surface::Spline(_));
+    let mut looks: Vec<Look> = Vec::with_capacity(own.len());
     for (uv, area) in own.iter().map(|&k| middle(tessellation, k as usize)) {
         let p = surface.point(uv.x, uv.y);
         let Some(near) = tree.closest(p) else { continue };
         let ids = region.triangles[near.triangle as usize];
         let corners = ids.map(|v| points[v as usize]);
         let (sagitta, tilt) = bend(surface, uv, corners);
-        let border = most_bent * ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max).powi(2) / 8.0;
-        let border = border.min(0.5 * ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max));
-        let bound = limits.distance + 2.0 * sagitta + border;
-        if near.distance() - bound > out.back.0 - out.back.1 || out.area == 0.0 {
-            out.back = (near.distance(), bound, p);
-        }
+        let longest = ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max);
+        let border = (most_bent * longest.powi(2) / 8.0).min(0.5 * longest);
+        looks.push(Look { p, distance: near.distance(), sagitta, border });
         let normal = sense * surface.normal(uv.x, uv.y);
         let facet = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         out.area += area;
@@ -199,7 +200,19 @@ fn to_mesh(
             out.turned_at = p;
         }
     }
+    let deepest = looks.iter().map(|l| l.sagitta).fold(0.0, f64::max);
+    let bound = |l: &Look| limits.distance + 2.0 * if named { deepest } else { l.sagitta } + l.border;
+    let worst = looks.iter().max_by(|a, b| (a.distance - bound(a)).total_cmp(&(b.distance - bound(b))));
+    out.back = worst.map_or(out.back, |l| (l.distance, bound(l), l.p));
     out
+}
+
+/// A point of a face over its region.
+struct Look {
+    p: DVec3,
+    distance: f64,
+    sagitta: f64,
+    border: f64,
 }
 
 /// How far a facet may be from a surface over it, from the second fundamental form along its sides, and how much it may be tilted.

@@ -61,7 +61,7 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
     let mut out = Vec::new();
     for of in face.uses() {
         let edge = &brep.edges[of.edge as usize];
-        let (gap, at) = largest_gap(brep, f, edge);
+        let (gap, at) = largest_gap(brep, f, edge, edge.tolerance + rounding);
         if gap > edge.tolerance + rounding {
             out.push(Finding::new(Fault::EdgeOffSurface, gap, edge.tolerance, at).of_face(f).of_edge(of.edge));
         }
@@ -69,8 +69,8 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
     out
 }
 
-/// The largest distance of samples of an edge from the surface of a face.
-pub(crate) fn largest_gap(brep: &Brep, f: u32, edge: &Edge) -> (f64, DVec3) {
+/// The largest distance of samples of an edge from the surface of a face; exact where it is more than `allowed`.
+fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
     let surface = brep.surface(&brep.faces[f as usize]);
     let spans = match &edge.curve {
         Curve::Spline(s) => s.knots().breaks().len() - 1,
@@ -78,12 +78,12 @@ pub(crate) fn largest_gap(brep: &Brep, f: u32, edge: &Edge) -> (f64, DVec3) {
     };
     let n = (PER_SPAN * spans).max(LEAST);
     let mut at = surface.project(edge.point_at(0.0));
-    let mut worst = (0.0, edge.point_at(0.0));
+    let mut worst = (0.0f64, edge.point_at(0.0));
     for k in 0..=n {
         let p = edge.point_at(k as f64 / n as f64);
         at = surface.project_near(p, at);
         let mut off = surface.point(at[0], at[1]).distance(p);
-        if off > worst.0 {
+        if off > worst.0.max(allowed) {
             // A search from the place before may have stopped short.
             let anew = surface.project(p);
             let other = surface.point(anew[0], anew[1]).distance(p);

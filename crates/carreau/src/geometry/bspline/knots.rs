@@ -109,29 +109,43 @@ impl Knots {
     #[inline]
     pub fn derivatives(&self, t: f64) -> (usize, [Basis; 3]) {
         let (span, p) = (self.span(t), self.degree);
-        let first = self.derived(span, p, &self.basis_in(span, p - 1, t));
+        // From one degree to the next, the two before the last are kept.
+        let mut lower = [Basis::default(); 2];
+        let mut n = Basis::default();
+        n[0] = 1.0;
+        for d in 1..=p {
+            lower = [lower[1], n];
+            self.raise(span, d, t, &mut n);
+        }
+        let first = self.derived(span, p, &lower[1]);
         let second = match p {
             1 => Basis::default(),
-            _ => self.derived(span, p, &self.derived(span, p - 1, &self.basis_in(span, p - 2, t))),
+            _ => self.derived(span, p, &self.derived(span, p - 1, &lower[0])),
         };
-        (span - p, [self.basis_in(span, p, t), first, second])
+        (span - p, [n, first, second])
     }
 
     /// Basis functions of a lower or equal degree on the same knots.
+    #[inline]
     fn basis_in(&self, span: usize, degree: usize, t: f64) -> Basis {
         let mut n = Basis::default();
         n[0] = 1.0;
-        for d in 1..=degree {
-            let mut saved = 0.0;
-            for (r, value) in n.iter_mut().enumerate().take(d) {
-                let (right, left) = (self.values[span + 1 + r], self.values[span + 1 + r - d]);
-                let part = *value / (right - left);
-                *value = saved + (right - t) * part;
-                saved = (t - left) * part;
-            }
-            n[d] = saved;
-        }
+        (1..=degree).for_each(|d| self.raise(span, d, t, &mut n));
         n
+    }
+
+    /// Basis functions of degree d from those of the degree before.
+    #[inline]
+    fn raise(&self, span: usize, d: usize, t: f64, n: &mut Basis) {
+        let near = &self.values[span + 1 - d..=span + d];
+        let mut saved = 0.0;
+        for (r, value) in n.iter_mut().enumerate().take(d) {
+            let (right, left) = (near[d + r], near[r]);
+            let part = *value / (right - left);
+            *value = saved + (right - t) * part;
+            saved = (t - left) * part;
+        }
+        n[d] = saved;
     }
 
     /// Coefficients on the basis of degree `d − 1` as a derivative on the basis of degree `d`:

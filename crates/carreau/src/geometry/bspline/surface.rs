@@ -1,7 +1,7 @@
 //! Tensor-product B-spline surfaces in space.
 
 use super::curve::BSplineCurve;
-use super::knots::Knots;
+use super::knots::{Basis, Knots};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -61,11 +61,18 @@ impl BSplineSurface {
         let ((i, a), (j, b)) = (self.u.basis(u), self.v.basis(v));
         let mut sum = DVec3::ZERO;
         for (row, &weight) in b.iter().enumerate().take(self.v.degree() + 1) {
-            let at = (j + row) * self.u.count() + i;
-            let along: DVec3 = self.points[at..].iter().zip(&a).take(self.u.degree() + 1).map(|(&p, &w)| w * p).sum();
-            sum += weight * along;
+            sum += weight * self.along((j + row) * self.u.count() + i, &a);
         }
         sum
+    }
+
+    /// The sum of control points from one on, of one row, with the weights of basis functions.
+    #[inline]
+    fn along(&self, first: usize, weights: &Basis) -> DVec3 {
+        match self.points[first..=first + self.u.degree()] {
+            [p, q, r, s] => p * weights[0] + q * weights[1] + r * weights[2] + s * weights[3],
+            ref few => few.iter().zip(weights).map(|(&p, &w)| w * p).sum(),
+        }
     }
 
     /// The surface with every control point mapped; affine maps map all points of the surface so.
@@ -78,10 +85,8 @@ impl BSplineSurface {
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let ((i, a), (j, b)) = (self.u.derivatives(u), self.v.derivatives(v));
         let mut jet = Jet { point: DVec3::ZERO, first: [DVec3::ZERO; 2], second: [DVec3::ZERO; 3] };
-        let lines = self.points[j * self.u.count()..].chunks(self.u.count());
-        for (line, k) in lines.zip(0..=self.v.degree()) {
-            let along =
-                a.map(|n| line[i..].iter().zip(&n).take(self.u.degree() + 1).map(|(&p, &w)| w * p).sum::<DVec3>());
+        for k in 0..=self.v.degree() {
+            let along = a.map(|n| self.along((j + k) * self.u.count() + i, &n));
             let [b, db, ddb] = b.map(|row| row[k]);
             jet.point += b * along[0];
             jet.first[0] += b * along[1];

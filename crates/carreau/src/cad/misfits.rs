@@ -1,0 +1,70 @@
+//! Pieces most of which lie on a surface exactly, and some of which does not: divided into both.
+//!
+//! ```text
+//!     ┌───────────┬──╮             the wall of a cylinder and a blend, taken for one cylinder: that through most of the vertices
+//!     │  cylinder │ blend          holds the wall, and the blend is free
+//!     └───────────┴──╯
+//! ```
+
+use super::clean::normals;
+use super::regions::{Map, Piece, area_vector, connected, vertices};
+use super::tuning::{COLUMN, FILE};
+use crate::brep::Surface;
+use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
+
+/// Triangles of both parts together, at least: fewer lie on some surface by chance.
+const LEAST: usize = 12;
+/// Triangles of the part on the surface, and vertices beyond the number of its parameters.
+const SEVERAL: usize = 6;
+const SPARE: usize = 3;
+/// Most vertices: time grows with them.
+const MOST: usize = 5000;
+/// Steps of a fit that starts from the result of another.
+const REFINE_STEPS: usize = 30;
+
+impl Map<'_> {
+    /// Divides the pieces that do not fit; whether there were any.
+    pub fn part_misfits(&mut self) -> bool {
+        let mut any = false;
+        for p in 0..self.pieces.len() {
+            let Some((own, primitive)) = self.fitting(&self.pieces[p]) else { continue };
+            let mut rest = self.pieces[p].triangles.clone();
+            rest.retain(|k| own.binary_search(k).is_err());
+            let described = (Surface::of_primitive(&primitive), Some(primitive));
+            self.replace(&[p as u32], vec![(own, Some(described)), (rest, None)]);
+            any = true;
+        }
+        self.compact();
+        any
+    }
+
+    /// The connected part of a piece that lies on a surface, with half of the area at least.
+    fn fitting(&self, piece: &Piece) -> Option<(Vec<u32>, Primitive)> {
+        let kind = piece.primitive.map(|p| p.kind()).filter(|&k| k != Kind::Plane)?;
+        if !(piece.max > FILE * self.diagonal) || piece.triangles.len() < LEAST {
+            return None;
+        }
+        let (points, normals) = (vertices(self.t, &piece.triangles), normals(self.t, &piece.triangles));
+        if points.len() > MOST {
+            return None;
+        }
+        let near = 2.0 * COLUMN * self.diagonal;
+        let on = |p: &Primitive| -> Vec<u32> {
+            let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
+            piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).collect()
+        };
+        let area = |of: &[u32]| of.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
+        let mut kinds = vec![kind];
+        kinds.extend([Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus].into_iter().filter(|&k| k != kind));
+        let mut scratch = Scratch::default();
+        kinds.into_iter().find_map(|kind| {
+            let found = fit_robust(kind, &points, &normals, &mut scratch)?.fit.primitive;
+            let inliers: Vec<_> = points.iter().copied().filter(|&q| found.distance(q).abs() <= near).collect();
+            let primitive = refine(found, &inliers, None, REFINE_STEPS).map_or(found, |f| f.primitive);
+            let parts = connected(self.t, &on(&primitive), |_, _| true);
+            let own = parts.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)).then(b[0].cmp(&a[0])))?;
+            let enough = own.len() >= SEVERAL && vertices(self.t, &own).len() >= kind.parameters() + SPARE;
+            (enough && area(&own) >= 0.5 * area(&piece.triangles)).then_some((own, primitive))
+        })
+    }
+}

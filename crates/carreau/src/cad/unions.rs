@@ -1,0 +1,55 @@
+//! Neighbouring pieces that may be parts of one surface: those without a surface, those whose surface does not fit, and crumbs between
+//! them, joined where they meet smoothly.
+//!
+//! ```text
+//!      ______                      a surface of revolution with a free profile, taken for a torus and a sphere:
+//!     ╱torus ╲                     each is off by far more than its vertices are from what they lie on
+//!     │‾‾‾‾‾‾│
+//!     ╲sphere╱
+//! ```
+
+use super::regions::{Map, Piece, Rung, area_vector};
+use super::topology::{Chain, Graph};
+use super::tuning::FILE;
+use crate::geometry::normals::{angle_between, unit};
+use crate::geometry::primitive::Kind;
+use crate::mesh::{DisjointSets, NONE};
+
+/// Radians: edges that bend by more are none of one smooth surface, whose facets bend by half a radian at most.
+pub const SHARP: f64 = 0.75;
+/// Triangles of a crumb: what is left over between regions.
+const CRUMB: usize = 3;
+
+/// Sets of pieces, each with one at least that is no crumb; crumbs alone are left out.
+pub fn unions(map: &Map<'_>, graph: &Graph) -> Vec<Vec<u32>> {
+    let is_free = |p: &Piece| p.rung == Rung::Spline;
+    let is_flat = |p: &Piece| p.primitive.is_some_and(|q| q.kind() == Kind::Plane);
+    let is_doubtful = |p: &Piece| !is_flat(p) && p.max > FILE * map.diagonal;
+    let is_crumb = |p: &Piece| is_flat(p) && p.triangles.len() <= CRUMB;
+    let wanted = |s: u32| {
+        let piece = &map.pieces[s as usize];
+        is_free(piece) || is_doubtful(piece) || is_crumb(piece)
+    };
+    let mut sets = DisjointSets::new(map.pieces.len());
+    for chain in graph.chains.iter().filter(|c| c.sides.iter().all(|&s| s != NONE && wanted(s))) {
+        if bend(map, chain) < SHARP {
+            sets.union(chain.sides[0], chain.sides[1]);
+        }
+    }
+    let (of, count) = sets.labels();
+    let mut members = vec![Vec::new(); count];
+    for p in (0..map.pieces.len() as u32).filter(|&p| wanted(p)) {
+        members[of[p as usize] as usize].push(p);
+    }
+    members.retain(|m| m.iter().any(|&p| !is_crumb(&map.pieces[p as usize])));
+    members
+}
+
+/// The mean angle between the facets on both sides of a chain.
+fn bend(map: &Map<'_>, chain: &Chain) -> f64 {
+    let normal = |c: u32| unit(area_vector(map.t, c / 3));
+    let angle = |c: u32| angle_between(normal(c), normal(map.t.opposite(c)));
+    let length = |c: u32| map.t.point(c).distance(map.t.point(map.t.next(c)));
+    let (sum, total) = chain.half_edges.iter().fold((0.0, 0.0), |(s, l), &c| (s + length(c) * angle(c), l + length(c)));
+    sum / f64::max(total, f64::MIN_POSITIVE)
+}
