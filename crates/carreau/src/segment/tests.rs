@@ -319,6 +319,39 @@ fn egg() -> SurfaceMesh {
 }
 
 #[test]
+fn slivers_do_not_change_the_faces_of_a_part() {
+    for name in ["bracket", "cube-cylinders", "torus"] {
+        let mesh = model(name);
+        let clean = default(&mesh);
+        let spoiled = heal::tests::with_slivers(&mesh, 11);
+        let result = default(&spoiled);
+        assert_eq!(kinds(&result), kinds(&clean), "{name}");
+        // Every triangle that is left, the two parts of those that were divided, and no cap of the wrong side.
+        let own = |regions: &[Region]| regions.iter().map(|r| r.area).collect::<Vec<f64>>();
+        for (a, b) in own(&result.regions).into_iter().zip(own(&clean.regions)) {
+            assert!((a - b).abs() <= 1e-4 * b, "{name}: {a} for {b}");
+        }
+        let partition_of_old = &result.labels[..mesh.face_count()];
+        assert_eq!(partition(partition_of_old), partition(&clean.labels), "{name}");
+    }
+}
+
+#[test]
+fn coordinates_of_a_few_digits_do_not_change_the_faces_of_a_part() {
+    let round = |x: f64| format!("{x:.4e}").parse::<f64>().unwrap();
+    for (name, scale) in [("bracket", 1.0), ("cube-cylinders", 7.3), ("torus", 0.02)] {
+        // Turned, so that hardly any coordinate is a round number.
+        let turn = DQuat::from_axis_angle(DVec3::new(3.0, -1.0, 2.0).normalize(), 0.7);
+        let mesh = moved(&model(name), |p| turn * p * scale + DVec3::new(0.31, 0.0, -0.17));
+        let rounded = moved(&mesh, |p| DVec3::from_array(p.to_array().map(round)));
+        assert_ne!(rounded.points(), mesh.points());
+        let (clean, result) = (default(&mesh), default(&rounded));
+        assert_eq!(kinds(&result), kinds(&clean), "{name}");
+        assert_eq!(partition(&result.labels), partition(&clean.labels), "{name}");
+    }
+}
+
+#[test]
 fn exact_and_organic_surfaces_have_no_noise() {
     for mesh in [model("bracket"), egg()] {
         assert_eq!(default(&mesh).chosen.noise, 0.0);
