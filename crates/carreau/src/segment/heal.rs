@@ -240,7 +240,8 @@ pub mod tests {
                 let t = Triangles::of(mesh).unwrap();
                 let from_least = |k: u32| {
                     let mut f = t.triangle(k);
-                    f.rotate_left((0..3).min_by_key(|&k| f[k]).unwrap());
+                    let first = (0..3).min_by_key(|&k| f[k]).unwrap();
+                    f.rotate_left(first);
                     f
                 };
                 (0..t.len() as u32).map(from_least).collect()

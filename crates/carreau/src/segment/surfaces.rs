@@ -58,6 +58,8 @@ pub struct Surfaces {
     pub primitives: Vec<Primitive>,
     /// The loosest tolerance.
     pub tolerance: f64,
+    /// The distance that the vertices of careful files are within.
+    pub close: f64,
 }
 
 /// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers, `extent` is that of the
@@ -72,7 +74,8 @@ pub fn find(
 ) -> Result<Surfaces> {
     // Below what the file is rounded to there are only pieces of surfaces, by chance.
     let floor = precision::floor(surface, extent).max(rounding).min(most.unwrap_or(f64::INFINITY));
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
+    let close = floor.max(RUNGS[0] * extent);
+    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor, close };
     let rungs = rungs(extent, floor, most);
     let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
     let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));

@@ -305,6 +305,45 @@ fn smoothed_parts_keep_their_faces() {
     assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
 }
 
+/// The mesh with smooth noise on its vertices, some 14 mean edges long, of a deviation in mean edges along every axis.
+fn with_waves(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
+    const WAVES: u32 = 6;
+    let edge = (mesh_area(mesh) / mesh.face_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
+    // A sine has a root mean square of 1/√2, and each of the waves goes one way, so a third of it along every axis.
+    let height = share * edge * (3.0 * 2.0 / f64::from(WAVES)).sqrt();
+    moved(mesh, |p| {
+        let wave = |j: u32| {
+            let x = f64::from(j);
+            let along = DVec3::new((1.0 + 3.7 * x).sin(), (2.0 + 2.3 * x).cos(), (5.0 * x + 0.5).sin()).normalize();
+            let way = DVec3::new((1.3 * x).cos(), (2.9 * x + 1.0).sin(), (4.1 * x + 2.0).cos()).normalize();
+            way * height * (std::f64::consts::TAU * p.dot(along) / (14.0 * edge) + 1.7 * x).sin()
+        };
+        p + (0..WAVES).map(wave).sum::<DVec3>()
+    })
+}
+
+#[test]
+fn parts_with_waves_keep_their_faces() {
+    let mesh = model("cube-cylinders");
+    let exact = default(&mesh);
+    for share in [0.05, 0.1] {
+        let found = default(&with_waves(&mesh, share));
+        assert_eq!(found.chosen.basis, Basis::Surfaces, "{share}");
+        assert_eq!(kinds(&found), kinds(&exact), "{share}");
+        assert_eq!(covered(&found.labels, &exact.labels, 0.9), exact.regions.len(), "{share}");
+    }
+}
+
+#[test]
+fn a_scanned_part_keeps_its_faces() {
+    // Waves and white noise all over, rounded edges.
+    let cube = (0..4).fold(cube(DVec3::ZERO, 2.0).triangulated().unwrap(), |mesh, _| subdivided(&mesh));
+    let exact = default(&cube);
+    let found = default(&with_noise(&with_waves(&smoothed(&cube), 0.05), 0.03));
+    assert_eq!(kinds(&found), kinds(&exact));
+    assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
+}
+
 fn mesh_area(mesh: &SurfaceMesh) -> f64 {
     let p = |v: u32| mesh.points()[v as usize];
     mesh.faces().iter().map(|f| 0.5 * (p(f[1]) - p(f[0])).cross(p(f[2]) - p(f[0])).length()).sum()
