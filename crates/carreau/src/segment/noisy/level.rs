@@ -129,6 +129,11 @@ impl Noise {
         Noise { sigma, edge, triangles_a_sample, triangles_a_wave: triangles_a_sample, turn, crease }
     }
 
+    /// Whether deviations may be alike over more triangles than a sample has.
+    pub fn has_waves(&self) -> bool {
+        self.triangles_a_wave > self.triangles_a_sample
+    }
+
     /// Deviation of the bend of a half-edge, in radians.
     pub fn bend(&self, surface: &Surface<'_>, c: u32) -> f64 {
         bend_deviation(surface, &self.turn, c)
