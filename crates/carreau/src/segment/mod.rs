@@ -8,7 +8,8 @@
 //! |---|---|---|
 //! | renumbering by place | `canonical` | – |
 //! | areas, sharp edges and vertices, the automatic sharp angle | `surface` | §4.1 |
-//! | normals of slivers | `slivers` | – |
+//! | slivers taken out | `heal` | – |
+//! | normals of slivers that are left | `slivers` | – |
 //! | enrichment of triangles with three sharp vertices | `enrich` | §4.1 |
 //! | classification of vertices | `classify` | §4.2 |
 //! | growth of regions | `growth` | §4.3 |
@@ -47,6 +48,7 @@ mod cut;
 mod enrich;
 mod facets;
 mod growth;
+mod heal;
 mod junctions;
 mod merge;
 mod noisy;
@@ -323,22 +325,63 @@ pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) 
     }
     options.validate()?;
     options.check_labels(triangles.len())?;
+    // Digits of decimals are those of the file's unit.
+    let rounding = precision::decimal(triangles.points()).unwrap_or_default();
     let scale = UnitScale::of(triangles);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let [radius, tolerance] = [options.radius, options.tolerance].map(|l| l.map(|l| scale.length(l)));
-        let found = segment(&mesh, &SegmentOptions { radius, tolerance, ..options.clone() }, context)?;
-        return Ok(found.in_scale(scale.back()));
+        let options = SegmentOptions { radius, tolerance, ..options.clone() };
+        return Ok(in_unit(&mesh, &options, scale.length(rounding), context)?.in_scale(scale.back()));
     }
-    let canonical = Canonical::new(triangles)?;
-    let found = in_order_of_place(&canonical.mesh, &canonical.options(options), context)?;
+    in_unit(mesh, options, rounding, context)
+}
+
+/// [`segment`] for a mesh whose size is about one and whose vertices are rounded to `rounding`.
+fn in_unit(mesh: &SurfaceMesh, options: &SegmentOptions, rounding: f64, context: &Context) -> Result<Segmentation> {
+    let canonical = Canonical::new(Triangles::of(mesh).ok_or_else(polygons)?)?;
+    let found = without_slivers(&canonical.mesh, &canonical.options(options), rounding, context)?;
     Ok(canonical.restore(found))
 }
 
+fn polygons() -> Error {
+    Error::Bug("triangles became polygons".into())
+}
+
+/// The regions of a mesh whose slivers were taken out, as regions of the mesh.
+fn without_slivers(
+    mesh: &SurfaceMesh,
+    options: &SegmentOptions,
+    rounding: f64,
+    context: &Context,
+) -> Result<Segmentation> {
+    let triangles = Triangles::of(mesh).ok_or_else(polygons)?;
+    let healed = if options.surfaces { heal::heal(mesh, triangles, context)? } else { None };
+    let Some(healed) = healed else { return in_order_of_place(mesh, options, rounding, context) };
+    let inside = Canonical::new(Triangles::of(&healed.mesh).ok_or_else(polygons)?)?;
+    let labels = options.labels.as_ref().map(|labels| healed.project(labels));
+    let options = SegmentOptions { labels, ..options.clone() };
+    let found = inside.restore(in_order_of_place(&inside.mesh, &inside.options(&options), rounding, context)?);
+    let surface = Surface::new(mesh, triangles);
+    let label = healed.restore(&surface, &found.labels);
+    let order: Vec<u32> = (0..surface.len() as u32).collect();
+    let angle = found.chosen.sharp_angle_deg.to_radians();
+    let primitive = |&l: &u32| found.regions.get(l as usize).and_then(|region| region.primitive);
+    let known = label.iter().map(primitive).collect();
+    let sharp = Sharp::new(&surface, angle);
+    let segmenter =
+        Segmenter { surface: &surface, order: &order, options: &options, context, sharp, angle, rounding, known };
+    let curvature = segmenter.curvature(triangles, &segmenter.sharp.edge)?;
+    segmenter.finish(label, &curvature, found.dendrogram, found.chosen)
+}
+
 /// Segments a mesh by visiting its triangles in the order of their numbers.
-fn in_order_of_place(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) -> Result<Segmentation> {
-    let Some(triangles) = Triangles::of(mesh) else {
-        return Err(Error::Bug("triangles became polygons".into()));
-    };
+fn in_order_of_place(
+    mesh: &SurfaceMesh,
+    options: &SegmentOptions,
+    rounding: f64,
+    context: &Context,
+) -> Result<Segmentation> {
+    let triangles = Triangles::of(mesh).ok_or_else(polygons)?;
     let surface = {
         let _stage = context.stage("sharp edges");
         Surface::new(mesh, triangles)
@@ -355,6 +398,7 @@ fn in_order_of_place(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Con
         context,
         sharp: Sharp::new(&surface, angle),
         angle,
+        rounding,
         known: Vec::new(),
     }
     .run()
@@ -368,6 +412,8 @@ struct Segmenter<'a> {
     context: &'a Context,
     sharp: Sharp,
     angle: f64,
+    /// What coordinates are rounded to; 0 where they are binary.
+    rounding: f64,
     /// The surface that every triangle was given, where noise hides which it is; empty elsewhere.
     known: Vec<Option<Primitive>>,
 }
@@ -376,7 +422,7 @@ impl Segmenter<'_> {
     fn run(mut self) -> Result<Segmentation> {
         let scale = self.scale();
         let extent = self.surface.extent();
-        let tolerance = self.options.tolerance.unwrap_or(TOLERANCE * extent);
+        let tolerance = self.options.tolerance.unwrap_or(self.rounding.max(TOLERANCE * extent));
         let mut chosen = Chosen {
             basis: Basis::Labels,
             sharp_angle_deg: self.angle.to_degrees(),
@@ -422,7 +468,9 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         let _stage = self.context.stage("surfaces");
-        let found = surfaces::find(self.surface, self.order, extent, self.angle, self.options.tolerance, self.context)?;
+        let lengths = [extent, self.rounding];
+        let found =
+            surfaces::find(self.surface, self.order, lengths, self.angle, self.options.tolerance, self.context)?;
         chosen.recognised = found.share(self.surface);
         {
             let _stage = self.context.stage("surfaces with noise");

@@ -3,8 +3,10 @@
 use super::surface::Surface;
 use glam::DVec3;
 
-/// Digits that a file may be rounded to.
-const DIGITS: std::ops::RangeInclusive<i32> = 5..=8;
+/// Digits that a file may be rounded to; those of single precision are more than seven.
+const LEAST_DIGITS: i32 = 5;
+const MOST_DIGITS: i32 = 8;
+const MOST_OF_SINGLE: i32 = 7;
 /// Share of the coordinates that need the last digit; of rounded ones it is nine tenths, zeros and walls aside.
 const NEED_ALL: f64 = 0.25;
 
@@ -26,7 +28,8 @@ fn is_single(points: &[DVec3]) -> bool {
 /// How far a vertex may be off in a file whose coordinates have few decimal digits, as those of text formats do; `None` for
 /// other files.
 pub fn decimal(points: &[DVec3]) -> Option<f64> {
-    let slack = if is_single(points) { f64::from(f32::EPSILON) } else { 1e-13 };
+    let (slack, most) =
+        if is_single(points) { (f64::from(f32::EPSILON), MOST_OF_SINGLE) } else { (1e-13, MOST_DIGITS) };
     let all = || points.iter().flat_map(|p| p.to_array());
     let is_rounded = |x: f64, digits: i32| {
         if x == 0.0 || !x.is_finite() {
@@ -36,7 +39,7 @@ pub fn decimal(points: &[DVec3]) -> Option<f64> {
         let rounded = (x / unit).round() * unit;
         (x - rounded).abs() <= slack * x.abs()
     };
-    let digits = DIGITS.into_iter().find(|&digits| all().all(|x| is_rounded(x, digits)))?;
+    let digits = (LEAST_DIGITS..=most).find(|&digits| all().all(|x| is_rounded(x, digits)))?;
     let needing = all().filter(|&x| !is_rounded(x, digits - 1)).count();
     let largest = all().fold(0.0, |m: f64, x| m.max(x.abs()));
     // Half a unit in each of three coordinates, and some slack for the fit.

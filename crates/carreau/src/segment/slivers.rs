@@ -18,12 +18,16 @@ const HEIGHT: f64 = 1e-6;
 /// Rounds: slivers beside slivers beside slivers.
 const ROUNDS: usize = 8;
 
+/// Triangles that are lower than this are slivers.
+pub fn height(points: &[DVec3]) -> f64 {
+    let Some(&first) = points.first() else { return 0.0 };
+    let (low, high) = points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    HEIGHT * (high - low).length()
+}
+
 /// Replaces the normals of slivers.
 pub fn borrow_normals(triangles: Triangles<'_>, areas: &[f64], normals: &mut [DVec3]) {
-    let points = triangles.points();
-    let Some(&first) = points.first() else { return };
-    let (low, high) = points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
-    let least = HEIGHT * (high - low).length();
+    let least = height(triangles.points());
     let length = |c: u32| triangles.point(c).distance(triangles.point(triangles.next(c)));
     let longest = |t: u32| (3 * t..3 * t + 3).map(length).fold(0.0, f64::max);
     let mut open: Vec<u32> =

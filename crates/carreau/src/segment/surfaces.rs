@@ -58,21 +58,25 @@ pub struct Surfaces {
     pub primitives: Vec<Primitive>,
     /// The loosest tolerance.
     pub tolerance: f64,
+    /// The distance that the vertices of careful files are within.
+    pub close: f64,
 }
 
 /// Finds planes and curved surfaces. `order` lists the triangles independently of their numbers, `extent` is that of the
-/// surface. `most` is the loosest tolerance, where one is given.
+/// surface; its vertices are rounded to `rounding`. `most` is the loosest tolerance, where one is given.
 pub fn find(
     surface: &Surface<'_>,
     order: &[u32],
-    extent: f64,
+    [extent, rounding]: [f64; 2],
     sharp_angle: f64,
     most: Option<f64>,
     context: &Context,
 ) -> Result<Surfaces> {
-    let floor = precision::floor(surface, extent).min(most.unwrap_or(f64::INFINITY));
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor };
-    let rungs = rungs(surface, extent, floor, most);
+    // Below what the file is rounded to there are only pieces of surfaces, by chance.
+    let floor = precision::floor(surface, extent).max(rounding).min(most.unwrap_or(f64::INFINITY));
+    let close = floor.max(RUNGS[0] * extent);
+    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor, close };
+    let rungs = rungs(extent, floor, most);
     let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
     let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
     if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
@@ -89,10 +93,9 @@ pub fn find(
     Ok(found)
 }
 
-/// The tolerances, increasing: those of kernels, and what the file rounds to. `most` ends them.
-fn rungs(surface: &Surface<'_>, extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
-    let mut all: Vec<f64> =
-        RUNGS.iter().map(|r| r * extent).chain(precision::decimal(surface.triangles.points())).collect();
+/// The tolerances, increasing: what the file is rounded to, and those of kernels. `most` ends them.
+fn rungs(extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = RUNGS.iter().map(|r| r * extent).collect();
     if let Some(most) = most {
         all.push(most);
         all.retain(|&r| r <= most);

@@ -305,6 +305,49 @@ fn smoothed_parts_keep_their_faces() {
     assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
 }
 
+/// The mesh with smooth noise on its vertices, some 14 mean edges long, of a deviation in mean edges along every axis.
+fn with_waves(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
+    const WAVES: u32 = 6;
+    let edge = (mesh_area(mesh) / mesh.face_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
+    // A sine has a root mean square of 1/√2, and each of the waves goes one way, so a third of it along every axis.
+    let height = share * edge * (3.0 * 2.0 / f64::from(WAVES)).sqrt();
+    moved(mesh, |p| {
+        let wave = |j: u32| {
+            let x = f64::from(j);
+            let along = DVec3::new((1.0 + 3.7 * x).sin(), (2.0 + 2.3 * x).cos(), (5.0 * x + 0.5).sin()).normalize();
+            let way = DVec3::new((1.3 * x).cos(), (2.9 * x + 1.0).sin(), (4.1 * x + 2.0).cos()).normalize();
+            way * height * (std::f64::consts::TAU * p.dot(along) / (14.0 * edge) + 1.7 * x).sin()
+        };
+        p + (0..WAVES).map(wave).sum::<DVec3>()
+    })
+}
+
+#[test]
+fn parts_with_waves_keep_their_faces() {
+    let mesh = model("cube-cylinders");
+    let exact = default(&mesh);
+    for share in [0.05, 0.1] {
+        let found = default(&with_waves(&mesh, share));
+        assert_eq!(found.chosen.basis, Basis::Surfaces, "{share}");
+        assert_eq!(found.regions.len(), exact.regions.len(), "{share}");
+        assert_eq!(covered(&found.labels, &exact.labels, 0.9), exact.regions.len(), "{share}");
+        // A higher wave bends a face of a few of its lengths as a cylinder does.
+        if share <= 0.05 {
+            assert_eq!(kinds(&found), kinds(&exact), "{share}");
+        }
+    }
+}
+
+#[test]
+fn a_scanned_part_keeps_its_faces() {
+    // Waves and white noise all over, rounded edges.
+    let cube = (0..4).fold(cube(DVec3::ZERO, 2.0).triangulated().unwrap(), |mesh, _| subdivided(&mesh));
+    let exact = default(&cube);
+    let found = default(&with_noise(&with_waves(&smoothed(&cube), 0.05), 0.03));
+    assert_eq!(kinds(&found), kinds(&exact));
+    assert_eq!(covered(&found.labels, &exact.labels, 0.9), 6);
+}
+
 fn mesh_area(mesh: &SurfaceMesh) -> f64 {
     let p = |v: u32| mesh.points()[v as usize];
     mesh.faces().iter().map(|f| 0.5 * (p(f[1]) - p(f[0])).cross(p(f[2]) - p(f[0])).length()).sum()
@@ -316,6 +359,47 @@ fn egg() -> SurfaceMesh {
         let bumps = 1.0 + 0.1 * (3.0 * p.x).sin() * (2.0 * p.y + 1.0).cos() + 0.05 * (5.0 * p.z).sin();
         DVec3::new(p.x, 1.2 * p.y, 1.5 * p.z) * bumps
     })
+}
+
+#[test]
+fn slivers_do_not_change_the_faces_of_a_part() {
+    for name in ["bracket", "cube-cylinders", "torus"] {
+        let mesh = model(name);
+        let clean = default(&mesh);
+        let spoiled = heal::tests::with_slivers(&mesh, 11);
+        let result = default(&spoiled);
+        assert_eq!(kinds(&result), kinds(&clean), "{name}");
+        // Every triangle that is left, the two parts of those that were divided, and no cap of the wrong side.
+        let own = |regions: &[Region]| regions.iter().map(|r| r.area).collect::<Vec<f64>>();
+        for (a, b) in own(&result.regions).into_iter().zip(own(&clean.regions)) {
+            assert!((a - b).abs() <= 1e-4 * b, "{name}: {a} for {b}");
+        }
+        // Needles may have gone to either side.
+        let corners = |f: usize| [0, 1, 2].map(|k| spoiled.points()[spoiled.face(FaceId::new(f))[k] as usize]);
+        let wide = |&f: &usize| {
+            let [a, b, c] = corners(f);
+            (b - a).cross(c - a).length() > 1e-3 * (b - a).length_squared().max((c - b).length_squared())
+        };
+        let kept: Vec<usize> = (0..mesh.face_count()).filter(wide).collect();
+        assert!(kept.len() > mesh.face_count() * 9 / 10);
+        let of = |labels: &[u32]| partition(&kept.iter().map(|&f| labels[f]).collect::<Vec<u32>>());
+        assert!(of(&result.labels) == of(&clean.labels), "{name}");
+    }
+}
+
+#[test]
+fn coordinates_of_a_few_digits_do_not_change_the_faces_of_a_part() {
+    let round = |x: f64| format!("{x:.4e}").parse::<f64>().unwrap();
+    for (name, scale) in [("wedge", 1.0), ("cube-cylinders", 7.3), ("torus", 0.02)] {
+        // Turned, so that hardly any coordinate is a round number.
+        let turn = DQuat::from_axis_angle(DVec3::new(3.0, -1.0, 2.0).normalize(), 0.7);
+        let mesh = moved(&model(name), |p| turn * p * scale + DVec3::new(0.31, 0.0, -0.17));
+        let rounded = moved(&mesh, |p| DVec3::from_array(p.to_array().map(round)));
+        assert_ne!(rounded.points(), mesh.points());
+        let (clean, result) = (default(&mesh), default(&rounded));
+        assert_eq!(kinds(&result), kinds(&clean), "{name}");
+        assert_eq!(partition(&result.labels), partition(&clean.labels), "{name}");
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 
 /// A group of surfaces is freeform where so large a share of its area is held by neighbours too.
-const SHARE: f64 = 0.35;
+const SHARE: f64 = 0.25;
 /// Fewer surfaces are no chain of pieces.
 const FEWEST: usize = 4;
 

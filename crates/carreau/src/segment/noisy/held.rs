@@ -7,8 +7,10 @@ use crate::mesh::NONE;
 use crate::segment::surface::{Lies, Surface, quantile};
 use crate::segment::surfaces::Surfaces;
 
-/// A surface with so many vertices inside is no chance: strips of chords have none.
+/// A surface with so many vertices inside is no chance, if it is as exact as careful files are; strips of chords have none inside.
 const INNER: usize = 4;
+/// Where it is less exact it takes more: smooth waves are nearly flat in places.
+const MANY_INNER: usize = 24;
 /// Nor is one with this share of its border at creases and the area of more than one triangle of the middle size.
 const CREASED: f64 = 0.8;
 const SIZE: f64 = 1.5;
@@ -36,10 +38,13 @@ pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
     }
     let mut inner = vec![0usize; count];
     around.into_iter().flatten().filter(|&l| l != NONE).for_each(|l| inner[l as usize] += 1);
+    let mut off = vec![0f64; count];
     let (mut area, mut creased, mut border) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for (k, &l) in exact.label.iter().enumerate().filter(|(_, l)| **l != NONE) {
         let l = l as usize;
         area[l] += surface.areas[k];
+        let far = |v: u32| exact.primitives[l].distance(t.points()[v as usize]).abs();
+        off[l] = t.triangle(k as u32).into_iter().map(far).fold(off[l], f64::max);
         for c in 3 * k as u32..3 * k as u32 + 3 {
             let o = t.opposite(c);
             if o != NONE && exact.label[o as usize / 3] == l as u32 {
@@ -52,7 +57,8 @@ pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
     }
     let middle = quantile(&mut surface.areas.clone(), 0.5, f64::total_cmp).unwrap_or_default();
     let is_plane = |l: usize| exact.primitives[l].kind() == Kind::Plane;
-    let sure = |l: usize| inner[l] >= INNER || creased[l] >= CREASED * border[l] && area[l] >= SIZE * middle;
+    let enough = |l: usize| if off[l] <= exact.close { INNER } else { MANY_INNER };
+    let sure = |l: usize| inner[l] >= enough(l) || creased[l] >= CREASED * border[l] && area[l] >= SIZE * middle;
     let free: f64 = surface.total_area - area.iter().sum::<f64>();
     let doubtful: f64 = free + (0..count).filter(|&l| is_plane(l) && !sure(l)).map(|l| area[l]).sum::<f64>();
     // The strips of a coarse tessellation have no vertex inside either: beside other exact surfaces they are no chance.

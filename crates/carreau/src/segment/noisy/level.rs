@@ -95,6 +95,8 @@ pub struct Noise {
     pub edge: f64,
     /// Triangles that say what one says whose noise is independent of that of its neighbours.
     pub triangles_a_sample: f64,
+    /// Triangles whose deviations from the right surface are alike, because the noise is a wave.
+    pub triangles_a_wave: f64,
     /// Deviation of the normal of every triangle, in radians, about each of two axes.
     pub turn: Vec<f64>,
     /// Per corner: the half-edge is a border or bends more than noise does.
@@ -124,7 +126,12 @@ impl Noise {
             })
             .collect();
         let crease = (0..3 * surface.len() as u32).into_par_iter().map(|c| is_crease(surface, &turn, c)).collect();
-        Noise { sigma, edge, triangles_a_sample, turn, crease }
+        Noise { sigma, edge, triangles_a_sample, triangles_a_wave: triangles_a_sample, turn, crease }
+    }
+
+    /// Whether deviations may be alike over more triangles than a sample has.
+    pub fn has_waves(&self) -> bool {
+        self.triangles_a_wave > self.triangles_a_sample
     }
 
     /// Deviation of the bend of a half-edge, in radians.

@@ -10,6 +10,9 @@ use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+/// A surface may be a wave away from a piece: a triangle of each piece costs no more than this in the mean.
+pub const WITHIN_WAVES: f64 = 1.0;
+
 /// Merges neighbours while that pays; returns whether any were. Labels without triangles stay behind, without harm. The first
 /// `held` models stay what they are.
 pub fn merge(
@@ -38,7 +41,11 @@ pub fn merge(
             let both: Vec<u32> = groups.of(a).iter().chain(groups.of(b)).copied().collect();
             let before = own[a as usize] + own[b as usize] + boundary;
             match best(energy, fitter, [a, b], held, &both) {
-                Some((model, after)) if after < before => gains.push((before - after, a, b, model)),
+                Some((model, after))
+                    if after < before + alike(energy, [groups.of(a), groups.of(b)], [a, b], &model) =>
+                {
+                    gains.push((before - after, a, b, model));
+                }
                 _ => {
                     settled.insert((a, b));
                 }
@@ -61,6 +68,17 @@ pub fn merge(
         settled.retain(|&(a, b)| !used[a as usize] && !used[b as usize]);
         label.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = into[*l as usize]);
     }
+}
+
+/// What a pair saves beyond what independent samples say, where waves may be all that the pieces differ by.
+fn alike(energy: &Energy<'_>, pieces: [&[u32]; 2], pair: [u32; 2], model: &Model) -> f64 {
+    let noise = energy.noise;
+    let more = noise.triangles_a_wave / noise.triangles_a_sample - 1.0;
+    if !noise.has_waves() || pieces.iter().any(|p| price(energy, p, model) > WITHIN_WAVES * p.len() as f64) {
+        return 0.0;
+    }
+    let cost = |l: u32| energy.models[l as usize].cost(noise);
+    more * (cost(pair[0]) + cost(pair[1]) - model.cost(noise))
 }
 
 fn price(energy: &Energy<'_>, triangles: &[u32], model: &Model) -> f64 {

@@ -4,9 +4,10 @@
 //! proposed from patches all over the mesh, the triangles divided among them by α-expansion, the surfaces fitted again to
 //! what they got, and so on; surfaces that pay less than their parameters are merged with their neighbours.
 //!
-//! Noise is of two kinds. White noise is the same everywhere and independent from vertex to vertex: its deviation is measured, and
-//! decides. All else (chords of a remeshed part, edges that smoothing rounded, waves, scans) is within a tolerance in proportion to
-//! the edges, neighbours deviate alike, and triangles that exact surfaces hold for certain stay theirs.
+//! Noise is of three kinds. White noise is the same everywhere and independent from vertex to vertex: its deviation is measured, and
+//! decides. Where exact surfaces hold some triangles for certain, these stay theirs, and all else (chords of a remeshed part, edges
+//! that smoothing rounded) is within a tolerance in proportion to the edges. Where they hold none (waves, scans) the tolerance is
+//! raised until the surfaces that it allows are no more wrong than it says; two pieces of a face may then be a wave apart.
 //!
 //! | file | holds |
 //! |---|---|
@@ -77,8 +78,22 @@ const SMOOTH: f64 = 5e-3;
 const TOLERANT: f64 = 0.045;
 /// Triangles that say as much as a single one with independent noise would: such deviations are those of the neighbours too.
 const SAMPLE: f64 = 4.0;
-/// Share of the seeds whose surfaces are large where the mesh is a part.
+/// Triangles whose deviations from the right surface are alike where smooth waves are a part of the noise, some ten edges long.
+const WAVE: f64 = 200.0;
+/// Share of the seeds whose surfaces are large where the mesh is a part; a part of small faces has fewer. Smooth waves that look like
+/// white noise to paraboloids have none.
 const LARGE_PROBES: f64 = 0.8;
+const LARGE_WHITE: f64 = 0.5;
+/// The same before the tolerance is raised: what has hardly a large surface then has rounded edges, not waves.
+const LARGE_FIRST: f64 = 0.5;
+/// The tolerance is raised until the surfaces that it allows are wrong by no more than this factor of it: those of a part then
+/// have their whole faces, organic shapes have no such tolerance.
+const SETTLED: f64 = 1.1;
+/// A little more, so that one surface holds all of its face.
+const AMPLE: f64 = 1.2;
+/// No part is left where the vertices are farther off, as a share of an edge; and steps that lead there.
+const WAVIEST: f64 = 0.3;
+const RAISES: usize = 6;
 /// Larger meshes would take minutes.
 const LARGEST: usize = 400_000;
 /// So would more triangles that no exact surface holds.
@@ -190,6 +205,10 @@ fn divide(
     if white {
         free_wrong(&energy, &mut label);
     } else {
+        refit(&mut energy, &mut fitter, &label, held);
+        simplest::simplify(&mut energy, &mut fitter, &label, held);
+        // Pieces of a plane are one where they were bent, each otherwise, to the rounded edges around.
+        merge::merge(&mut energy, &mut fitter, &mut label, held, context)?;
         ambiguous::free(&energy, &mut label, held);
     }
     let on = label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE).map(|(_, a)| a).sum::<f64>();
@@ -236,7 +255,8 @@ fn noise_of_part(
     let first = Noise::white(surface, sigma);
     let hopeless = |probe: &Probe| probe.sigma > OTHER_NOISE * sigma;
     let probe = propose::probe(surface, &first, order, hopeless, context)?;
-    let is_part = probe.share >= PROBED && probe.sigma <= SAME_NOISE * sigma && probe.sigma > 0.0;
+    let same = probe.sigma > 0.0 && probe.sigma <= SAME_NOISE * sigma;
+    let is_part = same && probe.share >= PROBED && probe.large >= LARGE_WHITE;
     Ok(is_part.then(|| if probe.sigma < sigma { Noise::white(surface, probe.sigma) } else { first }))
 }
 
@@ -273,7 +293,8 @@ fn tolerant(
     if before.tolerance.is_none() && quantile(&mut shapes, 0.5, f64::total_cmp).is_none_or(|s| s < WELL_SHAPED) {
         return Ok(None);
     }
-    if before.share >= SOME && rough < SMOOTH * edge && before.tolerance.is_none() {
+    let held = 1.0 - area / surface.total_area.max(f64::MIN_POSITIVE);
+    if held >= SOME && rough < SMOOTH * edge && before.tolerance.is_none() {
         return Ok(None);
     }
     let measured = level::level(surface, &open).unwrap_or_default();
@@ -281,15 +302,38 @@ fn tolerant(
         Some(tolerance) => tolerance / model::REACH,
         None => measured.clamp(TOLERANT * edge, LOUDEST * edge),
     };
-    let noise = Noise::new(surface, sigma, edge, SAMPLE);
-    let never = |_: &Probe| false;
-    if before.share < SOME {
-        let probe = propose::probe(surface, &noise, order, never, context)?;
-        if probe.large < LARGE_PROBES {
-            return Ok(None);
+    if held >= SOME {
+        return Ok(Some(Noise::new(surface, sigma, edge, SAMPLE)));
+    }
+    raise(surface, order, sigma, edge, before.tolerance.is_some(), context)
+}
+
+/// The tolerance at which a few surfaces, evenly spread, are the large ones of a part; `None` where there is none.
+fn raise(
+    surface: &Surface<'_>,
+    order: &[u32],
+    mut sigma: f64,
+    edge: f64,
+    given: bool,
+    context: &Context,
+) -> Result<Option<Noise>> {
+    for step in 0..RAISES {
+        let noise = Noise::new(surface, sigma, edge, SAMPLE);
+        // Organic shapes need no more seeds to be told.
+        let hopeless = |probe: &Probe| !given && probe.sigma > OTHER_NOISE * sigma;
+        let probe = propose::probe(surface, &noise, order, hopeless, context)?;
+        if given || probe.sigma <= SETTLED * sigma {
+            return Ok((probe.large >= LARGE_PROBES).then(|| {
+                let ample = if given { sigma } else { sigma.max(AMPLE * probe.sigma) };
+                Noise { triangles_a_wave: WAVE, ..Noise::new(surface, ample, edge, SAMPLE) }
+            }));
+        }
+        sigma = AMPLE * probe.sigma;
+        if sigma > WAVIEST * edge || step == 0 && probe.large < LARGE_FIRST {
+            break;
         }
     }
-    Ok(Some(noise))
+    Ok(None)
 }
 
 /// Takes the surfaces away that are pieces of freeform ones, found because noise hides what they are wrong by.

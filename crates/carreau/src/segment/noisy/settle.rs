@@ -13,6 +13,8 @@ use crate::error::Result;
 use crate::geometry::normals::angle_between;
 use crate::mesh::NONE;
 use crate::segment::regions::{Groups, connected, count};
+use crate::segment::surface::quantile;
+use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -20,6 +22,8 @@ use std::collections::BinaryHeap;
 const FEWEST: usize = 4;
 /// Rings between the border of a region and its innermost triangle below which it is shallow.
 const SHALLOW: u32 = 3;
+/// The share of the triangles that are no deeper than the innermost ones: a strip is wider in a few places.
+const INNERMOST: f64 = 0.95;
 /// A shallow region is a rounded edge where this share of its triangles is within so many edges of a surface beside it.
 const MOST: f64 = 0.75;
 const NEAR: f64 = 0.5;
@@ -64,7 +68,7 @@ impl<'a> Pieces<'a> {
         let first = |p: u32| groups.of(p)[0] as usize;
         let own = (0..groups.len() as u32).map(|p| label[first(p)]).collect();
         let held = (0..groups.len() as u32).map(|p| groups.of(p).iter().any(|&k| fixed[k as usize])).collect();
-        let depth = depths(energy, &of, groups.len());
+        let depth = depths(energy, &of, &groups);
         Pieces { energy, of, groups, label: own, fixed: held, depth }
     }
 
@@ -86,7 +90,8 @@ impl<'a> Pieces<'a> {
         self.is_free(p) || self.near(p) >= MOST * members.len() as f64
     }
 
-    /// Number of triangles of a piece that are near a surface beside it.
+    /// Number of triangles of a piece that are near surfaces beside it all over, in the middle of a rounded edge not near the same
+    /// ones. Of a narrow face the corners are near, the middles are not.
     fn near(&self, p: u32) -> f64 {
         let t = self.energy.surface.triangles;
         let mut beside: Vec<u32> = Vec::new();
@@ -99,11 +104,13 @@ impl<'a> Pieces<'a> {
             }
         }
         let reach = NEAR * self.energy.noise.edge;
-        let holds = |k: u32, l: u32| {
-            let model = &self.energy.models[l as usize];
-            t.triangle(k).into_iter().all(|v| model.primitive.distance(t.points()[v as usize]).abs() <= reach)
+        let surfaces: Vec<_> = beside.iter().map(|&l| self.energy.models[l as usize].primitive).collect();
+        let holds = |p: DVec3| surfaces.iter().any(|s| s.distance(p).abs() <= reach);
+        let all_over = |k: u32| {
+            let [a, b, c] = t.triangle(k).map(|v| t.points()[v as usize]);
+            [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0].into_iter().all(holds)
         };
-        self.groups.of(p).iter().filter(|&&k| beside.iter().any(|&l| holds(k, l))).count() as f64
+        self.groups.of(p).iter().filter(|&&k| all_over(k)).count() as f64
     }
 }
 
@@ -132,11 +139,14 @@ pub fn rings(energy: &Energy<'_>, of: &[u32]) -> Vec<u32> {
     ring
 }
 
-/// Rings between the border of every piece and its innermost triangle; a piece without a border has no end.
-fn depths(energy: &Energy<'_>, of: &[u32], pieces: usize) -> Vec<u32> {
-    let mut depth = vec![0; pieces];
-    rings(energy, of).iter().zip(of).for_each(|(&ring, &p)| depth[p as usize] = ring.max(depth[p as usize]));
-    depth
+/// Rings between the border of every piece and its innermost triangles; a piece without a border has no end.
+fn depths(energy: &Energy<'_>, of: &[u32], groups: &Groups) -> Vec<u32> {
+    let ring = rings(energy, of);
+    let depth = |p: u32| {
+        let mut all: Vec<u32> = groups.of(p).iter().map(|&k| ring[k as usize]).collect();
+        quantile(&mut all, INNERMOST, u32::cmp).unwrap_or_default()
+    };
+    (0..groups.len() as u32).map(depth).collect()
 }
 
 /// Lets the labels grow over the open triangles, the cheapest step first.

@@ -2,6 +2,7 @@
 //! the border decide.
 
 use super::expand::Energy;
+use super::merge::WITHIN_WAVES;
 use super::model::{Fitter, Model};
 use super::settle::rings;
 use crate::geometry::primitive::Kind;
@@ -27,6 +28,7 @@ pub fn simplify(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32],
         let old = energy.models[l as usize];
         let price = |model: &Model| members.iter().map(|&k| model.price(energy.surface, energy.noise, k)).sum::<f64>();
         let most = FACTOR * price(&old) + SLACK * members.len() as f64;
+        let most = if energy.noise.has_waves() { most.max(WITHIN_WAVES * members.len() as f64) } else { most };
         let simpler = Kind::ALL.into_iter().take_while(|&kind| kind != old.primitive.kind()).find_map(|kind| {
             let fit = fitter.fit(kind, members, None)?;
             let model = Model::of(fit.primitive, energy.surface, members);
