@@ -12,7 +12,9 @@ use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 
 /// A group of surfaces is freeform where so large a share of its area is held by neighbours too.
-const SHARE: f64 = 0.25;
+const SHARE: f64 = 0.35;
+/// The same where pieces that a wave may part were merged before, so that they have less in common.
+const SHARE_WITHIN_WAVES: f64 = 0.25;
 /// Fewer surfaces are no chain of pieces.
 const FEWEST: usize = 4;
 
@@ -69,9 +71,10 @@ pub fn free(energy: &Energy<'_>, label: &mut [u32], held: u32) {
             common[r] += if shared[k as usize] { energy.surface.areas[k as usize] } else { 0.0 };
         }
     }
+    let share = if energy.noise.has_waves() { SHARE_WITHIN_WAVES } else { SHARE };
     for l in held..groups.len() as u32 {
         let r = root(&home, l) as usize;
-        if size[r] >= FEWEST && common[r] > SHARE * area[r] {
+        if size[r] >= FEWEST && common[r] > share * area[r] {
             groups.of(l).iter().for_each(|&k| label[k as usize] = NONE);
         }
     }
