@@ -18,6 +18,10 @@ use crate::geometry::search_tree::TriangleTree;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+/// The share of the mesh's volume by which a face whose surface swings may change it: what such a surface does between the
+/// vertices is a guess, and a revolution of 13 facets a turn is off by as much.
+const GUESSED: f64 = 0.04;
+
 /// What was measured of one face.
 #[derive(Debug, Clone, Copy, Default)]
 struct Measured {
@@ -76,6 +80,7 @@ pub(super) fn compare(
     // The face that most of a difference of volumes is at, and how much beyond its bound.
     let mut blamed = (f64::NEG_INFINITY, None);
     let points = reference.mesh.points();
+    let whole = enclosed(reference, points.first().copied().unwrap_or_default()).abs();
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
         let model: Vec<[u32; 3]> = region
@@ -106,7 +111,12 @@ pub(super) fn compare(
                 let finding = Finding::new(Fault::TurnedNormal, share, limits.turned_share, measured.turned_at);
                 out.push(finding.of_face(f));
             }
-            let allowed = measured.cut_off + 2.0 * mean * measured.area;
+            let cut_off_here = if swings(brep.surface(&brep.faces[f as usize])) {
+                measured.cut_off.min(GUESSED * whole)
+            } else {
+                measured.cut_off
+            };
+            let allowed = cut_off_here + 2.0 * mean * measured.area;
             cut_off += allowed;
             if measured.between.abs() - allowed > blamed.0 {
                 blamed = (measured.between.abs() - allowed, Some(f));
@@ -117,6 +127,22 @@ pub(super) fn compare(
     let of_volume = volume(brep, tessellation, reference, cut_off, context)?;
     out.extend(of_volume.map(|finding| Finding { face: blamed.1, ..finding }));
     Ok(out)
+}
+
+/// Whether a surface may bend between the vertices as it likes: a profile or a spline, no quadric and no torus.
+fn swings(surface: &Surface) -> bool {
+    matches!(surface, Surface::Spline(_) | Surface::Extrusion { .. } | Surface::Revolution { .. })
+}
+
+/// The volume inside the mesh, seen from a point.
+fn enclosed(reference: &Reference, about: DVec3) -> f64 {
+    let points = reference.mesh.points();
+    let cone = |[a, b, c]: [DVec3; 3]| (a - about).dot((b - about).cross(c - about)) / 6.0;
+    let faces = reference.mesh.faces().iter();
+    let fan = |face: &[u32]| {
+        (2..face.len()).map(|k| cone([face[0], face[k - 1], face[k]].map(|v| points[v as usize]))).sum::<f64>()
+    };
+    faces.map(fan).sum()
 }
 
 /// Triangles and faces of every region.
@@ -175,9 +201,9 @@ fn to_mesh(
     let most_bent = border_curvature(brep, f);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();
-    // A surface with a name does not swing, so that what the largest of its facets cuts off is allowed everywhere: the facet that a
-    // point is nearest to need not be the one under it.
-    let named = !matches!(surface, Surface::Spline(_));
+    // A quadric or a torus does not swing, so that what the largest of its facets cuts off is allowed everywhere: the facet that a
+    // point is nearest to need not be the one under it. A profile may have any bends.
+    let swings = swings(surface);
     let mut looks: Vec<Look> = Vec::with_capacity(own.len());
     for (uv, area) in own.iter().map(|&k| middle(tessellation, k as usize)) {
         let p = surface.point(uv.x, uv.y);
@@ -201,7 +227,7 @@ fn to_mesh(
         }
     }
     let deepest = looks.iter().map(|l| l.sagitta).fold(0.0, f64::max);
-    let bound = |l: &Look| limits.distance + 2.0 * if named { deepest } else { l.sagitta } + l.border;
+    let bound = |l: &Look| limits.distance + 2.0 * if swings { l.sagitta } else { deepest } + l.border;
     let worst = looks.iter().max_by(|a, b| (a.distance - bound(a)).total_cmp(&(b.distance - bound(b))));
     out.back = worst.map_or(out.back, |l| (l.distance, bound(l), l.p));
     out
@@ -270,13 +296,7 @@ fn volume(
     let mass = brep.mass(context)?;
     let about = mass.about;
     let cone = |[a, b, c]: [DVec3; 3]| (a - about).dot((b - about).cross(c - about)) / 6.0;
-    let points = reference.mesh.points();
-    let fans = reference
-        .mesh
-        .faces()
-        .iter()
-        .flat_map(|face| (2..face.len()).map(move |k| [face[0], face[k - 1], face[k]].map(|v| points[v as usize])));
-    let of_mesh: f64 = fans.map(cone).sum();
+    let of_mesh = enclosed(reference, about);
     // A quadrature that went astray is no better than the model's own facets say.
     let of_facets: f64 = tessellation.triangles.iter().map(|t| cone(t.map(|v| tessellation.points[v as usize]))).sum();
     let off = (mass.volume - of_mesh).abs().max(if of_facets > 0.0 { 0.0 } else { of_facets.abs() });
