@@ -220,7 +220,7 @@ pub mod tests {
             let (a, b, d) = (t.vertex(c), t.vertex(t.next(c)), t.vertex(t.previous(c)));
             let m = points.len() as u32;
             let shift = DVec3::new(1.0, -1.0, 1.0) * off * f64::from(m % 3);
-            let along = if m % 4 == 0 { 1e-7 } else { 0.37 };
+            let along = if m.is_multiple_of(4) { 1e-7 } else { 0.37 };
             points.push(t.point(c).lerp(t.point(t.next(c)), along) + shift);
             faces[c as usize / 3] = [a, m, d];
             faces.extend([[m, b, d], [a, b, m]]);
