@@ -2,7 +2,7 @@
 //! lie on.
 
 use super::regions::{Map, Piece, Rung, area_vector, connected, vertices};
-use super::tuning::FILE;
+use super::tuning::{FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
@@ -10,8 +10,6 @@ use crate::segment::Segmentation;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Steps of a fit that starts from the result of another.
-const REFINE_STEPS: usize = 30;
 /// Most vertices that a surface is fitted to; evenly thinned beyond.
 const MOST_SAMPLES: usize = 2000;
 /// Triangles of a lid at least, sine of the angle between those of one plane, and how many times deeper than facets it is.

@@ -8,7 +8,7 @@
 
 use super::clean::normals;
 use super::regions::{Map, Piece, area_vector, connected, vertices};
-use super::tuning::{COLUMN, FILE};
+use super::tuning::{COLUMN, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
 
@@ -19,8 +19,6 @@ const SEVERAL: usize = 6;
 const SPARE: usize = 3;
 /// Most vertices: time grows with them.
 const MOST: usize = 5000;
-/// Steps of a fit that starts from the result of another.
-const REFINE_STEPS: usize = 30;
 
 impl Map<'_> {
     /// Divides the pieces that do not fit; whether there were any.

@@ -21,7 +21,7 @@ use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
 use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
 use super::trace::interpolate;
-use super::tuning::COLUMN;
+use super::tuning::{COLUMN, REFINE_STEPS};
 use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
@@ -42,8 +42,6 @@ const WIDE: f64 = 0.04;
 const HALVINGS: i32 = 5;
 /// Vertices beyond the number of parameters that speak for a surface.
 const SPARE: usize = 3;
-/// Steps of a fit that starts from the result of another.
-const REFINE_STEPS: usize = 30;
 
 /// Gives swept surfaces to the pieces without a surface that lie on some, alone or together with neighbours whose surfaces do not fit
 /// well, and surfaces with a name to those parts of them that have one.

@@ -63,3 +63,5 @@ pub const EXACT: f64 = 3e-5;
 pub const SOME: f64 = 0.05;
 /// See [`SOME`].
 pub const NEARLY_ALL: f64 = 0.999;
+/// Steps of a fit that starts from the result of another: it is near already.
+pub const REFINE_STEPS: usize = 30;
