@@ -154,6 +154,14 @@ impl Walk<'_> {
                     self.begin(edge, last, t, next)
                 }
             };
+            // Edges end next to their vertices only: a walk from one end to the other would be a spike across the loop.
+            let end = [0, n - 1].iter().position(|&e| e == s).map(|e| self.brep.point(edge.ends[e]));
+            let uv = match end {
+                Some(p) if of.parameters.is_empty() && !self.surface.is_pole(p) => {
+                    DVec2::from(self.surface.project_near(p, uv.into()))
+                }
+                _ => uv,
+            };
             // The first sample of a use is the last of the one before, except at a pole and where parameters are given.
             let moved = last.is_none_or(|l| {
                 let size = uv.abs().max(l.abs()).max_element();

@@ -1,8 +1,8 @@
 //! The map of the regions, cleaned before any topology: neighbours on one surface become one, and crumbs go to the neighbour that they
 //! lie on.
 
-use super::regions::{Map, Piece, Rung, area_vector, connected, vertices};
-use super::tuning::{FILE, REFINE_STEPS};
+use super::regions::{Map, Piece, Rung, area_vector, connected, inner_vertices, vertex_ids, vertices};
+use super::tuning::{EXACT, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
@@ -20,6 +20,8 @@ const DEEP: f64 = 3.0;
 const SEVERAL: usize = 6;
 /// Triangles of a crumb.
 const CRUMB: usize = 2;
+/// Inner vertices for every number of a surface that is fitted to them alone.
+const SPARE: usize = 4;
 
 impl<'a> Map<'a> {
     /// The map of a segmentation. Regions without a surface are pieces on the spline rung.
@@ -67,7 +69,7 @@ impl<'a> Map<'a> {
             let mut triangles: Vec<u32> =
                 which.iter().flat_map(|&p| self.pieces[p as usize].triangles.iter().copied()).collect();
             triangles.sort_unstable();
-            let primitive = fitted_again(self.t, primitive, &triangles, self.diagonal);
+            let primitive = fitted_again(self.t, primitive, &triangles, &[], self.diagonal);
             self.replace(&which, vec![(triangles, Some((Surface::of_primitive(&primitive), Some(primitive))))]);
         }
         self.compact();
@@ -117,6 +119,13 @@ impl<'a> Map<'a> {
         self.pieces.iter().filter(is_exact).map(area).sum::<f64>() / all
     }
 
+    /// The share of the area in pieces that have a surface.
+    pub fn known_share(&self) -> f64 {
+        let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
+        let all: f64 = self.pieces.iter().map(area).sum();
+        self.pieces.iter().filter(|p| p.rung < Rung::Spline).map(area).sum::<f64>() / all
+    }
+
     /// Whether a piece lies on the surface of a larger one, and both look the same way there, within the angle of its facets.
     fn is_continued(&self, large: u32, small: u32) -> bool {
         let [large, small] = [large, small].map(|p| &self.pieces[p as usize]);
@@ -131,6 +140,7 @@ impl<'a> Map<'a> {
     fn collect(&mut self, label: &[u32], primitives: &[Option<Primitive>]) {
         let t = self.t;
         let (part, regions) = parts_of(t, label);
+        let inner = if self.tolerance > EXACT * self.diagonal { inner_vertices(t, &part) } else { Vec::new() };
         let mut triangles = vec![Vec::new(); regions.len()];
         part.iter().zip(0u32..).for_each(|(&p, k)| triangles[p as usize].push(k));
         self.pieces = triangles
@@ -138,7 +148,7 @@ impl<'a> Map<'a> {
             .zip(regions)
             .map(|(triangles, region)| match primitives[region as usize] {
                 Some(p) => {
-                    let p = fitted_again(t, p, &triangles, self.diagonal);
+                    let p = fitted_again(t, p, &triangles, &inner, self.diagonal);
                     Piece::on(t, triangles, Surface::of_primitive(&p), Some(p), region)
                 }
                 None => Piece::free(t, triangles, region),
@@ -150,15 +160,23 @@ impl<'a> Map<'a> {
     }
 }
 
-/// The surface of a region, fitted to all of it.
-fn fitted_again(t: Triangles<'_>, p: Primitive, triangles: &[u32], diagonal: f64) -> Primitive {
-    let points = vertices(t, triangles);
+/// The surface of a region, fitted to all of it, or to its inner vertices where these are known and enough.
+fn fitted_again(t: Triangles<'_>, p: Primitive, triangles: &[u32], inner: &[bool], diagonal: f64) -> Primitive {
+    let points = fitting_points(t, triangles, inner, p.kind());
     let step = points.len().div_ceil(MOST_SAMPLES).max(1);
     let some: Vec<DVec3> = points.iter().copied().step_by(step).collect();
     let far = |p: &Primitive| points.iter().map(|&q| p.distance(q).abs()).fold(0.0, f64::max);
     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive).filter(|q| far(q) <= 2.0 * far(&p));
     let p = again.unwrap_or(p);
     straighter(t, triangles, p, far(&p), diagonal)
+}
+
+/// The vertices that the surface of a piece is fitted to: the inner ones where these are known and many enough, else all.
+pub fn fitting_points(t: Triangles<'_>, triangles: &[u32], inner: &[bool], kind: Kind) -> Vec<DVec3> {
+    let is_inner = |v: &u32| inner.get(*v as usize).is_some_and(|&x| x);
+    let some: Vec<DVec3> =
+        vertex_ids(t, triangles).into_iter().filter(is_inner).map(|v| t.points()[v as usize]).collect();
+    if some.len() >= SPARE * kind.parameters() { some } else { vertices(t, triangles) }
 }
 
 /// Connected parts of labels, and the label of each, in the order of their first triangles.

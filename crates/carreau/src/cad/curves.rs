@@ -2,13 +2,15 @@
 
 use super::conics::candidates;
 use super::regions::Piece;
-use super::trace::{gap, trace};
+use super::trace::{gap, signed, touch, trace};
 use super::tuning::{BRANCH, NAMED, TRACED};
 use crate::brep::{Curve, Surface};
 use glam::DVec3;
 
 /// Samples of a candidate between two points of the polyline.
 const SAMPLES: usize = 3;
+/// Sine of the smallest angle between surfaces that cross for which the border is looked for farther away.
+const FLATTEST: f64 = 0.1;
 
 /// A curve between two surfaces along a polyline of the mesh.
 #[derive(Debug, Clone)]
@@ -23,16 +25,33 @@ pub struct Track {
     pub away: f64,
 }
 
-/// The curve where two pieces meet along a polyline; a closed one repeats its first point. `room` is how far the polyline's
-/// vertices may be from it.
-pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal: f64, room: f64) -> Option<Track> {
+/// How far the vertices of a polyline may be from their curve.
+#[derive(Debug, Clone, Copy)]
+pub struct Room {
+    /// Where the surfaces cross.
+    pub crossing: f64,
+    /// Where they touch: the border of the regions is anywhere near the contact then.
+    pub touching: f64,
+}
+
+/// The curve where two pieces meet along a polyline; a closed one repeats its first point.
+pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal: f64, room: Room) -> Option<Track> {
     let named = NAMED * diagonal;
     let mut best: Option<Track> = None;
+    // The border of two regions is uncertain by the noise through the sine of the angle between their surfaces.
+    let most = |track: &Track, crossing: f64| {
+        let [low, high] = track.range;
+        let samples: Vec<DVec3> = (0..=8).map(|k| track.curve.point(low + (high - low) * f64::from(k) / 8.0)).collect();
+        let sine = |&p: &DVec3| signed(&a.surface, p).0.cross(signed(&b.surface, p).0).length();
+        let least = samples.iter().map(sine).fold(1.0, f64::min).max(FLATTEST);
+        let touching = if touch(&a.surface, &b.surface, &samples) { room.touching } else { 0.0 };
+        (crossing / least).max(touching)
+    };
     if let (Some(p), Some(q)) = (&a.primitive, &b.primitive) {
         for curve in candidates(p, q, polyline) {
             let Some(track) = follow(curve, polyline, closed) else { continue };
             let track = measured(track, &a.surface, &b.surface, polyline.len());
-            if track.away <= room.min(BRANCH * diagonal) && best.as_ref().is_none_or(|b| 2.0 * track.gap < b.gap) {
+            if track.away <= most(&track, room.crossing) && best.as_ref().is_none_or(|b| 2.0 * track.gap < b.gap) {
                 best = Some(track);
             }
             if best.as_ref().is_some_and(|b| b.gap <= 1e-12 * diagonal) {
@@ -55,7 +74,7 @@ pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal:
     let curve = Curve::Spline(spline);
     let away = polyline.iter().map(|&p| curve.distance(p)).fold(0.0, f64::max);
     let traced = Track { curve, range, gap, away };
-    let good = traced.away <= room.max(BRANCH * diagonal);
+    let good = traced.away <= most(&traced, room.crossing.max(BRANCH * diagonal));
     match best {
         Some(best) if best.gap <= traced.gap || !good => Some(best),
         _ => good.then_some(traced),

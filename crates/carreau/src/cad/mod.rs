@@ -14,6 +14,8 @@
 //! | directions and axes of sweeps | `axes` |
 //! | their profiles, and the lines and arcs of these | `profile`, `runs` |
 //! | pieces that fit in part | `misfits` |
+//! | edges that noise has made | `contract` |
+//! | surfaces that touch or meet in one point, and all of them adjusted to that | `relations`, `adjust` |
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
@@ -33,12 +35,14 @@
 //! | regions that are too much for one spline surface | `halve` |
 //! | constants | `tuning` |
 
+mod adjust;
 mod arcs;
 mod axes;
 mod borders;
 mod check;
 mod clean;
 mod conics;
+mod contract;
 mod corners;
 mod curves;
 mod draft;
@@ -54,6 +58,7 @@ mod model;
 mod points;
 mod profile;
 mod regions;
+mod relations;
 mod runs;
 mod shells;
 mod spline;
@@ -155,7 +160,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         let exact = SegmentOptions { tolerance: Some(EXACT * mesh.diagonal()), ..wanted };
         let other = segment(mesh, &exact, context)?;
         let other_map = mapped(mesh, triangles, &other, context)?;
-        if other_map.exact_share() > share + SOME {
+        let known = |map: &Map<'_>| map.known_share();
+        if other_map.exact_share() > share + SOME && known(&other_map) > known(&map) - SOME {
             (segmentation, map) = (other, other_map);
         }
     }
@@ -188,6 +194,8 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     }
     map.part_lids();
     map.unify();
+    map.contract()?;
+    relations::relate(&mut map, context)?;
     map.tighten();
     Ok(map)
 }

@@ -2,15 +2,16 @@
 
 use super::borders::border;
 use super::corners::place;
-use super::curves::{Track, between, straight};
+use super::curves::{Room, Track, between, straight};
 use super::draft::{Draft, DraftFace};
 use super::faces::{face, turn_sphere};
 use super::memory::Memory;
 use super::regions::{Map, Piece, Rung};
+use super::relations;
 use super::spline::settle;
 use super::topology::{Chain, Graph};
 use super::trace::meet;
-use super::tuning::{BRANCH, COPLANAR_DISTANCE, GAP, SAME_POINT};
+use super::tuning::{BRANCH, COPLANAR_DISTANCE, EXACT, GAP, NOISE, SAME_POINT};
 use crate::brep::{Brep, Face, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -138,7 +139,7 @@ fn graph(map: &Map<'_>) -> Result<Graph> {
     if more.is_empty() { Ok(graph) } else { Graph::of(t, &map.label, pieces.len(), &more) }
 }
 
-/// Where corners beside spline surfaces are: on all other surfaces around them.
+/// Where corners are that are not vertices of the mesh: beside spline surfaces, and in noisy data, on all other surfaces around them.
 struct Corners {
     /// Vertices of the mesh, ascending, and their places.
     moved: Vec<(u32, DVec3)>,
@@ -159,10 +160,15 @@ impl Corners {
             let start = map.t.points()[at[0].0 as usize];
             let others = at.iter().filter(|a| !is_spline(a.1)).map(|a| &map.pieces[a.1 as usize].surface);
             let p = meet(&others.collect::<Vec<&Surface>>(), start);
-            (at[0].0, if p.distance(start) <= BRANCH * map.diagonal { p } else { start })
+            let room = (BRANCH * map.diagonal).max(2.0 * NOISE * map.tolerance);
+            (at[0].0, if p.distance(start) <= room { p } else { start })
         };
-        let beside = |at: &&[(u32, u32)]| at.iter().any(|a| is_spline(a.1));
-        Corners { moved: around.chunk_by(|a, b| a.0 == b.0).filter(beside).map(place).collect() }
+        let noisy = map.tolerance > EXACT * map.diagonal;
+        let is_facet = |s: u32| map.pieces[s as usize].rung >= Rung::Planes;
+        let moves = |at: &&[(u32, u32)]| {
+            at.iter().any(|a| is_spline(a.1)) || noisy && at.len() > 2 && !at.iter().any(|a| is_facet(a.1))
+        };
+        Corners { moved: around.chunk_by(|a, b| a.0 == b.0).filter(moves).map(place).collect() }
     }
 
     fn place(&self, v: u32, otherwise: DVec3) -> DVec3 {
@@ -192,9 +198,24 @@ fn track(map: &Map<'_>, chain: &Chain, ends: [DVec3; 2]) -> Option<Track> {
         let other = [a, b].into_iter().find(|p| p.rung != Rung::Spline);
         return border(other.map(|p| &p.surface), &polyline, closed, map.diagonal);
     }
+    if map.tolerance > EXACT * map.diagonal && !closed {
+        polyline = between_ends(&polyline, ends);
+    }
     // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.
     let room = 4.0 * (a.max + b.max) + super::tuning::FILE * map.diagonal;
-    between(a, b, &polyline, closed, map.diagonal, room)
+    let crossing = room.min((BRANCH * map.diagonal).max(NOISE * map.tolerance));
+    between(a, b, &polyline, closed, map.diagonal, Room { crossing, touching: relations::room(a, b, map.diagonal) })
+}
+
+/// A noisy polyline between other ends: without what lies beyond them.
+fn between_ends(polyline: &[DVec3], [a, b]: [DVec3; 2]) -> Vec<DVec3> {
+    let ahead = |p: DVec3, from: DVec3, to: DVec3| (p - from).dot(to - from) > 0.0;
+    let inside = |w: &[DVec3]| {
+        let [before, p, next] = [w[0], w[1], w[2]];
+        ahead(p, a, next).then_some(()).and(ahead(p, b, before).then_some(p))
+    };
+    let inner = polyline.windows(3).filter_map(inside).filter(|p| *p != a && *p != b);
+    std::iter::once(a).chain(inner).chain([b]).collect()
 }
 
 /// The mean of a piece's vertices, weighted by area.

@@ -183,6 +183,19 @@ pub fn vertex_ids(t: Triangles<'_>, triangles: &[u32]) -> Vec<u32> {
     ids
 }
 
+/// Which vertices are inside of one piece: on the border of noisy data they lie on some neighbour, or between both.
+pub fn inner_vertices(t: Triangles<'_>, label: &[u32]) -> Vec<bool> {
+    let mut of = vec![NONE; t.points().len()];
+    let mut inner = vec![true; t.points().len()];
+    for (k, &l) in (0u32..).zip(label) {
+        for v in t.triangle(k) {
+            let first = std::mem::replace(&mut of[v as usize], l);
+            inner[v as usize] &= first == NONE || first == l;
+        }
+    }
+    inner
+}
+
 /// Their places.
 pub fn vertices(t: Triangles<'_>, triangles: &[u32]) -> Vec<DVec3> {
     vertex_ids(t, triangles).into_iter().map(|v| t.points()[v as usize]).collect()

@@ -98,3 +98,28 @@ fn a_vase_has_one_side() {
     assert_eq!(model.brep.faces.len(), 3, "{:?}", model.fallback);
     assert_eq!(count(&model, SurfaceKind::Revolution), 1);
 }
+
+/// Vertices off their places by up to a share of the diagonal, the same for the same place.
+fn noisy(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let size = 2.0 * share * mesh.diagonal();
+    let points = mesh.points().iter().map(|&p| p + size * DVec3::new(random(), random(), random())).collect();
+    let triangles: Vec<[u32; 3]> = mesh.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    SurfaceMesh::from_triangles(points, &triangles).unwrap()
+}
+
+#[test]
+fn noise_makes_no_facets_of_a_part_with_fillets() {
+    let context = Context::new();
+    let mesh = noisy(&sample::make("rounded-box", None, &context).unwrap(), 2e-4);
+    let model = rebuild(&mesh, &CadOptions::default(), &context).unwrap();
+    let exact =
+        rebuild(&sample::make("rounded-box", None, &context).unwrap(), &CadOptions::default(), &context).unwrap();
+    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+    assert_eq!((model.brep.faces.len(), model.brep.solids.len()), (exact.brep.faces.len(), 1));
+    assert!((model.volume / exact.volume - 1.0).abs() < 1e-3);
+}

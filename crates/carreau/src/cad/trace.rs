@@ -76,7 +76,8 @@ fn contact(a: &Surface, b: &Surface, p: DVec3, along: DVec3) -> DVec3 {
 
 /// A spline near both surfaces along a polyline, and its largest distance from them. A closed polyline repeats its first point.
 pub fn trace(a: &Surface, b: &Surface, polyline: &[DVec3], tolerance: f64) -> Option<(BSplineCurve, f64)> {
-    let tangent = touch(a, b, polyline);
+    let met: Vec<DVec3> = polyline.iter().map(|&p| meet(&[a, b], p)).collect();
+    let tangent = touch(a, b, &met);
     let place = |p: DVec3, along: DVec3| if tangent { contact(a, b, p, along) } else { meet(&[a, b], p) };
     let n = polyline.len();
     let closed = polyline[0] == polyline[n - 1];

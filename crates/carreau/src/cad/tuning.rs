@@ -45,6 +45,9 @@ pub const COPLANAR_DISTANCE: f64 = 1e-9;
 /// Edges may be this much of the diagonal away from the mesh's polyline even where that is straight: wrong branches are
 /// farther away by the size of the part.
 pub const BRANCH: f64 = 2e-3;
+/// Of the tolerance of a mesh: the same, where that is more. The vertices of a noisy crease are off it by the noise through the sine of
+/// half its angle.
+pub const NOISE: f64 = 4.0;
 /// Share of the diagonal: how far, besides what facets cut off, mesh and model may be apart. It also is four times the chord of
 /// the polygons in which the validator looks for loops that cross, so that thin faces need it small.
 pub const NEAR: f64 = 1e-3;

@@ -81,22 +81,18 @@ pub(super) fn compare(
     let mut blamed = (f64::NEG_INFINITY, None);
     let points = reference.mesh.points();
     let whole = enclosed(reference, points.first().copied().unwrap_or_default()).abs();
+    let (apart, means) = to_model(points, &regions, &faces_of, tessellation, context)?;
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
-        let model: Vec<[u32; 3]> = region
-            .faces
-            .iter()
-            .flat_map(|&f| &faces_of[f as usize])
-            .map(|&k| tessellation.triangles[k as usize])
-            .collect();
         let first = points[region.triangles[0][0] as usize];
-        if model.is_empty() {
+        let Some(mean) = means[r] else {
             out.push(Finding::new(Fault::MissingFace, r as f64, 0.0, first));
             continue;
-        }
-        let (worst, mean) = to_model(points, region, &TriangleTree::new(&tessellation.points, &model), context);
-        if worst.0 > limits.distance + chord {
-            let finding = Finding::new(Fault::MeshOffFace, worst.0, limits.distance + chord, worst.1);
+        };
+        let vertices = || region.triangles.iter().flatten().map(|&v| v as usize);
+        let worst = vertices().max_by(|&v, &w| apart[v].total_cmp(&apart[w])).unwrap_or_default();
+        if apart[worst] > limits.distance + chord {
+            let finding = Finding::new(Fault::MeshOffFace, apart[worst], limits.distance + chord, points[worst]);
             out.push(finding.of_face(region.faces[0]));
         }
         let tree = TriangleTree::new(points, &region.triangles);
@@ -173,16 +169,43 @@ fn triangles_by_face(faces: usize, tessellation: &Tessellation) -> Vec<Vec<u32>>
     out
 }
 
-/// The largest distance of a vertex of a region from its faces, with the vertex, and the root mean square.
-fn to_model(points: &[DVec3], region: &Region, model: &TriangleTree, context: &Context) -> ((f64, DVec3), f64) {
-    let mut vertices: Vec<u32> = region.triangles.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let far = |v: &u32| (model.distance(points[*v as usize]), points[*v as usize]);
-    let all: Vec<(f64, DVec3)> = context.install(|| vertices.par_iter().map(far).collect());
-    let square: f64 = all.iter().map(|(d, _)| d * d).sum();
-    let worst = all.iter().fold((0.0, DVec3::ZERO), |w, &d| if d.0 > w.0 { d } else { w });
-    (worst, (square / all.len().max(1) as f64).sqrt())
+/// The distance of every vertex from the nearest of the faces around it, which is that of a neighbour where a triangle lies across the
+/// edge between both; and for every region that has faces the root mean square of the distances of its vertices from these.
+///
+/// ```text
+///        edge of the model
+///     ──────╮
+///      ╲    │     ╲  a triangle of the upper region with a corner on the side
+///       ╲●  │
+/// ```
+fn to_model(
+    points: &[DVec3],
+    regions: &[Region],
+    faces_of: &[Vec<u32>],
+    tessellation: &Tessellation,
+    context: &Context,
+) -> Result<(Vec<f64>, Vec<Option<f64>>)> {
+    let mut apart = vec![f64::INFINITY; points.len()];
+    let mut means = Vec::with_capacity(regions.len());
+    for region in regions {
+        context.check()?;
+        let own = region.faces.iter().flat_map(|&f| &faces_of[f as usize]);
+        let model: Vec<[u32; 3]> = own.map(|&k| tessellation.triangles[k as usize]).collect();
+        if model.is_empty() {
+            means.push(None);
+            continue;
+        }
+        let model = TriangleTree::new(&tessellation.points, &model);
+        let mut vertices: Vec<u32> = region.triangles.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let far = |v: &u32| model.distance(points[*v as usize]);
+        let all: Vec<f64> = context.install(|| vertices.par_iter().map(far).collect());
+        let square: f64 = all.iter().map(|d| d * d).sum();
+        means.push(Some((square / all.len().max(1) as f64).sqrt()));
+        vertices.iter().zip(all).for_each(|(&v, d)| apart[v as usize] = apart[v as usize].min(d));
+    }
+    Ok((apart, means))
 }
 
 /// Middles of a face's triangles against the triangles of its region.
@@ -199,6 +222,9 @@ fn to_mesh(
     let face = &brep.faces[f as usize];
     let surface = brep.surface(face);
     let most_bent = border_curvature(brep, f);
+    // Triangles across an edge of the model cut it off, by no more than the distance of their far corner from the surface.
+    let off = region.border.iter().map(|b| surface.distance(points[b.0 as usize]).min(b.1));
+    let across = off.filter(|d| d.is_finite()).fold(0.0, f64::max);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();
     // A quadric or a torus does not swing, so that what the largest of its facets cuts off is allowed everywhere: the facet that a
@@ -212,7 +238,8 @@ fn to_mesh(
         let corners = ids.map(|v| points[v as usize]);
         let (sagitta, tilt) = bend(surface, uv, corners);
         let longest = ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max);
-        let border = (most_bent * longest.powi(2) / 8.0).min(0.5 * longest);
+        let at_border = if longest > 0.0 { across } else { 0.0 };
+        let border = (most_bent * longest.powi(2) / 8.0).min(0.5 * longest) + at_border;
         looks.push(Look { p, distance: near.distance(), sagitta, border });
         let normal = sense * surface.normal(uv.x, uv.y);
         let facet = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

@@ -196,7 +196,7 @@ impl Primitive {
     }
 
     /// Whether every number is finite and every radius and angle is in its range.
-    fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self) -> bool {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let direction = |d: DVec3| (d.length() - 1.0).abs() < 1e-9;
         match *self {

@@ -12,6 +12,8 @@ use glam::DVec3;
 const FLAT_SHARE: f64 = 1e-4;
 /// The same as a share of the diagonal: readers find the borders of faces again within this.
 const MOST: f64 = 1e-6;
+/// The same as a share of volume through area of a closed surface: planes that all err to one side change the volume by this share.
+const THIN: f64 = 1e-5;
 /// Coordinates of single precision are exact to this share of the largest one.
 const SINGLE: f64 = 2.4e-7;
 /// Largest angle between the normals of a triangle and its region, by its cosine (20°), unless rounding explains it.
@@ -195,5 +197,20 @@ fn flatness(mesh: &SurfaceMesh) -> f64 {
         }
     }
     let mean = if count > 0.0 { sum / count } else { 0.0 };
-    (FLAT_SHARE * mean).max(SINGLE * largest).clamp(1e-9 * diagonal, MOST * diagonal)
+    (FLAT_SHARE * mean).min(THIN * thickness(mesh)).max(SINGLE * largest).clamp(1e-9 * diagonal, MOST * diagonal)
+}
+
+/// Volume through area of a closed surface, without limit for an open one.
+fn thickness(mesh: &SurfaceMesh) -> f64 {
+    let Some(triangles) = Triangles::of(mesh) else { return f64::INFINITY };
+    if (0..3 * triangles.len() as u32).any(|c| triangles.opposite(c) == NONE) {
+        return f64::INFINITY;
+    }
+    let origin = mesh.points().first().copied().unwrap_or_default();
+    let [volume, area] = (0..triangles.len() as u32).fold([0.0; 2], |[volume, area], t| {
+        let corners = triangles.triangle(t).map(|v| triangles.points()[v as usize]);
+        let vector = area_vector(corners);
+        [volume + vector.dot(corners[0] - origin) / 3.0, area + vector.length()]
+    });
+    if area > 0.0 { volume.abs() / area } else { 0.0 }
 }

@@ -1,0 +1,256 @@
+//! Surfaces adjusted together: least squares over all vertices, with conditions that hold between the surfaces.
+//!
+//! A condition is met exactly, not on average: a fillet that misses its plane by the noise of a remesh has no edge with it. The
+//! minimum under conditions is found by the method of multipliers (Hestenes, *Multiplier and gradient methods*, Journal of
+//! Optimization Theory and Applications 4, 1969), which minds no condition that follows from others, and Gauss–Newton steps.
+//!
+//! Every surface moves as a rigid body and changes its shape by up to two numbers. Motions that leave it as it is are held by a small
+//! weight, so that all kinds have the same unknowns:
+//!
+//! | unknowns | what |
+//! |---|---|
+//! | 0, 1, 2 | translation |
+//! | 3, 4, 5 | rotation around the middle of its vertices, times its size |
+//! | 6 | radius; half angle of a cone, times its size; major radius of a torus |
+//! | 7 | minor radius of a torus |
+
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::primitive::Primitive;
+use crate::numeric::dense::{cholesky, inverse};
+use crate::numeric::sparse::{Matrix, Plan};
+use glam::{DQuat, DVec3};
+
+/// Unknowns of a surface.
+const UNKNOWNS: usize = 8;
+/// Derivatives of a number by the unknowns of a surface.
+pub type Row = [f64; UNKNOWNS];
+
+/// Most steps; convergence is quadratic but for the multipliers, which gain some digits a step.
+const STEPS: usize = 40;
+/// Share of the diagonal: conditions are met when all are nearer than this.
+const MET: f64 = 1e-13;
+/// The same, of a step that changes nothing.
+const SETTLED: f64 = 1e-9;
+/// Weight of a condition where every surface has a largest curvature of one; a larger one needs fewer steps, a smaller one keeps more
+/// digits.
+const STIFF: f64 = 1e4;
+/// Weight that holds motions which change nothing, in the same measure.
+const HELD: f64 = 1e-9;
+
+/// A surface with the vertices that it is to be near, lengths as shares of the diagonal.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// The surface.
+    pub primitive: Primitive,
+    /// Vertices.
+    pub points: Vec<DVec3>,
+    /// Standard deviation of their distances.
+    pub sigma: f64,
+    middle: DVec3,
+    size: f64,
+}
+
+impl Body {
+    /// A surface near points.
+    pub fn new(primitive: Primitive, points: Vec<DVec3>, sigma: f64) -> Self {
+        let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let size = points.iter().map(|p| p.distance(middle)).fold(f64::MIN_POSITIVE, f64::max);
+        Body { primitive, points, sigma, middle, size }
+    }
+
+    /// Signed distance of a point, and its derivatives by the unknowns.
+    pub fn distance(&self, p: DVec3) -> (f64, Row) {
+        let g = self.primitive.normal(p);
+        let turn = g.cross(p - self.middle) / self.size;
+        let shape = match self.primitive {
+            Primitive::Plane { .. } => [0.0, 0.0],
+            Primitive::Sphere { .. } | Primitive::Cylinder { .. } => [-1.0, 0.0],
+            Primitive::Cone { apex, axis, half_angle } => {
+                let (z, (sin, cos)) = ((p - apex).dot(axis), half_angle.sin_cos());
+                let rho = (p - apex - axis * z).length();
+                [-(rho * sin + z * cos) / self.size, 0.0]
+            }
+            Primitive::Torus { center, axis, .. } => {
+                let radial = (p - center - axis * axis.dot(p - center)).normalize_or_zero();
+                [-g.dot(radial), -1.0]
+            }
+        };
+        let row = [-g.x, -g.y, -g.z, turn.x, turn.y, turn.z, shape[0], shape[1]];
+        (self.primitive.distance(p), row)
+    }
+
+    /// Root mean square and largest distance of the points.
+    pub fn residuals(&self) -> [f64; 2] {
+        let far = self.points.iter().map(|&p| self.primitive.distance(p).abs());
+        let [sum, max] = far.fold([0.0, 0.0f64], |[sum, max], d| [sum + d * d, max.max(d)]);
+        [(sum / self.points.len().max(1) as f64).sqrt(), max]
+    }
+
+    /// Derivatives of what changes by `moment · ω` where the surface turns by ω.
+    pub fn turned(&self, moment: DVec3) -> Row {
+        let turn = moment / self.size;
+        [0.0, 0.0, 0.0, turn.x, turn.y, turn.z, 0.0, 0.0]
+    }
+
+    /// Standard deviation of the surface's direction in radians, from that of its distances.
+    pub fn turn_deviation(&self) -> f64 {
+        let (mut block, _) = normal_equations(self);
+        let largest = (0..UNKNOWNS).map(|k| block[k][k]).fold(f64::MIN_POSITIVE, f64::max);
+        for k in 0..UNKNOWNS {
+            block[k][k] += HELD * largest;
+            (0..k).for_each(|j| block[j][k] = block[k][j]);
+        }
+        let least = self.sigma / self.size;
+        let Some(factor) = cholesky(block.as_flattened(), UNKNOWNS) else { return least };
+        let inverse = inverse(&factor, UNKNOWNS);
+        let own = match self.primitive {
+            Primitive::Plane { normal, .. } => normal,
+            Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } | Primitive::Torus { axis, .. } => axis,
+            Primitive::Sphere { .. } => return f64::INFINITY,
+        };
+        let (x, y) = own.any_orthonormal_pair();
+        let variance = |e: DVec3| {
+            let at = |i: usize, j: usize| e[i] * e[j] * inverse[(3 + i) * UNKNOWNS + 3 + j];
+            (0..9).map(|k| at(k / 3, k % 3)).sum::<f64>()
+        };
+        ((variance(x) + variance(y)).sqrt() / self.size).max(0.5 * least)
+    }
+
+    pub fn moved(&self, step: &[f64]) -> Option<Primitive> {
+        let shift = DVec3::new(step[0], step[1], step[2]);
+        let turn = DQuat::from_scaled_axis(DVec3::new(step[3], step[4], step[5]) / self.size);
+        let at = |p: DVec3| self.middle + shift + turn * (p - self.middle);
+        let along = |d: DVec3| (turn * d).normalize_or(d);
+        let [a, b] = [step[6], step[7]];
+        let primitive = match self.primitive {
+            Primitive::Plane { origin, normal } => Primitive::Plane { origin: at(origin), normal: along(normal) },
+            Primitive::Sphere { center, radius } => Primitive::Sphere { center: at(center), radius: radius + a },
+            Primitive::Cylinder { origin, axis, radius } => {
+                Primitive::Cylinder { origin: at(origin), axis: along(axis), radius: radius + a }
+            }
+            Primitive::Cone { apex, axis, half_angle } => {
+                Primitive::Cone { apex: at(apex), axis: along(axis), half_angle: half_angle + a / self.size }
+            }
+            Primitive::Torus { center, axis, major_radius, minor_radius } => Primitive::Torus {
+                center: at(center),
+                axis: along(axis),
+                major_radius: major_radius + a,
+                minor_radius: minor_radius + b,
+            },
+        };
+        primitive.is_sound().then_some(primitive)
+    }
+}
+
+/// A number that is to be zero, by the surfaces that it depends on and its derivatives by their unknowns.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    /// What it is now.
+    pub value: f64,
+    /// Surfaces, each once.
+    pub by: Vec<(u32, Row)>,
+}
+
+/// Moves surfaces to the least sum of squares under conditions, which are stated anew for every step, in the same order. Returns the
+/// multiplier of every condition, `None` where they cannot all be met; surfaces then are where the last step left them.
+pub fn adjust(
+    bodies: &mut [Body],
+    conditions: impl Fn(&[Body]) -> Vec<Condition>,
+    context: &Context,
+) -> Result<Option<Vec<f64>>> {
+    let mut plan = None;
+    let mut stated = conditions(bodies);
+    let mut multipliers = vec![0.0; stated.len()];
+    for _ in 0..STEPS {
+        context.check()?;
+        let system = System::new(bodies, &stated);
+        let Some(step) = system.step(&stated, &multipliers, &mut plan) else { return Ok(None) };
+        for (body, step) in bodies.iter_mut().zip(step.chunks(UNKNOWNS)) {
+            let Some(primitive) = body.moved(step) else { return Ok(None) };
+            body.primitive = primitive;
+        }
+        stated = conditions(bodies);
+        let worst = stated.iter().map(|c| c.value.abs()).fold(0.0, f64::max);
+        let moved = step.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        if !(worst.is_finite() && moved < 1.0) {
+            return Ok(None);
+        }
+        multipliers.iter_mut().zip(&stated).zip(&system.weights).for_each(|((m, c), w)| *m += w * c.value);
+        if worst <= MET && moved <= SETTLED {
+            return Ok(Some(multipliers));
+        }
+    }
+    let met = stated.iter().all(|c| c.value.abs() <= 1e2 * MET);
+    Ok(met.then_some(multipliers))
+}
+
+/// ½ Σ (d / σ)² + Σ (m c + ½ w c²), all linearised, with unknowns scaled so that every surface has a largest curvature of one.
+struct System {
+    squares: Vec<([Row; UNKNOWNS], Row)>,
+    /// One for every surface: a step is so many times its scaled unknowns.
+    scales: Vec<f64>,
+    /// One for every condition.
+    weights: Vec<f64>,
+}
+
+impl System {
+    fn new(bodies: &[Body], stated: &[Condition]) -> Self {
+        let squares: Vec<([Row; UNKNOWNS], Row)> = bodies.iter().map(normal_equations).collect();
+        let largest = |s: &([Row; UNKNOWNS], Row)| (0..UNKNOWNS).map(|k| s.0[k][k]).fold(f64::MIN_POSITIVE, f64::max);
+        let scales: Vec<f64> = squares.iter().map(|s| largest(s).sqrt().recip()).collect();
+        let weight = |c: &Condition| {
+            let square = |(b, row): &(u32, Row)| row.iter().map(|x| (x * scales[*b as usize]).powi(2)).sum::<f64>();
+            STIFF / c.by.iter().map(square).sum::<f64>().max(f64::MIN_POSITIVE)
+        };
+        let weights = stated.iter().map(weight).collect();
+        System { squares, scales, weights }
+    }
+
+    /// The step to its minimum.
+    fn step(&self, stated: &[Condition], multipliers: &[f64], plan: &mut Option<Plan>) -> Option<Vec<f64>> {
+        let n = UNKNOWNS * self.squares.len();
+        let mut matrix = Matrix::new(n);
+        let mut rhs = vec![0.0; n];
+        for (b, ((block, slope), scale)) in self.squares.iter().zip(&self.scales).enumerate() {
+            let at = |k: usize| (UNKNOWNS * b + k) as u32;
+            for i in 0..UNKNOWNS {
+                for j in 0..=i {
+                    let held = if i == j { HELD } else { 0.0 };
+                    matrix.add(at(i), at(j), block[i][j] * scale * scale + held);
+                }
+                rhs[UNKNOWNS * b + i] -= slope[i] * scale;
+            }
+        }
+        for ((condition, m), w) in stated.iter().zip(multipliers).zip(&self.weights) {
+            let of = |(b, row): &(u32, Row)| {
+                let (first, scale) = (UNKNOWNS as u32 * b, self.scales[*b as usize]);
+                row.map(|x| x * scale).into_iter().zip(first..).map(|(x, i)| (i, x)).collect::<Vec<_>>()
+            };
+            let terms: Vec<(u32, f64)> = condition.by.iter().flat_map(of).collect();
+            for &(i, x) in &terms {
+                rhs[i as usize] -= x * (m + w * condition.value);
+                terms.iter().filter(|t| t.0 <= i).for_each(|&(j, y)| matrix.add(i, j, w * x * y));
+            }
+        }
+        let mut step = matrix.factor(plan).ok()?.solve(&rhs).ok()?;
+        step.chunks_mut(UNKNOWNS).zip(&self.scales).for_each(|(x, s)| x.iter_mut().for_each(|x| *x *= s));
+        Some(step)
+    }
+}
+
+/// Σ row rowᵀ / σ² and Σ d row / σ² over the points of a surface.
+fn normal_equations(body: &Body) -> ([Row; UNKNOWNS], Row) {
+    let (mut block, mut slope) = ([[0.0; UNKNOWNS]; UNKNOWNS], [0.0; UNKNOWNS]);
+    let weight = (body.sigma * body.sigma).recip();
+    for &p in &body.points {
+        let (d, row) = body.distance(p);
+        for i in 0..UNKNOWNS {
+            slope[i] += weight * d * row[i];
+            for j in 0..=i {
+                block[i][j] += weight * row[i] * row[j];
+            }
+        }
+    }
+    (block, slope)
+}

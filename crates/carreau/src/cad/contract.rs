@@ -1,0 +1,125 @@
+//! Edges that noise has made: where four surfaces meet in a point, a noisy map has two corners of three with a short edge between.
+//!
+//! ```text
+//!        B                      B
+//!     ───●───            ────╲ ╱────       the triangles of A around the upper corner are given to B, so that all four
+//!     A  │  C     →       A   ●   C        meet in the lower one
+//!     ───●───            ────╱ ╲────
+//!        D                      D
+//! ```
+
+use super::regions::{Map, Rung};
+use super::topology::{Chain, Graph};
+use super::trace::meet;
+use super::tuning::EXACT;
+use crate::brep::Surface;
+use crate::error::Result;
+use crate::mesh::NONE;
+use glam::DVec3;
+
+/// Most sides of an edge that noise may have made.
+const LONGEST: usize = 3;
+/// Rounds: every one takes a side from every such edge.
+const ROUNDS: usize = 4;
+
+impl Map<'_> {
+    /// Shortens edges whose corners, as points of their surfaces, are nearer to each other than the noise, until there are none.
+    pub fn contract(&mut self) -> Result<()> {
+        if self.tolerance <= EXACT * self.diagonal {
+            return Ok(());
+        }
+        for _ in 0..ROUNDS {
+            let graph = Graph::of(self.t, &self.label, self.pieces.len(), &[])?;
+            let around = Around::of(&graph);
+            let short: Vec<&Chain> = graph.chains.iter().filter(|c| self.is_noise(c, &around)).collect();
+            let mut any = false;
+            for chain in short {
+                any |= self.shorten(chain);
+            }
+            if !any {
+                break;
+            }
+            self.gather();
+        }
+        Ok(())
+    }
+
+    /// Whether an edge is short, and its corners are in one place or in the other order.
+    fn is_noise(&self, chain: &Chain, around: &Around) -> bool {
+        if chain.closed || chain.half_edges.len() > LONGEST || chain.sides[1] == NONE {
+            return false;
+        }
+        let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
+        let corner = |v: u32| -> Option<DVec3> {
+            let pieces = around.at(v);
+            let known = pieces.len() == 3
+                && pieces.iter().all(|&p| p != NONE && self.pieces[p as usize].rung == Rung::Analytic);
+            let surfaces: Vec<&Surface> = pieces.iter().map(|&p| &self.pieces[p as usize].surface).collect();
+            known.then(|| meet(&surfaces, self.t.points()[v as usize]))
+        };
+        let [a, b] = ends.map(|v| self.t.points()[v as usize]);
+        match ends.map(corner) {
+            [Some(p), Some(q)] => ends[0] != ends[1] && (q - p).dot((b - a).normalize_or_zero()) <= self.tolerance,
+            _ => false,
+        }
+    }
+
+    /// Gives the triangles of the left piece around the first corner to the third piece there; whether there were any.
+    fn shorten(&mut self, chain: &Chain) -> bool {
+        let [own, right] = chain.sides;
+        // Around the corner from the edge to the left, until another piece begins.
+        let mut c = chain.half_edges[0];
+        let mut fan = Vec::new();
+        loop {
+            if self.label[c as usize / 3] != own {
+                break;
+            }
+            fan.push(c / 3);
+            let o = self.t.opposite(self.t.next(self.t.next(c)));
+            if o == NONE || fan.len() > self.label.len() {
+                return false;
+            }
+            c = o;
+        }
+        let third = self.label[c as usize / 3];
+        if third == right || fan.is_empty() || fan.len() >= self.pieces[own as usize].triangles.len() {
+            return false;
+        }
+        fan.iter().for_each(|&k| self.label[k as usize] = third);
+        true
+    }
+
+    /// Lists the triangles of all pieces anew.
+    fn gather(&mut self) {
+        self.pieces.iter_mut().for_each(|p| p.triangles.clear());
+        for (k, &l) in (0u32..).zip(&self.label) {
+            self.pieces[l as usize].triangles.push(k);
+        }
+        self.compact();
+    }
+}
+
+/// The pieces around corners.
+struct Around {
+    /// Vertices and pieces, ascending.
+    pairs: Vec<(u32, u32)>,
+}
+
+impl Around {
+    fn of(graph: &Graph) -> Self {
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for chain in graph.chains.iter().filter(|c| !c.closed) {
+            for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+                pairs.extend(chain.sides.map(|s| (v, s)));
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        Around { pairs }
+    }
+
+    fn at(&self, v: u32) -> Vec<u32> {
+        let first = self.pairs.partition_point(|p| p.0 < v);
+        self.pairs[first..].iter().take_while(|p| p.0 == v).map(|p| p.1).collect()
+    }
+}

@@ -1,0 +1,237 @@
+//! Relations that the noise allows.
+
+use super::conditions::direction;
+use super::contact::{contact, reach};
+use super::{Claim, Relation};
+use crate::cad::adjust::Body;
+use crate::cad::clean::fitting_points;
+use crate::cad::regions::{Map, Rung, area_vector, inner_vertices};
+use crate::cad::topology::Graph;
+use crate::cad::tuning::{EXACT, FILE, REFINE_STEPS, TANGENT};
+use crate::geometry::primitive::{Primitive, refine};
+use crate::mesh::NONE;
+use glam::DVec3;
+
+/// Most vertices that count for a surface; evenly thinned beyond.
+const MOST_SAMPLES: usize = 500;
+/// Places along a border at which surfaces are to touch: more than any pair has numbers to fit.
+const PLACES: usize = 8;
+/// Cosine: normals on both sides of the border of two surfaces that touch differ by less (40°: a facet of a coarse fillet).
+const SMOOTH: f64 = 0.766;
+/// How many times the largest distances of their vertices surfaces may miss each other: that many fits of few vertices do.
+const NEAR: f64 = 4.0;
+/// Volume of the normals of three surfaces that meet in a point which is certain.
+const SQUARE: f64 = 0.05;
+/// Standard deviations within which directions are parallel or perpendicular, and the angle beyond which they are not (3°).
+const DEVIATIONS: f64 = 3.5;
+const MOST_TURNED: f64 = 0.052;
+/// How much larger the mean distance from a surface may be that two pieces share.
+const SHARED: f64 = 1.3;
+/// Share of the diagonal: standard deviation of distances that are zero (float precision).
+const SHARP: f64 = 3e-8;
+
+/// Lengths as shares of the diagonal.
+#[derive(Debug, Clone, Copy)]
+pub struct Unit {
+    pub origin: DVec3,
+    pub diagonal: f64,
+}
+
+impl Unit {
+    pub fn enter(self, p: DVec3) -> DVec3 {
+        (p - self.origin) / self.diagonal
+    }
+
+    pub fn leave(self, p: DVec3) -> DVec3 {
+        self.origin + p * self.diagonal
+    }
+}
+
+/// The surfaces of a map.
+pub struct Found {
+    /// Of every piece, the number of its surface; [`NONE`] without one.
+    pub number: Vec<u32>,
+    /// The surfaces, each once.
+    pub bodies: Vec<Body>,
+    /// Lengths.
+    pub unit: Unit,
+}
+
+impl Found {
+    /// The surfaces of the analytic pieces. In noisy data, pieces of one surface share it.
+    pub fn of(map: &Map<'_>) -> Self {
+        let unit = Unit { origin: map.t.points().first().copied().unwrap_or_default(), diagonal: map.diagonal };
+        let noisy = is_noisy(map);
+        let inner = if noisy { inner_vertices(map.t, &map.label) } else { Vec::new() };
+        let area =
+            |p: u32| map.pieces[p as usize].triangles.iter().map(|&k| area_vector(map.t, k).length()).sum::<f64>();
+        let mut order: Vec<(u32, f64)> = (0..map.pieces.len() as u32).map(|p| (p, area(p))).collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let mut found = Found { number: vec![NONE; map.pieces.len()], bodies: Vec::new(), unit };
+        for (p, _) in order {
+            let piece = &map.pieces[p as usize];
+            let Some(primitive) = piece.primitive.filter(|_| piece.rung == Rung::Analytic) else { continue };
+            let points = fitting_points(map.t, &piece.triangles, &inner, primitive.kind());
+            let step = points.len().div_ceil(MOST_SAMPLES).max(1);
+            let some: Vec<DVec3> = points.iter().step_by(step).map(|&p| unit.enter(p)).collect();
+            let body = body(primitive.moved(|p| unit.enter(p), |l| l / unit.diagonal), some);
+            found.number[p as usize] = found.add(body, noisy);
+        }
+        found
+    }
+
+    /// The number of a surface that is new, or the same as a known one.
+    fn add(&mut self, new: Body, noisy: bool) -> u32 {
+        let kinds = |b: &Body| b.primitive.kind() == new.primitive.kind();
+        for (k, known) in (0u32..).zip(self.bodies.iter_mut()).filter(|(_, b)| noisy && kinds(b)) {
+            let [[rms, max], [new_rms, new_max]] = [known.residuals(), new.residuals()];
+            let near = |&p: &DVec3| {
+                let turned = known.primitive.normal(p).dot(new.primitive.normal(p)).abs();
+                known.primitive.distance(p).abs() <= 2.0 * (max + new_max) + FILE && turned > SMOOTH
+            };
+            if !new.points.iter().all(near) {
+                continue;
+            }
+            let both: Vec<DVec3> = known.points.iter().chain(&new.points).copied().collect();
+            if let Some(fit) = refine(known.primitive, &both, None, REFINE_STEPS)
+                && fit.rms <= SHARED * rms.max(new_rms) + FILE
+            {
+                *known = body(fit.primitive, both);
+                return k;
+            }
+        }
+        self.bodies.push(new);
+        self.bodies.len() as u32 - 1
+    }
+
+    /// All relations that there may be.
+    pub fn claims(&self, map: &Map<'_>, graph: &Graph) -> Vec<Claim> {
+        let mut all = along_borders(map, graph, self);
+        all.extend(at_corners(map, graph, self));
+        if is_noisy(map) {
+            all.extend(directions(&self.bodies));
+        }
+        all
+    }
+}
+
+fn is_noisy(map: &Map<'_>) -> bool {
+    map.tolerance > EXACT * map.diagonal
+}
+
+fn body(primitive: Primitive, points: Vec<DVec3>) -> Body {
+    let mut body = Body::new(primitive, points, SHARP);
+    body.sigma = body.residuals()[0].max(SHARP);
+    body
+}
+
+/// Neighbours that may touch: where normals agree near the border, they are as near to each other as to their vertices.
+fn along_borders(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
+    let Found { number, bodies: all, unit } = found;
+    let mut out = Vec::new();
+    for chain in &graph.chains {
+        if chain.sides.iter().any(|&p| p == NONE || number[p as usize] == NONE) {
+            continue;
+        }
+        let n = chain.vertices.len();
+        let point = |k: usize| unit.enter(map.t.points()[chain.vertices[k.min(n - 1)] as usize]);
+        let place = |k: usize| {
+            let s = (k as f64 + 0.5) / PLACES as f64 * (n - 1) as f64;
+            let (low, share) = (s as usize, s.fract());
+            (point(low).lerp(point(low + 1), share), point(low + 1) - point(low))
+        };
+        let places: Vec<(DVec3, DVec3)> = (0..PLACES).map(place).collect();
+        let bodies = chain.sides.map(|p| number[p as usize]);
+        let [a, b] = bodies.map(|k| &all[k as usize]);
+        let [x, y] = [a, b].map(|body| body.residuals()[1]);
+        let (p, q) = (&a.primitive, &b.primitive);
+        let room = reach(p, q, x.max(y).max(FILE));
+        let near = NEAR * (x + y) + FILE;
+        let touches = |&(at, along): &(DVec3, DVec3)| {
+            let is_near = |c: DVec3| {
+                p.distance(c).abs() + q.distance(c).abs() <= near && c.distance(at) <= room.max(along.length())
+            };
+            p.normal(at).dot(q.normal(at)).abs() > SMOOTH && contact(p, q, at, along).is_some_and(is_near)
+        };
+        let curved = [p, q].iter().any(|p| !matches!(p, Primitive::Plane { .. }));
+        if curved && places.iter().all(touches) {
+            out.push(Claim { relation: Relation::Touch { bodies, places }, bound: near });
+        }
+    }
+    out
+}
+
+/// At corners: surfaces that touch there, and of four and more a relation for each beyond the three that cross most squarely.
+fn at_corners(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
+    let Found { number, bodies: all, unit } = found;
+    let mut around: Vec<(u32, u32)> = Vec::new();
+    for chain in graph.chains.iter().filter(|c| !c.closed) {
+        for v in [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]] {
+            around.extend(chain.sides.iter().map(|&s| (v, if s == NONE { NONE } else { number[s as usize] })));
+        }
+    }
+    around.sort_unstable();
+    around.dedup();
+    let mut out = Vec::new();
+    for at in around.chunk_by(|a, b| a.0 == b.0).filter(|at| at.len() > 2 && at.iter().all(|a| a.1 != NONE)) {
+        let place = unit.enter(map.t.points()[at[0].0 as usize]);
+        let own: Vec<u32> = at.iter().map(|a| a.1).collect();
+        let pairs = own.iter().flat_map(|&a| own.iter().filter(move |&&b| a < b).map(move |&b| [a, b]));
+        out.extend(pairs.filter_map(|pair| touch_at(all, pair, place)));
+        let normal = |k: u32| all[k as usize].primitive.normal(place);
+        let volume = |t: &[u32; 3]| normal(t[0]).cross(normal(t[1])).dot(normal(t[2])).abs();
+        let triples = || {
+            let n = own.len();
+            (0..n).flat_map(move |i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])))
+        };
+        let best = triples().map(|t| t.map(|i| own[i])).max_by(|s, t| volume(s).total_cmp(&volume(t)));
+        let Some(base) = best.filter(|t| volume(t) > SQUARE) else { continue };
+        let spread: f64 = own.iter().map(|&k| all[k as usize].residuals()[1]).sum();
+        for &other in own.iter().filter(|k| !base.contains(k)) {
+            let relation = Relation::Concur { bodies: [base[0], base[1], base[2], other], place };
+            let bound = NEAR * spread + FILE;
+            if relation.off(all) <= bound {
+                out.push(Claim { relation, bound });
+            }
+        }
+    }
+    out
+}
+
+/// A cylinder or cone that touches another surface at a corner.
+fn touch_at(all: &[Body], bodies: [u32; 2], place: DVec3) -> Option<Claim> {
+    let [a, b] = bodies.map(|k| &all[k as usize]);
+    let along = [a, b].iter().find_map(|b| match b.primitive {
+        Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } => Some(axis),
+        _ => None,
+    })?;
+    let [x, y] = [a, b].map(|body| body.residuals()[1]);
+    let turned = a.primitive.normal(place).dot(b.primitive.normal(place)).abs();
+    let near = contact(&a.primitive, &b.primitive, place, along)?.distance(place)
+        <= reach(&a.primitive, &b.primitive, x.max(y).max(FILE));
+    let relation = Relation::Touch { bodies, places: vec![(place, along)] };
+    let bound = NEAR * (x + y) + FILE;
+    (turned > TANGENT && near && relation.off(all) <= bound).then_some(Claim { relation, bound })
+}
+
+/// Directions that are parallel to a surer one, and of those that are not, which are perpendicular to each other.
+fn directions(all: &[Body]) -> Vec<Claim> {
+    let mut known: Vec<(u32, DVec3, f64)> = (0u32..)
+        .zip(all)
+        .filter_map(|(k, body)| Some((k, direction(&body.primitive)?, body.turn_deviation())))
+        .collect();
+    known.sort_by(|a, b| a.2.total_cmp(&b.2).then(a.0.cmp(&b.0)));
+    let mut first: Vec<(u32, DVec3, f64)> = Vec::new();
+    let mut out = Vec::new();
+    for (k, d, deviation) in known {
+        let bound = |other: f64| (DEVIATIONS * deviation.hypot(other)).min(MOST_TURNED);
+        if let Some(f) = first.iter().find(|f| f.1.cross(d).length() <= bound(f.2)) {
+            out.push(Claim { relation: Relation::Parallel([f.0, k]), bound: bound(f.2) });
+            continue;
+        }
+        let square = first.iter().filter(|f| f.1.dot(d).abs() <= bound(f.2));
+        out.extend(square.map(|f| Claim { relation: Relation::Perpendicular([f.0, k]), bound: bound(f.2) }));
+        first.push((k, d, deviation));
+    }
+    out
+}
