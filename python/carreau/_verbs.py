@@ -148,9 +148,10 @@ def cad(
     mesh : Mesh, path or (points, faces)
         The surface; polygons are cut into triangles.
     style : {"auto", "mechanical", "organic"}, optional
-        What kind of model is made; "organic" is not available yet ("auto").
+        What kind of model is made: the faces of a part, or smooth faces over all of a scan ("organic"); "auto" makes
+        these where no region has a surface with a name ("auto").
     tolerance : float or str, optional
-        Largest distance of a vertex from its face; from the data.
+        Largest distance of a vertex from its face; from the data, for "organic" .1 % of the diagonal.
     labels : array_like of int, str or path, optional
         Faces as given, one label per triangle: an array, the name of a face attribute, or a file.
     max_faces : int, optional

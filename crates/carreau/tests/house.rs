@@ -18,8 +18,8 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("patch", &["mesh", "geometry", "brep", "numeric"]),
     ("remesh", &["mesh", "geometry", "numeric"]),
     ("segment", &["mesh", "geometry", "numeric"]),
-    // Regions become faces.
-    ("cad", &["mesh", "geometry", "numeric", "brep", "segment"]),
+    // Regions become faces, and blocks of quads.
+    ("cad", &["mesh", "geometry", "numeric", "brep", "segment", "quad"]),
     ("field", &["mesh", "geometry", "numeric"]),
     // Its rungs are made of other rooms: quads follow fields, and start from meshes of another size.
     ("quad", &["mesh", "geometry", "numeric", "field", "remesh"]),

@@ -27,22 +27,24 @@ use std::path::{Path, PathBuf};
 ///
 /// A bore is one cylinder with its radius, a fillet one cylinder or torus, a plate a plane with its holes. What lies on no
 /// such surface becomes a swept or spline face, and plane facets where no such face is valid; the summary says which regions those are.
-/// An open surface becomes a shell.
+/// An open surface becomes a shell. With --style organic a scan becomes few bicubic faces that meet without a crease.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau cad part.stl -o part.step --json part.json\n  \
     carreau cad part.ply -o part.step --labels face_id\n  \
-    carreau cad part.stl -o part.igs --unit in")]
+    carreau cad part.stl -o part.igs --unit in\n  \
+    carreau cad scan.ply -o scan.step --style organic")]
 pub struct Cad {
     /// The mesh; polygons are fanned
     input: PathBuf,
     /// The file to write: STEP, IGES, or a mesh format for the triangles with the face property face
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// What kind of model is made; organic is not available yet [default: auto]
+    /// What kind of model is made: the faces of a part, or smooth faces over all of a scan (organic); auto makes these
+    /// where no region has a surface with a name [default: auto]
     #[arg(long, value_name = "STYLE", value_parser = choice::<Style>(&["auto", "mechanical", "organic"]))]
     style: Option<Style>,
-    /// Largest distance of a vertex from its face [default: from the data]
+    /// Largest distance of a vertex from its face [default: from the data; organic: .1 % of the diagonal]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
     /// Faces as given: a face property of the input, or a file with one integer per triangle
@@ -181,6 +183,18 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
             f.reason
         ));
     }
+    model.warnings.iter().for_each(|w| session.warn(w.clone()));
+    if let Some(smooth) = &model.smooth {
+        session.say(format!(
+            "angle between faces: 99 % below {:.2}°, at most {:.2}°; distance of the scan: {:.1e} rms, at most {:.1e} of the \
+             diagonal",
+            smooth.angles.p99,
+            smooth.angles.max,
+            model.distance_rms / diagonal,
+            model.distance_max / diagonal
+        ));
+        session.record.set("smooth", smooth);
+    }
     let share = |d: f64| if diagonal > 0.0 { d / diagonal } else { 0.0 };
     let types: serde_json::Map<String, Value> = kinds.iter().map(|(name, n)| ((*name).to_string(), json!(n))).collect();
     let record = &mut session.record;
@@ -244,7 +258,7 @@ fn described(model: &CadModel, f: usize) -> Value {
 
 /// The faces of every region.
 fn faces_of_regions(model: &CadModel) -> Vec<Vec<usize>> {
-    let mut faces = vec![Vec::new(); model.segmentation.regions.len()];
+    let mut faces = vec![Vec::new(); model.segmentation.as_ref().map_or(1, |s| s.regions.len())];
     for (f, face) in model.brep.faces.iter().enumerate() {
         if let Some(list) = face.region.and_then(|r| faces.get_mut(r as usize)) {
             list.push(f);

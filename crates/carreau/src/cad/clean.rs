@@ -110,6 +110,11 @@ impl<'a> Map<'a> {
         self.compact();
     }
 
+    /// Whether no piece lies on a surface of a kind.
+    pub fn is_free(&self) -> bool {
+        self.pieces.iter().all(|p| p.rung == Rung::Spline)
+    }
+
     /// The share of the area in pieces of some triangles whose vertices lie on their surface.
     pub fn exact_share(&self) -> f64 {
         let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();

@@ -83,7 +83,7 @@ fn judged(
         return Ok(Err(tried.obstacles));
     }
     let mut brep = tried.brep;
-    enclose(map, &mut brep)?;
+    enclose(map.t, &map.label, map.pieces.len(), &mut brep)?;
     let obstacles = super::check::obstacles(map, mesh, &brep, context)?;
     Ok(if obstacles.is_empty() { Ok(brep) } else { Err(obstacles) })
 }

@@ -33,6 +33,7 @@
 //! | pieces that are in the way go down a rung | `ladder` |
 //! | the last rungs: plane facets | `facets` |
 //! | regions that are too much for one spline surface | `halve` |
+//! | smooth faces over all of a scan, without regions | [`organic`] |
 //! | constants | `tuning` |
 
 mod adjust;
@@ -55,6 +56,7 @@ mod ladder;
 mod memory;
 mod misfits;
 mod model;
+mod organic;
 mod points;
 mod profile;
 mod regions;
@@ -70,6 +72,7 @@ mod trace;
 mod tuning;
 mod unions;
 
+use crate::bounds::positive;
 use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -80,6 +83,7 @@ use serde::{Deserialize, Serialize};
 use tuning::{EXACT, NEARLY_ALL, SOME};
 
 pub use ladder::Fallback;
+pub use organic::{Angles, Smooth};
 pub use regions::Rung;
 
 /// What kind of model is made.
@@ -120,8 +124,12 @@ pub struct CadModel {
     pub face_of_triangle: Vec<u32>,
     /// Regions that fell down the ladder.
     pub fallback: Vec<Fallback>,
-    /// What the regions were.
-    pub segmentation: Segmentation,
+    /// What the regions were; none where smooth faces do without.
+    pub segmentation: Option<Segmentation>,
+    /// What is known of smooth faces, where the model is made of these.
+    pub smooth: Option<Smooth>,
+    /// What a user should know, one sentence each.
+    pub warnings: Vec<String>,
     /// Area of every face.
     pub areas: Vec<f64>,
     /// Area of the model.
@@ -139,12 +147,18 @@ pub struct CadModel {
 /// # Errors
 /// Faces with more than three corners, no faces, an option without sense, or more faces than allowed.
 pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
-    if options.style == Style::Organic {
-        return Err(Error::Options("style organic is not available yet; use mechanical or auto".into()));
-    }
     let Some(triangles) = Triangles::of(mesh) else {
         return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));
     };
+    if let Some(tolerance) = options.tolerance {
+        positive("tolerance", tolerance)?;
+    }
+    if options.style == Style::Organic {
+        if options.labels.is_some() {
+            return Err(Error::Options("labels are faces of a part; style organic makes its own".into()));
+        }
+        return allowed(organic::organic(mesh, options, context)?, options);
+    }
     let wanted = SegmentOptions {
         labels: options.labels.clone(),
         tolerance: options.tolerance,
@@ -165,21 +179,45 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
             (segmentation, map) = (other, other_map);
         }
     }
-    let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
-    if options.max_faces.is_some_and(|most| brep.faces.len() > most as usize) {
-        return Err(Error::Numeric(format!(
-            "the model has {} faces, more than the {} allowed; simplify the mesh first, or raise --max-faces",
-            brep.faces.len(),
-            options.max_faces.unwrap_or(0)
-        )));
+    if options.style == Style::Auto && options.labels.is_none() && map.is_free() {
+        match organic::organic(mesh, options, context) {
+            // Then trimmed spline surfaces are tried.
+            Err(Error::Numeric(reason)) => tracing::debug!(target: "carreau::cad", reason, "no smooth faces"),
+            done => return allowed(done?, options),
+        }
     }
+    let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
     let (distance_max, distance_rms) = distances(&map);
     let masses = brep.face_masses(context)?;
     let areas: Vec<f64> = masses.iter().map(|m| m.area).collect();
     let area = areas.iter().sum();
     let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
     let face_of_triangle = map.label;
-    Ok(CadModel { brep, face_of_triangle, fallback, segmentation, areas, area, volume, distance_max, distance_rms })
+    let model = CadModel {
+        brep,
+        face_of_triangle,
+        fallback,
+        segmentation: Some(segmentation),
+        smooth: None,
+        warnings: Vec::new(),
+        areas,
+        area,
+        volume,
+        distance_max,
+        distance_rms,
+    };
+    allowed(model, options)
+}
+
+/// A model that has not more faces than allowed.
+fn allowed(model: CadModel, options: &CadOptions) -> Result<CadModel> {
+    let faces = model.brep.faces.len();
+    match options.max_faces {
+        Some(most) if faces > most as usize => Err(Error::Numeric(format!(
+            "the model has {faces} faces, more than the {most} allowed; simplify the mesh first, or raise --max-faces"
+        ))),
+        _ => Ok(model),
+    }
 }
 
 /// The pieces of a segmentation, with everything that is known of them before there is a topology.

@@ -1,24 +1,22 @@
 //! Shells and bodies: the connected parts of the mesh, and which of them are cavities of which.
 
-use super::regions::Map;
 use crate::brep::{Brep, Shell, Solid};
 use crate::error::Result;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{DisjointSets, NONE};
+use crate::mesh::{DisjointSets, NONE, Triangles};
 use glam::DVec3;
 
-/// Gives the faces of a model to shells and the closed shells to solids.
-pub fn enclose(map: &Map<'_>, brep: &mut Brep) -> Result<()> {
-    let t = map.t;
-    let mut sets = DisjointSets::new(map.pieces.len());
-    let mut open = vec![false; map.pieces.len()];
+/// Gives the faces of a model, so many of which triangles are labelled with, to shells and the closed shells to solids.
+pub fn enclose(t: Triangles<'_>, label: &[u32], faces: usize, brep: &mut Brep) -> Result<()> {
+    let mut sets = DisjointSets::new(faces);
+    let mut open = vec![false; faces];
     for c in 0..3 * t.len() as u32 {
-        let (own, o) = (map.label[c as usize / 3], t.opposite(c));
+        let (own, o) = (label[c as usize / 3], t.opposite(c));
         if o == NONE {
             open[own as usize] = true;
         } else {
-            sets.union(own, map.label[o as usize / 3]);
+            sets.union(own, label[o as usize / 3]);
         }
     }
     let (of, count) = sets.labels();
@@ -27,7 +25,7 @@ pub fn enclose(map: &Map<'_>, brep: &mut Brep) -> Result<()> {
         shells[s as usize].faces.push(p as u32);
         shells[s as usize].closed &= !open[p];
     }
-    let bodies = Bodies::new(map, &of, count);
+    let bodies = Bodies::new(t, label, &of, count);
     // A shell that looks inwards is a cavity of the smallest body around it; all others are bodies, also within each other.
     let is_cavity: Vec<bool> = (0..count).map(|s| bodies.volume[s] < 0.0).collect();
     let mut solids: Vec<Solid> = Vec::new();
@@ -57,27 +55,27 @@ struct Bodies {
 }
 
 impl Bodies {
-    fn new(map: &Map<'_>, of: &[u32], count: usize) -> Self {
+    fn new(t: Triangles<'_>, label: &[u32], of: &[u32], count: usize) -> Self {
         let mut triangles = vec![Vec::new(); count];
-        for (k, &l) in map.label.iter().enumerate() {
-            triangles[of[l as usize] as usize].push(map.t.triangle(k as u32));
+        for (k, &l) in label.iter().enumerate() {
+            triangles[of[l as usize] as usize].push(t.triangle(k as u32));
         }
         let mut bounds = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); count];
         for (b, triangles) in bounds.iter_mut().zip(&triangles) {
             for &v in triangles.iter().flatten() {
-                let p = map.t.points()[v as usize];
+                let p = t.points()[v as usize];
                 *b = (b.0.min(p), b.1.max(p));
             }
         }
-        let probe = triangles.iter().map(|t| map.t.points()[t[0][0] as usize]).collect();
+        let probe = triangles.iter().map(|f| t.points()[f[0][0] as usize]).collect();
         let cone = |[a, b, c]: [DVec3; 3], o: DVec3| (a - o).dot((b - o).cross(c - o)) / 6.0;
         let of_all = |(all, o): (&Vec<[u32; 3]>, &DVec3)| -> f64 {
-            all.iter().map(|f| cone(f.map(|v| map.t.points()[v as usize]), *o)).sum()
+            all.iter().map(|f| cone(f.map(|v| t.points()[v as usize]), *o)).sum()
         };
         let volume = triangles.iter().zip(&probe).map(of_all).collect();
         let trees = match count {
             0 | 1 => Vec::new(),
-            _ => triangles.iter().map(|t| WindingTree::new(&TriangleTree::new(map.t.points(), t))).collect(),
+            _ => triangles.iter().map(|f| WindingTree::new(&TriangleTree::new(t.points(), f))).collect(),
         };
         Bodies { trees, bounds, probe, volume }
     }

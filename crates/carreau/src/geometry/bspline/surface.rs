@@ -121,9 +121,6 @@ impl BSplineSurface {
             let jet = self.jet(at[0], at[1]);
             let r = jet.point - target;
             let newton = newton_step(&jet, r);
-            if newton.is_some_and(tiny) {
-                break;
-            }
             // Halved until it helps, and along one parameter where nothing else does: creases are isoparametric, and
             // derivatives say nothing of their other side.
             let alone = jet.first.map(|d| -r.dot(d) / d.length_squared());
@@ -131,8 +128,13 @@ impl BSplineSurface {
             let shorter = steps.flat_map(|s| (0..=MAX_HALVINGS).map(move |k| s.map(|x| 0.5f64.powi(k) * x)));
             let moved = |[su, sv]: [f64; 2]| [(at[0] + su).clamp(du[0], du[1]), (at[1] + sv).clamp(dv[0], dv[1])];
             let nearer = |p: &[f64; 2]| self.point(p[0], p[1]).distance_squared(target) < r.length_squared();
-            let Some(next) = shorter.map(moved).find(nearer) else { break };
-            at = next;
+            // The last step counts as well: what is left after it is of second order.
+            let last = newton.is_some_and(tiny);
+            let next = if last { newton.map(moved).filter(nearer) } else { shorter.map(moved).find(nearer) };
+            at = next.unwrap_or(at);
+            if last || next.is_none() {
+                break;
+            }
         }
         at
     }

@@ -1,0 +1,293 @@
+//! Organic models: a scan becomes few bicubic faces that meet without a crease.
+//!
+//! | stage | file |
+//! |---|---|
+//! | quads | [`crate::quad`] |
+//! | half-edges, fans, roles of the vertices | `net` |
+//! | the motorcycle graph of the quads | `tracks` |
+//! | the grids between its walls, and the edges between them | `blocks` |
+//! | control points of Catmull–Clark's surface: one step, and around irregular vertices | `refine`, `disc` |
+//! | its bicubic pieces | `limit` |
+//! | control points by least squares from the scan | `fit` |
+//! | faces on graded knots | `control` |
+//! | tangent planes at irregular vertices | `polish` |
+//! | the model; distances and angles | `assemble`; `measure` |
+//!
+//! Catmull–Clark's surface (CAD 10, 1978) is C² but at irregular vertices. A block is a tensor product on the quads' parameters, so that
+//! its face *is* this surface but for the cells next to irregular corners, whatever T-junctions are around it.
+
+mod assemble;
+mod blocks;
+mod control;
+mod disc;
+mod fit;
+mod limit;
+mod measure;
+mod net;
+mod polish;
+mod refine;
+#[cfg(test)]
+mod tests;
+mod tracks;
+
+use super::shells::enclose;
+use super::{CadModel, CadOptions, Style};
+use crate::brep::Brep;
+use crate::brep::validate::{Limits, Reference, validate};
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::geometry::features::FeatureOptions;
+use crate::mesh::{DisjointSets, SurfaceMesh, Triangles};
+use crate::quad::{QuadOptions, quads};
+use blocks::{Block, Layout, blocks, layout};
+use control::{Sheet, sheet};
+use fit::{Fit, Sample, find_feet, samples};
+use glam::DVec3;
+use limit::Limit;
+pub use measure::Angles;
+use net::Net;
+use tracks::Walls;
+
+/// Quads of a body between which the blocks are drawn: with fewer, quads of thin parts get worse; with more, tracks meet less often.
+/// The second number is for scans with which the first makes no valid model.
+const QUADS: [usize; 2] = [800, 1600];
+/// Quads in any case: fewer have irregular vertices next to each other.
+const LEAST_QUADS: usize = 200;
+/// Bodies for which there are as many quads.
+const MOST_BODIES: usize = 50;
+/// Degrees: what CAD systems take as smooth, from which on a user is told.
+const KINK: f64 = 0.5;
+/// Times that all quads are divided in four where the surface does not come near enough.
+const DIVISIONS: usize = 2;
+/// Share of the diagonal: how near the scan has to be by default.
+const TOLERANCE: f64 = 1e-3;
+/// Root mean square distance for a largest one of 1: more quads are taken above it, but not so many that they would follow
+/// the facets.
+const MEAN: f64 = 0.1;
+/// Faces may be this much farther from the facets between vertices than the vertices are from the faces, and this share of the diagonal
+/// in any case: over the facets of a coarse scan surfaces bulge.
+const BULGE: f64 = 4.0;
+const LEAST_BULGE: f64 = 4e-3;
+/// Divisions towards irregular vertices for the faces: twice as fine as their knots, so that feet near them are right.
+const LEVELS: usize = control::GRADES + 2;
+
+/// What is known of an organic model besides.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Smooth {
+    /// Angles between the faces along smooth edges, in degrees.
+    pub angles: Angles,
+    /// Number of quads whose vertices are the control points.
+    pub quads: usize,
+    /// Number of irregular vertices.
+    pub irregular: usize,
+}
+
+/// The surface while it is fitted.
+struct Cage {
+    net: Net,
+    walls: Walls,
+    points: Vec<DVec3>,
+    /// Edges at which the surface stays sharp, by their ends, smaller first; ascending.
+    creases: Vec<[u32; 2]>,
+}
+
+impl Cage {
+    fn new(mesh: &SurfaceMesh, context: &Context) -> Result<Self> {
+        let points = mesh.points().to_vec();
+        let faces: Vec<[u32; 4]> = mesh.faces().iter().filter_map(|f| f.try_into().ok()).collect();
+        let creases = sorted(mesh.tagged_edges.iter().map(|t| t.ends.map(|v| v.0)).collect());
+        let net = Net::new(&points, faces, &creases)?;
+        let mut walls = Walls::new(&net, &points, context)?;
+        // Walls that blocks need.
+        blocks(&net, &mut walls, context)?;
+        Ok(Cage { net, walls, points, creases })
+    }
+
+    /// Every quad in four.
+    fn divided(&self) -> Result<Self> {
+        let refined = refine::refine(&self.net, &self.points);
+        let first = self.points.len() as u32;
+        let halves = |(edge, &[a, b]): (u32, &[u32; 2])| {
+            let middle = first + edge;
+            self.creases.binary_search(&[a, b]).map_or_else(|_| Vec::new(), |_| vec![[a, middle], [b, middle]])
+        };
+        let creases = sorted((0u32..).zip(&self.net.ends).flat_map(halves).collect());
+        let points = [refined.vertex, refined.edge, refined.face].concat();
+        let net = Net::new(&points, refine::refined_quads(&self.net), &creases)?;
+        let walls = self.walls.divided(&net);
+        Ok(Cage { net, walls, points, creases })
+    }
+}
+
+/// Edges with their smaller end first, ascending.
+fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    let mut out: Vec<[u32; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// Makes the model, from other quads where those at first make no valid one.
+pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
+    let tolerance = options.tolerance.unwrap_or(TOLERANCE * mesh.diagonal());
+    let bodies = bodies(mesh).min(MOST_BODIES);
+    let mut last = None;
+    for count in QUADS {
+        // No more than the scan has vertices: between these nothing is known.
+        let count = (bodies * count).min(mesh.vertex_count().max(LEAST_QUADS));
+        match attempt(mesh, tolerance, &quad_options(count, options.style), context) {
+            Err(Error::Numeric(reason)) => last = Some(reason),
+            done => return done,
+        }
+    }
+    Err(Error::Numeric(format!(
+        "no valid model of smooth faces was found: {}; repair or smooth the mesh first (`carreau repair`, `carreau simplify`)",
+        last.unwrap_or_default()
+    )))
+}
+
+/// The number of connected parts.
+fn bodies(mesh: &SurfaceMesh) -> usize {
+    let mut sets = DisjointSets::new(mesh.vertex_count());
+    mesh.faces().iter().for_each(|f| f.windows(2).for_each(|w| sets.union(w[0], w[1])));
+    let mut used: Vec<u32> = mesh.faces().iter().map(|f| f[0]).collect();
+    used.iter_mut().for_each(|v| *v = sets.find(*v));
+    used.sort_unstable();
+    used.dedup();
+    used.len().max(1)
+}
+
+/// Creases are sought where the style is not given: a scan is smooth but for edges tagged in the file.
+fn quad_options(quads: usize, style: Style) -> QuadOptions {
+    let features = match style {
+        Style::Organic => FeatureOptions { angle_deg: None, ..FeatureOptions::default() },
+        Style::Auto | Style::Mechanical => FeatureOptions::auto(),
+    };
+    QuadOptions { features, quads, ..QuadOptions::default() }
+}
+
+fn attempt(mesh: &SurfaceMesh, tolerance: f64, wanted: &QuadOptions, context: &Context) -> Result<CadModel> {
+    let made = {
+        let _stage = context.stage("quads");
+        quads(mesh, wanted, context)?
+    };
+    let mut model = over(mesh, &made.mesh, tolerance, context)?;
+    if made.rung() > 2 {
+        model.warnings.push("no regular quads were found, so that there are many faces".to_string());
+    }
+    Ok(model)
+}
+
+/// The model of a scan over given quads.
+fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<CadModel> {
+    let mut cage = fitted(Cage::new(quads, context)?, mesh, tolerance, context)?;
+    let blocks = blocks(&cage.net, &mut cage.walls, context)?;
+    let layout = layout(&cage.net, &cage.walls, &blocks)?;
+    let sheets = faces(&cage, &blocks, context)?;
+    let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
+    let label = enclosed(&cage, &blocks, &mut brep)?;
+    let mut model = finish(mesh, &cage, (&blocks, &layout, &sheets), brep, &label, context)?;
+    if model.distance_max > tolerance {
+        model.warnings.push(format!(
+            "the scan is up to {:.3e} from the model, more than the tolerance of {tolerance:.3e}: where it bends within a \
+             few of its triangles, smooth faces cut the bends off",
+            model.distance_max
+        ));
+    }
+    if let Some(angle) = model.smooth.as_ref().map(|s| s.angles.max).filter(|&a| a > KINK) {
+        model.warnings.push(format!("faces meet at an angle of up to {angle:.2}°"));
+    }
+    Ok(model)
+}
+
+/// The control points, after as many divisions as the tolerance needs.
+fn fitted(cage: Cage, mesh: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<Cage> {
+    let _stage = context.stage("surface");
+    let mut cage = cage;
+    for division in 0..=DIVISIONS {
+        let mut feet = samples(mesh, cage.net.edge.len());
+        let [max, rms] = Fit::new(&cage.net).run(&mut cage.points, &mut feet, context)?;
+        tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
+        let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
+        if division == DIVISIONS || max <= tolerance && (rms <= MEAN * tolerance || !finer) {
+            return Ok(cage);
+        }
+        cage = cage.divided()?;
+    }
+    Err(Error::Bug("no surface was fitted".into()))
+}
+
+fn faces(cage: &Cage, blocks: &[Block], context: &Context) -> Result<Vec<Sheet>> {
+    let _stage = context.stage("faces");
+    let surface = Limit::new(&cage.net, &cage.points, LEVELS);
+    let one = |block: &Block| {
+        context.check()?;
+        sheet(&cage.net, block, &surface)
+    };
+    let mut sheets = blocks.iter().map(one).collect::<Result<Vec<Sheet>>>()?;
+    polish::polish(&cage.net, blocks, &mut sheets, context)?;
+    Ok(sheets)
+}
+
+/// Shells and solids of the model, by the triangles of the quads. Returns the face of every quad.
+fn enclosed(cage: &Cage, blocks: &[Block], brep: &mut Brep) -> Result<Vec<u32>> {
+    let label: Vec<u32> = measure::places(&cage.net, blocks).into_iter().map(|p| p.0).collect();
+    let triangles: Vec<[u32; 3]> = cage.net.quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mesh = SurfaceMesh::from_triangles(cage.points.clone(), &triangles)?;
+    let Some(t) = Triangles::of(&mesh) else { return Err(Error::Bug("triangles are none".into())) };
+    let of_triangles: Vec<u32> = label.iter().flat_map(|&l| [l, l]).collect();
+    enclose(t, &of_triangles, blocks.len(), brep)?;
+    Ok(label)
+}
+
+/// The check, and everything that is measured.
+fn finish(
+    mesh: &SurfaceMesh,
+    cage: &Cage,
+    (blocks, layout, sheets): (&[Block], &Layout, &[Sheet]),
+    brep: Brep,
+    label: &[u32],
+    context: &Context,
+) -> Result<CadModel> {
+    let _stage = context.stage("check");
+    brep.check()?;
+    let mut feet: Vec<Sample> = mesh.points().iter().map(|&point| Sample::new(point, 1.0)).collect();
+    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, LEVELS), cage.net.edge.len(), context)?;
+    let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
+    let off: Vec<f64> = off.into_iter().zip(fit::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
+    let distance_max = off.iter().copied().fold(0.0, f64::max);
+    let distance_rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len().max(1) as f64).sqrt();
+    check(mesh, &brep, distance_max, context)?;
+    let masses = brep.face_masses(context)?;
+    let areas: Vec<f64> = masses.iter().map(|m| m.area).collect();
+    let area = areas.iter().sum();
+    let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
+    let angles = measure::angles(&cage.net, blocks, layout, sheets, &brep);
+    let irregular = cage.net.fans.iter().filter(|f| !cage.net.is_regular(f)).count();
+    // The face of a triangle is that of its first vertex' foot.
+    let face = |f: &[u32]| label[feet[f[0] as usize].part as usize / 4];
+    let face_of_triangle = mesh.faces().iter().map(face).collect();
+    Ok(CadModel {
+        brep,
+        face_of_triangle,
+        fallback: Vec::new(),
+        segmentation: None,
+        smooth: Some(Smooth { angles, quads: cage.net.quads.len(), irregular }),
+        warnings: Vec::new(),
+        areas,
+        area,
+        volume,
+        distance_max,
+        distance_rms,
+    })
+}
+
+/// What the validator of [`crate::brep`] has against a model that is so near to its scan.
+fn check(mesh: &SurfaceMesh, brep: &Brep, near: f64, context: &Context) -> Result<()> {
+    let region_of = vec![0; mesh.face_count()];
+    let limits = Limits::new(mesh.diagonal(), (BULGE * near).max(LEAST_BULGE * mesh.diagonal()));
+    let findings = validate(brep, Some(&Reference { mesh, region_of: &region_of }), &limits, context)?;
+    let Some(f) = findings.first() else { return Ok(()) };
+    tracing::debug!(count = findings.len(), ?findings, "findings");
+    Err(Error::Numeric(format!("of the {}: {:.1e}, {:.1e} allowed", f.fault.name(), f.measured, f.bound)))
+}

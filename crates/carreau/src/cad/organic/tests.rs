@@ -1,0 +1,185 @@
+//! Organic models as a whole, and the surface that they are made of.
+
+use super::*;
+use crate::brep::Surface;
+use crate::cad::{Style, rebuild};
+use crate::mesh::test_models::{grid, moved, sphere, together, torus};
+use crate::mesh::{TaggedEdge, VertexId};
+
+/// A cube of quads, each side in n × n.
+fn cage(n: u32) -> (Vec<DVec3>, Vec<[u32; 4]>) {
+    let mut points: Vec<DVec3> = Vec::new();
+    let mut id = |p: [u32; 3]| {
+        let p = DVec3::from(p.map(f64::from)) / f64::from(n);
+        points.iter().position(|&q| q == p).unwrap_or_else(|| {
+            points.push(p);
+            points.len() - 1
+        }) as u32
+    };
+    let mut quads = Vec::new();
+    for axis in 0..3 {
+        for far in [0, n] {
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let mut at = |i: u32, j: u32| {
+                    let mut p = [0; 3];
+                    (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (far, i, j);
+                    id(p)
+                };
+                let quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                quads.push(if far == n { quad } else { [quad[0], quad[3], quad[2], quad[1]] });
+            }
+        }
+    }
+    (points, quads)
+}
+
+#[test]
+fn a_cube_has_six_blocks_and_its_faces_are_the_limit_surface() {
+    let context = Context::new();
+    for n in [2u32, 3, 5] {
+        let (points, quads) = cage(n);
+        let net = Net::new(&points, quads, &[]).unwrap();
+        let mut walls = Walls::new(&net, &points, &context).unwrap();
+        let found = blocks(&net, &mut walls, &context).unwrap();
+        assert!(found.len() == 6 && found.iter().all(|b| b.size == [n as usize; 2]), "{n}");
+        let surface = Limit::new(&net, &points, LEVELS);
+        for block in &found {
+            let face = sheet(&net, block, &surface).unwrap();
+            let [u, v] = face.knots.clone();
+            let spline = crate::geometry::bspline::BSplineSurface::new(u, v, face.points.clone()).unwrap();
+            for k in 0..200u32 {
+                // Anywhere but in the first cells of the corners.
+                let [u, v] = [k * 37 % 199, k * 61 % 193].map(|x| f64::from(x) / 199.0 * f64::from(n));
+                if [u, v].iter().all(|x| x.min(f64::from(n) - x) < 0.07) {
+                    continue;
+                }
+                let (part, quarter, quad) = control::part_at(block, u, v);
+                let at = control::to_part(quarter, [u - quad[0], v - quad[1]]);
+                let off = spline.point(u, v).distance(surface.piece(part, at).point(at));
+                assert!(off < 1e-12, "{n}: {off} at {u}, {v}");
+            }
+        }
+    }
+}
+
+/// Quads as a mesh, with points moved.
+fn quads_of((points, quads): (Vec<DVec3>, Vec<[u32; 4]>), place: impl Fn(DVec3) -> DVec3) -> SurfaceMesh {
+    SurfaceMesh::new(points.into_iter().map(place).collect(), quads.iter().map(|q| &q[..]).collect()).unwrap()
+}
+
+/// A cube blown up to an ellipsoid.
+fn blown_up(p: DVec3) -> DVec3 {
+    (p - 0.5).normalize() * DVec3::new(1.3, 1.0, 0.8)
+}
+
+fn ellipsoid() -> SurfaceMesh {
+    moved(&sphere(4), |p| p * DVec3::new(1.3, 1.0, 0.8))
+}
+
+fn model_over(mesh: &SurfaceMesh, quads: &SurfaceMesh) -> CadModel {
+    over(mesh, quads, 1e-3 * mesh.diagonal(), &Context::new()).unwrap()
+}
+
+/// Faces that are what every system takes as smooth, and near the scan.
+fn check_smooth(model: &CadModel, mesh: &SurfaceMesh) {
+    let smooth = model.smooth.as_ref().unwrap();
+    assert!(smooth.angles.max < 0.1, "{:?}", smooth.angles);
+    assert!(model.brep.surfaces.iter().all(|s| matches!(s, Surface::Spline(_))));
+    assert!(model.warnings.is_empty() && model.distance_max < 1e-3 * mesh.diagonal(), "{}", model.distance_max);
+    assert!(model.distance_rms < 1e-4 * mesh.diagonal(), "{}", model.distance_rms);
+    assert!(model.brep.tolerance() == 0.0);
+}
+
+#[test]
+fn an_ellipsoid_over_a_cube_has_six_faces_and_its_volume() {
+    let mesh = ellipsoid();
+    let model = model_over(&mesh, &quads_of(cage(4), blown_up));
+    check_smooth(&model, &mesh);
+    assert_eq!((model.brep.faces.len(), model.brep.edges.len(), model.brep.vertices.len()), (6, 12, 8));
+    assert_eq!((model.brep.solids.len(), model.brep.free_shells().len()), (1, 0));
+    let volume = 4.0 / 3.0 * std::f64::consts::PI * 1.3 * 0.8;
+    assert!((model.volume / volume - 1.0).abs() < 2e-3, "{} of {volume}", model.volume);
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_model() {
+    let (mesh, quads) = (ellipsoid(), quads_of(cage(3), blown_up));
+    let made = |threads: usize| {
+        let context = Context::new().with_threads(threads).unwrap();
+        context.install(|| over(&mesh, &quads, 1e-2, &context)).unwrap().brep
+    };
+    assert!(made(1) == made(3));
+}
+
+#[test]
+fn every_body_is_a_solid() {
+    let away = |p: DVec3| p + DVec3::new(5.0, 0.5, 0.0);
+    let mesh = together(&[ellipsoid(), moved(&ellipsoid(), away)]);
+    let quads = quads_of(cage(4), blown_up);
+    let model = model_over(&mesh, &together(&[quads.clone(), moved(&quads, away)]));
+    check_smooth(&model, &mesh);
+    assert_eq!((model.brep.faces.len(), model.brep.solids.len()), (12, 2));
+}
+
+#[test]
+fn a_torus_of_regular_quads_is_cut_into_blocks() {
+    let (n, m) = (12, 8);
+    let mesh = torus(48, 32);
+    let quads: Vec<[u32; 4]> = (0..n * m)
+        .map(|k| {
+            let at = |i: u32, j: u32| (k / m + i) % n * m + (k % m + j) % m;
+            [at(0, 0), at(1, 0), at(1, 1), at(0, 1)]
+        })
+        .collect();
+    let quads = quads_of((torus(n, m).points().to_vec(), quads), |p| p);
+    let model = model_over(&mesh, &quads);
+    check_smooth(&model, &mesh);
+    assert_eq!(model.brep.solids.len(), 1);
+    assert!(model.brep.faces.len() <= 4, "{}", model.brep.faces.len());
+    assert!((model.volume / (2.0 * std::f64::consts::PI.powi(2) * 2.0 * 0.25) - 1.0).abs() < 5e-3, "{}", model.volume);
+}
+
+#[test]
+fn an_open_surface_is_a_shell() {
+    let bent = |p: DVec3| DVec3::new(p.x, p.y, 0.1 * p.x * p.y - 0.05 * p.y * p.y);
+    let mesh = moved(&grid(24), |p| bent(p / 6.0));
+    let n = 5;
+    let quads = (0..n * n).map(|k| [k + k / n, k + k / n + n + 1, k + k / n + n + 2, k + k / n + 1]).collect();
+    let quads = quads_of((grid(n).points().to_vec(), quads), |p| bent(0.8 * p));
+    let model = model_over(&mesh, &quads);
+    check_smooth(&model, &mesh);
+    assert_eq!((model.brep.faces.len(), model.brep.solids.len(), model.brep.free_shells().len()), (1, 0, 1));
+}
+
+#[test]
+fn creases_stay_edges() {
+    let mesh = quads_of(cage(8), |p| p).triangulated().unwrap();
+    let mut quads = quads_of(cage(4), |p| p);
+    let flat = |p: DVec3| [p.x, p.y, p.z].iter().filter(|&&x| x == 0.0 || x == 1.0).count();
+    let points = quads.points().to_vec();
+    for f in quads.faces().clone().iter() {
+        for k in 0..4 {
+            let ends = [f[k], f[(k + 1) % 4]];
+            let middle = 0.5 * (points[ends[0] as usize] + points[ends[1] as usize]);
+            if flat(middle) == 2 {
+                quads.tagged_edges.push(TaggedEdge { ends: ends.map(VertexId), tag: 1 });
+            }
+        }
+    }
+    let model = model_over(&mesh, &quads);
+    assert_eq!((model.brep.faces.len(), model.brep.edges.len(), model.brep.solids.len()), (6, 12, 1));
+    assert!(model.distance_max < 1e-6 && (model.volume - 1.0).abs() < 1e-5, "{} {}", model.distance_max, model.volume);
+}
+
+#[test]
+fn a_scan_becomes_a_solid() {
+    let mesh = moved(&sphere(2), |p| DVec3::new(1.3, 1.0, 0.8) * p + DVec3::new(5.0, 0.0, 1.0));
+    let options = CadOptions { style: Style::Organic, ..CadOptions::default() };
+    let model = rebuild(&mesh, &options, &Context::new()).unwrap();
+    assert_eq!((model.brep.solids.len(), model.brep.free_shells().len()), (1, 0));
+    assert!(model.smooth.as_ref().unwrap().angles.max < 0.5, "{:?}", model.smooth);
+    assert!(model.distance_max < 1e-3 * mesh.diagonal(), "{}", model.distance_max);
+    assert_eq!(model.face_of_triangle.len(), mesh.face_count());
+    let few = CadOptions { max_faces: Some(3), ..options };
+    assert!(matches!(rebuild(&mesh, &few, &Context::new()), Err(Error::Numeric(_))));
+}
