@@ -14,8 +14,8 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-#: The folder of an add-on, and the package in it that the shared modules go into.
-ADDONS = {"freecad": "carreau_freecad", "blender": "."}
+#: Where the files of an add-on lie, and the package in there that the shared modules go into.
+ADDONS = {"freecad": ("freecad", "carreau_freecad"), "blender": ("blender/carreau_blender", ".")}
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
 #: What only a clone needs.
 LEFT_OUT = shutil.ignore_patterns("tests", "__pycache__", "*.pyc")
@@ -27,9 +27,10 @@ def assemble(name: str, out: Path) -> Path:
     """The folder of an add-on, made anew."""
     folder = out / f"carreau-{name}"
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(HERE / name, folder, ignore=LEFT_OUT)
+    source, package = ADDONS[name]
+    shutil.copytree(HERE / source, folder, ignore=LEFT_OUT)
     for module in sorted((HERE / "shared").glob("*.py")):
-        shutil.copy(module, folder / ADDONS[name] / module.name)
+        shutil.copy(module, folder / package / module.name)
     for licence in LICENCES:
         shutil.copy(HERE.parent / licence, folder / licence)
     return folder

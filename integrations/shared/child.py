@@ -34,6 +34,8 @@ POLL = 0.05
 PATIENCE = 0.5
 #: How `serve` marks what it tells on stderr.
 PROGRESS, FAILURE = "@progress ", "@failure "
+#: How warnings about the files that are exchanged begin.
+EXCHANGED = ("OBJ", "PLY", "Medit")
 #: Called with the stage and the share of it that is done (below 0 where that is unknown); an answer of False cancels.
 Watch = Callable[[str, float], Any]
 
@@ -126,6 +128,10 @@ class Child:
         """A file in the folder of the run."""
         return os.path.join(self._folder.name, name)
 
+    def option(self, name: str, value: Any) -> None:
+        """One more option, such as a file in the folder of the run."""
+        self._options[name] = value
+
     def start(self, source: str, output: str = "") -> None:
         """Starts the run on a file, both named as for `path`."""
         self._input = self.path(source)
@@ -195,7 +201,9 @@ class Child:
             record: dict[str, Any] = json.load(file)
         with open(self.path("summary.txt"), encoding="utf-8") as file:
             record["summary"] = [self._for_a_person(line) for line in file.read().splitlines()]
-        record["warnings"] = [self._for_a_person(text) for text in record.get("warnings", [])]
+        # What the files between the host and carreau have no place for is the add-on's business.
+        told = (text for text in record.get("warnings", []) if not text.startswith(EXCHANGED))
+        record["warnings"] = [self._for_a_person(text) for text in told]
         return record
 
     def _failed(self, code: int) -> Failure:
