@@ -74,7 +74,7 @@ def find(preferred: str = "") -> list[str]:
         if not os.access(path, os.X_OK) or not os.path.isfile(path):
             raise Failure(f"{preferred} is no program", remedy="correct the path of carreau in the preferences", code=5)
         return [path]
-    if importlib.util.find_spec("carreau") is not None and (python := interpreter()):
+    if _package("carreau") and (python := interpreter()):
         return [python, os.path.abspath(__file__)]
     homes = [Path.home() / ".cargo" / "bin", Path.home() / ".local" / "bin"]
     for folder in (None, *map(str, homes)):
@@ -85,6 +85,12 @@ def find(preferred: str = "") -> list[str]:
         remedy="install its Python package, put the program on the PATH, or name it in the preferences",
         code=5,
     )
+
+
+def _package(name: str) -> str:
+    """The folder that a package lies in; empty: it is not installed. A mere folder of that name is none."""
+    found = importlib.util.find_spec(name)
+    return os.path.dirname(os.path.dirname(found.origin)) if found is not None and found.origin else ""
 
 
 def interpreter() -> str | None:
@@ -264,10 +270,7 @@ def _environment(served: bool) -> dict[str, str]:
     """The child's environment: the host's modules for the package, none of the host's own settings of Python for it."""
     environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONHOME", "PYTHONPATH")}
     if served:
-        found = importlib.util.find_spec("carreau")
-        numpy = importlib.util.find_spec("numpy")
-        origins = [spec.origin for spec in (found, numpy) if spec is not None and spec.origin]
-        folders = dict.fromkeys(os.path.dirname(os.path.dirname(origin)) for origin in origins)
+        folders = dict.fromkeys(folder for name in ("carreau", "numpy") if (folder := _package(name)))
         environment["PYTHONPATH"] = os.pathsep.join(folders)
         environment["PYTHONIOENCODING"] = "utf-8"
     return environment

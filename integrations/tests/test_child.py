@@ -116,6 +116,17 @@ def test_a_child_that_does_not_listen_is_killed(tmp_path):
             run.finish()
 
 
+def test_a_folder_of_that_name_is_no_package(tmp_path, monkeypatch):
+    """FreeCAD's folder of add-ons is on the path, and the add-on's folder in it is named after the program."""
+    (tmp_path / "some_addon" / "resources").mkdir(parents=True)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert child._package("some_addon") == ""
+    (tmp_path / "some_addon" / "__init__.py").touch()
+    importlib.invalidate_caches()
+    sys.modules.pop("some_addon", None)
+    assert child._package("some_addon") == str(tmp_path)
+
+
 def test_what_is_not_there_is_said():
     with pytest.raises(child.Failure, match="no program") as caught:
         child.find("/nowhere/carreau")

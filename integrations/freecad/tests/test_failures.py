@@ -1,5 +1,7 @@
 """What goes wrong is said with place and remedy, and changes nothing."""
 
+import subprocess
+import sys
 import time
 
 import FreeCAD as App
@@ -101,3 +103,13 @@ def test_every_operation_has_words_and_an_icon():
     for name, operation in OPERATIONS.items():
         assert operation.title and operation.tip and Path(icon(name)).is_file()
         assert all(option.label and option.tip for option in operation.options)
+
+
+def test_the_interpreter_beside_freecad_is_of_its_version():
+    """FreeCAD is its own `sys.executable`; the Python package is run by a Python beside it."""
+    from carreau_freecad.child import interpreter
+
+    said = subprocess.run(
+        [interpreter(), "-c", "import sys; print(sys.version_info[:2])"], check=True, capture_output=True
+    )
+    assert said.stdout.decode().strip() == str(sys.version_info[:2])
