@@ -23,7 +23,7 @@ COLOURS = {
     "torus": (0.80, 0.47, 0.65),
     "extrusion": (0.34, 0.71, 0.91),
     "revolution": (0.94, 0.89, 0.26),
-    "spline": (0.84, 0.37, 0.00),
+    "bspline": (0.84, 0.37, 0.00),
 }
 OTHER = (0.84, 0.37, 0.00)
 #: The face property `primitive` of `carreau segment`.
