@@ -98,6 +98,8 @@ def main():
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
         print(json.dumps(quads(path)), flush=True)
     print(json.dumps(escape(sys.argv[-1])), flush=True)
+    # `bpy` waits for ever for classes that a script has registered.
+    os._exit(0)
 
 
 main()
