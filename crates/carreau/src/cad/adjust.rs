@@ -30,13 +30,13 @@ pub type Row = [f64; UNKNOWNS];
 const STEPS: usize = 40;
 /// Share of the diagonal: conditions are met when all are nearer than this.
 const MET: f64 = 1e-13;
-/// The same, of a step that changes nothing.
-const SETTLED: f64 = 1e-9;
+/// The same, of a step that changes nothing: below it are the roundings of motions that change nothing.
+const SETTLED: f64 = 1e-7;
 /// Weight of a condition where every surface has a largest curvature of one; a larger one needs fewer steps, a smaller one keeps more
 /// digits.
 const STIFF: f64 = 1e4;
-/// Weight that holds motions which change nothing, in the same measure.
-const HELD: f64 = 1e-9;
+/// Weight of a step in the same measure, which holds motions that change nothing; the minimum is the same.
+const HELD: f64 = 1e-7;
 
 /// A surface with the vertices that it is to be near, lengths as shares of the diagonal.
 #[derive(Debug, Clone)]

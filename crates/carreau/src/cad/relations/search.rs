@@ -189,7 +189,8 @@ fn at_corners(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
         let spread: f64 = own.iter().map(|&k| all[k as usize].residuals()[1]).sum();
         for &other in own.iter().filter(|k| !base.contains(k)) {
             let relation = Relation::Concur { bodies: [base[0], base[1], base[2], other], place };
-            let bound = NEAR * spread + FILE;
+            // The flatter they cross, the less certain is their point.
+            let bound = (NEAR * spread + FILE) / volume(&base);
             if relation.off(all) <= bound {
                 out.push(Claim { relation, bound });
             }
