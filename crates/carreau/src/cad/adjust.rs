@@ -95,14 +95,12 @@ impl Body {
 
     /// Standard deviation of the surface's direction in radians, from that of its distances.
     pub fn turn_deviation(&self) -> f64 {
-        let (mut block, _) = normal_equations(self);
+        let (block, _) = normal_equations(self);
         let largest = (0..UNKNOWNS).map(|k| block[k][k]).fold(f64::MIN_POSITIVE, f64::max);
-        for k in 0..UNKNOWNS {
-            block[k][k] += HELD * largest;
-            (0..k).for_each(|j| block[j][k] = block[k][j]);
-        }
+        let entry = |i: usize, j: usize| block[i.max(j)][i.min(j)] + if i == j { HELD * largest } else { 0.0 };
+        let full: Vec<f64> = (0..UNKNOWNS * UNKNOWNS).map(|k| entry(k / UNKNOWNS, k % UNKNOWNS)).collect();
         let least = self.sigma / self.size;
-        let Some(factor) = cholesky(block.as_flattened(), UNKNOWNS) else { return least };
+        let Some(factor) = cholesky(&full, UNKNOWNS) else { return least };
         let inverse = inverse(&factor, UNKNOWNS);
         let own = match self.primitive {
             Primitive::Plane { normal, .. } => normal,
@@ -213,13 +211,13 @@ impl System {
         let mut matrix = Matrix::new(n);
         let mut rhs = vec![0.0; n];
         for (b, ((block, slope), scale)) in self.squares.iter().zip(&self.scales).enumerate() {
-            let at = |k: usize| (UNKNOWNS * b + k) as u32;
-            for i in 0..UNKNOWNS {
-                for j in 0..=i {
+            let first = UNKNOWNS * b;
+            for (i, (line, slope)) in block.iter().zip(slope).enumerate() {
+                for (j, x) in line[..=i].iter().enumerate() {
                     let held = if i == j { HELD } else { 0.0 };
-                    matrix.add(at(i), at(j), block[i][j] * scale * scale + held);
+                    matrix.add((first + i) as u32, (first + j) as u32, x * scale * scale + held);
                 }
-                rhs[UNKNOWNS * b + i] -= slope[i] * scale;
+                rhs[first + i] -= slope * scale;
             }
         }
         for ((condition, m), w) in stated.iter().zip(multipliers).zip(&self.weights) {
@@ -245,11 +243,9 @@ fn normal_equations(body: &Body) -> ([Row; UNKNOWNS], Row) {
     let weight = (body.sigma * body.sigma).recip();
     for &p in &body.points {
         let (d, row) = body.distance(p);
-        for i in 0..UNKNOWNS {
-            slope[i] += weight * d * row[i];
-            for j in 0..=i {
-                block[i][j] += weight * row[i] * row[j];
-            }
+        for (i, x) in row.iter().enumerate() {
+            slope[i] += weight * d * x;
+            block[i].iter_mut().zip(&row[..=i]).for_each(|(sum, y)| *sum += weight * x * y);
         }
     }
     (block, slope)
