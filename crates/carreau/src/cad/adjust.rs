@@ -35,6 +35,8 @@ const SETTLED: f64 = 1e-7;
 /// Weight of a condition where every surface has a largest curvature of one; a larger one needs fewer steps, a smaller one keeps more
 /// digits.
 const STIFF: f64 = 1e4;
+/// Rounds of the multipliers of a step, each of which gains as many digits as that weight has.
+const INNER: usize = 5;
 /// Weight of a step in the same measure, which holds motions that change nothing; the minimum is the same.
 const HELD: f64 = 1e-7;
 
@@ -159,11 +161,10 @@ pub fn adjust(
 ) -> Result<Option<Vec<f64>>> {
     let mut plan = None;
     let mut stated = conditions(bodies);
-    let mut multipliers = vec![0.0; stated.len()];
     for _ in 0..STEPS {
         context.check()?;
         let system = System::new(bodies, &stated);
-        let Some(step) = system.step(&stated, &multipliers, &mut plan) else { return Ok(None) };
+        let Some((step, multipliers)) = system.step(&stated, &mut plan) else { return Ok(None) };
         for (body, step) in bodies.iter_mut().zip(step.chunks(UNKNOWNS)) {
             let Some(primitive) = body.moved(step) else { return Ok(None) };
             body.primitive = primitive;
@@ -171,16 +172,15 @@ pub fn adjust(
         stated = conditions(bodies);
         let worst = stated.iter().map(|c| c.value.abs()).fold(0.0, f64::max);
         let moved = step.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        tracing::debug!(worst, moved, "step");
         if !(worst.is_finite() && moved < 1.0) {
             return Ok(None);
         }
-        multipliers.iter_mut().zip(&stated).zip(&system.weights).for_each(|((m, c), w)| *m += w * c.value);
         if worst <= MET && moved <= SETTLED {
             return Ok(Some(multipliers));
         }
     }
-    let met = stated.iter().all(|c| c.value.abs() <= 1e2 * MET);
-    Ok(met.then_some(multipliers))
+    Ok(None)
 }
 
 /// ½ Σ (d / σ)² + Σ (m c + ½ w c²), all linearised, with unknowns scaled so that every surface has a largest curvature of one.
@@ -205,8 +205,9 @@ impl System {
         System { squares, scales, weights }
     }
 
-    /// The step to its minimum.
-    fn step(&self, stated: &[Condition], multipliers: &[f64], plan: &mut Option<Plan>) -> Option<Vec<f64>> {
+    /// The step to its minimum where the linearised conditions are zero, and the multipliers, which are found anew for every step:
+    /// conditions that follow from each other agree to first order only, and what they disagree by must not add up.
+    fn step(&self, stated: &[Condition], plan: &mut Option<Plan>) -> Option<(Vec<f64>, Vec<f64>)> {
         let n = UNKNOWNS * self.squares.len();
         let mut matrix = Matrix::new(n);
         let mut rhs = vec![0.0; n];
@@ -220,20 +221,34 @@ impl System {
                 rhs[first + i] -= slope * scale;
             }
         }
-        for ((condition, m), w) in stated.iter().zip(multipliers).zip(&self.weights) {
+        let scaled = |c: &Condition| -> Vec<(u32, f64)> {
             let of = |(b, row): &(u32, Row)| {
                 let (first, scale) = (UNKNOWNS as u32 * b, self.scales[*b as usize]);
                 row.map(|x| x * scale).into_iter().zip(first..).map(|(x, i)| (i, x)).collect::<Vec<_>>()
             };
-            let terms: Vec<(u32, f64)> = condition.by.iter().flat_map(of).collect();
-            for &(i, x) in &terms {
-                rhs[i as usize] -= x * (m + w * condition.value);
-                terms.iter().filter(|t| t.0 <= i).for_each(|&(j, y)| matrix.add(i, j, w * x * y));
+            c.by.iter().flat_map(of).collect()
+        };
+        let rows: Vec<Vec<(u32, f64)>> = stated.iter().map(scaled).collect();
+        for (row, w) in rows.iter().zip(&self.weights) {
+            for &(i, x) in row {
+                row.iter().filter(|t| t.0 <= i).for_each(|&(j, y)| matrix.add(i, j, w * x * y));
             }
         }
-        let mut step = matrix.factor(plan).ok()?.solve(&rhs).ok()?;
+        let factor = matrix.factor(plan).ok()?;
+        let mut multipliers = vec![0.0; stated.len()];
+        let mut step = Vec::new();
+        for _ in 0..INNER {
+            let mut all = rhs.clone();
+            for (((row, w), m), c) in rows.iter().zip(&self.weights).zip(&multipliers).zip(stated) {
+                row.iter().for_each(|&(i, x)| all[i as usize] -= x * (m + w * c.value));
+            }
+            step = factor.solve(&all).ok()?;
+            for (((row, w), m), c) in rows.iter().zip(&self.weights).zip(&mut multipliers).zip(stated) {
+                *m += w * (c.value + row.iter().map(|&(i, x)| x * step[i as usize]).sum::<f64>());
+            }
+        }
         step.chunks_mut(UNKNOWNS).zip(&self.scales).for_each(|(x, s)| x.iter_mut().for_each(|x| *x *= s));
-        Some(step)
+        Some((step, multipliers))
     }
 }
 

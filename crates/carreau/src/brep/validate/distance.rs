@@ -97,7 +97,7 @@ pub(super) fn compare(
         }
         let tree = TriangleTree::new(points, &region.triangles);
         for &f in &region.faces {
-            let measured = to_mesh(brep, f, tessellation, &faces_of[f as usize], points, region, &tree, limits);
+            let measured = to_mesh(brep, f, tessellation, &faces_of[f as usize], points, region, &tree, &apart, limits);
             let (off, bound, at) = measured.back;
             if off > bound {
                 out.push(Finding::new(Fault::FaceOffMesh, off, bound, at).of_face(f));
@@ -217,13 +217,16 @@ fn to_mesh(
     points: &[DVec3],
     region: &Region,
     tree: &TriangleTree,
+    apart: &[f64],
     limits: &Limits,
 ) -> Measured {
     let face = &brep.faces[f as usize];
     let surface = brep.surface(face);
     let most_bent = border_curvature(brep, f);
-    // Triangles across an edge of the model cut it off, by no more than the distance of their far corner from the surface.
-    let off = region.border.iter().map(|b| surface.distance(points[b.0 as usize]).min(b.1));
+    // Triangles across an edge of the model, with a corner on a face of the other side, cut it off, by no more than the distance of
+    // that corner from the surface.
+    let across = region.border.iter().filter(|b| apart[b.0 as usize] <= limits.distance);
+    let off = across.map(|b| surface.distance(points[b.0 as usize]).min(b.1));
     let across = off.filter(|d| d.is_finite()).fold(0.0, f64::max);
     let sense = if face.same_sense { 1.0 } else { -1.0 };
     let mut out = Measured::default();

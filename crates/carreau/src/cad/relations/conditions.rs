@@ -7,9 +7,9 @@ use crate::geometry::primitive::Primitive;
 use glam::{DMat3, DVec3};
 
 /// At a place of a border: both surfaces are equally far from the point of contact.
-pub fn touching(all: &[Body], bodies: [u32; 2], at: DVec3, along: DVec3) -> Condition {
+pub fn touching(all: &[Body], bodies: [u32; 2], at: DVec3) -> Condition {
     let [a, b] = bodies.map(|k| &all[k as usize]);
-    let at = contact(&a.primitive, &b.primitive, at, along).unwrap_or(at);
+    let at = contact(&a.primitive, &b.primitive, at).unwrap_or(at);
     let sign = a.primitive.normal(at).dot(b.primitive.normal(at)).signum();
     let ((x, by_a), (y, by_b)) = (a.distance(at), b.distance(at));
     Condition { value: x - sign * y, by: vec![(bodies[0], by_a), (bodies[1], by_b.map(|d| -sign * d))] }

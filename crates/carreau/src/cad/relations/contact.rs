@@ -1,9 +1,15 @@
 //! Where two surfaces touch.
 
 use crate::cad::regions::Piece;
-use crate::cad::tuning::FILE;
+use crate::cad::tuning::{FILE, STEPS};
 use crate::geometry::primitive::Primitive;
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+
+/// Share of the diagonal: distance of the points whose normals give how surfaces bend.
+const WIDTH: f64 = 1e-5;
+/// Of the largest: squared bends below are none.
+const FLAT: f64 = 1e-2;
 
 /// How far from their contact two surfaces are nearer to each other than `off`, twice over: x² / 2R there.
 pub fn reach(a: &Primitive, b: &Primitive, off: f64) -> f64 {
@@ -22,26 +28,31 @@ pub fn room(a: &Piece, b: &Piece, diagonal: f64) -> f64 {
     reach(&p, &q, a.max.max(b.max).max(FILE * diagonal))
 }
 
-/// The point near `p` between two surfaces at which their normals agree across a direction.
-pub fn contact(a: &Primitive, b: &Primitive, p: DVec3, along: DVec3) -> Option<DVec3> {
+/// The point near `p` between two surfaces at which their normals agree: sought in the directions in which they bend against each
+/// other, so that it is anywhere on a curve of contact.
+pub fn contact(a: &Primitive, b: &Primitive, p: DVec3) -> Option<DVec3> {
     let sign = a.normal(p).dot(b.normal(p)).signum();
     let between = |p: DVec3| p - 0.5 * (a.normal(p) * a.distance(p) + b.normal(p) * b.distance(p));
+    let apart = |p: DVec3| b.normal(p) * sign - a.normal(p);
     let mut p = (0..3).fold(p, |p, _| between(p));
-    let across = a.normal(p).cross(along).normalize_or_zero();
-    if across == DVec3::ZERO {
-        return None;
-    }
-    let turn = |q: DVec3| (b.normal(q) * sign - a.normal(q)).dot(across);
-    let h = 1e-5;
-    for _ in 0..20 {
-        let f = turn(p);
-        let slope = (turn(p + across * h) - turn(p - across * h)) / (2.0 * h);
-        let step = -f / slope;
-        if !(step.abs() < 1.0) {
+    for _ in 0..STEPS {
+        let (x, y) = a.normal(p).try_normalize()?.any_orthonormal_pair();
+        let [u, v] = [x, y].map(|d| (apart(p + d * WIDTH) - apart(p - d * WIDTH)) / (2.0 * WIDTH));
+        // The step of least length to equal normals, along the eigenvectors of the bend against each other.
+        let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+        let angle = 0.5 * (2.0 * uv).atan2(uu - vv);
+        let mut step = DVec3::ZERO;
+        let mut bends = [angle, angle + FRAC_PI_2].map(|t| (x * t.cos() + y * t.sin(), u * t.cos() + v * t.sin()));
+        bends.sort_by(|a, b| b.1.length_squared().total_cmp(&a.1.length_squared()));
+        let most = bends[0].1.length_squared();
+        for (along, bend) in bends.into_iter().filter(|b| b.1.length_squared() > FLAT * most) {
+            step -= along * (bend.dot(apart(p)) / bend.length_squared());
+        }
+        if !(step.length() < 1.0) {
             return None;
         }
-        p = between(p + across * step);
-        if step.abs() < 1e-14 {
+        p = between(p + step);
+        if step.length() < 1e-14 {
             break;
         }
     }

@@ -44,8 +44,8 @@ const ROUNDS: usize = 40;
 /// What holds between surfaces; lengths as shares of the diagonal.
 #[derive(Debug, Clone)]
 enum Relation {
-    /// Two of them touch: at places of their border, with its direction there.
-    Touch { bodies: [u32; 2], places: Vec<(DVec3, DVec3)> },
+    /// Two of them touch, near places of their border.
+    Touch { bodies: [u32; 2], places: Vec<DVec3> },
     /// A fourth one passes through the point where three meet, near a place.
     Concur { bodies: [u32; 4], place: DVec3 },
     /// Normals or axes are parallel.
@@ -65,9 +65,7 @@ impl Relation {
     /// Numbers that are zero where it holds.
     fn conditions(&self, all: &[Body]) -> Vec<Condition> {
         match self {
-            Relation::Touch { bodies, places } => {
-                places.iter().map(|&(at, along)| touching(all, *bodies, at, along)).collect()
-            }
+            Relation::Touch { bodies, places } => places.iter().map(|&at| touching(all, *bodies, at)).collect(),
             Relation::Concur { bodies, place } => vec![concurring(all, *bodies, *place)],
             Relation::Parallel(bodies) => parallel(all, *bodies),
             Relation::Perpendicular(bodies) => perpendicular(all, *bodies),
@@ -119,7 +117,7 @@ pub fn relate(map: &mut Map<'_>, context: &Context) -> Result<()> {
                 worse(bodies, &adjusted).iter().filter_map(strongest).collect()
             }
         };
-        tracing::debug!(held = held.len(), dropped = ?dropped.iter().map(|&k| &held[k].relation).collect::<Vec<_>>(), "adjusted");
+        tracing::debug!(held = held.len(), dropped = dropped.len(), "adjusted");
         if dropped.is_empty() {
             apply(map, &found, &adjusted);
             return Ok(());

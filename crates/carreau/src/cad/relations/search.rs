@@ -8,7 +8,7 @@ use crate::cad::clean::fitting_points;
 use crate::cad::regions::{Map, Rung, area_vector, inner_vertices};
 use crate::cad::topology::Graph;
 use crate::cad::tuning::{EXACT, FILE, REFINE_STEPS, TANGENT};
-use crate::geometry::primitive::{Primitive, refine};
+use crate::geometry::primitive::{Kind, Primitive, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
 
@@ -135,26 +135,27 @@ fn along_borders(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
         }
         let n = chain.vertices.len();
         let point = |k: usize| unit.enter(map.t.points()[chain.vertices[k.min(n - 1)] as usize]);
+        // A place of the border, and the length of the side that it is on.
         let place = |k: usize| {
             let s = (k as f64 + 0.5) / PLACES as f64 * (n - 1) as f64;
             let (low, share) = (s as usize, s.fract());
-            (point(low).lerp(point(low + 1), share), point(low + 1) - point(low))
+            (point(low).lerp(point(low + 1), share), point(low).distance(point(low + 1)))
         };
-        let places: Vec<(DVec3, DVec3)> = (0..PLACES).map(place).collect();
+        let places: Vec<(DVec3, f64)> = (0..PLACES).map(place).collect();
         let bodies = chain.sides.map(|p| number[p as usize]);
         let [a, b] = bodies.map(|k| &all[k as usize]);
         let [x, y] = [a, b].map(|body| body.residuals()[1]);
         let (p, q) = (&a.primitive, &b.primitive);
         let room = reach(p, q, x.max(y).max(FILE));
         let near = NEAR * (x + y) + FILE;
-        let touches = |&(at, along): &(DVec3, DVec3)| {
-            let is_near = |c: DVec3| {
-                p.distance(c).abs() + q.distance(c).abs() <= near && c.distance(at) <= room.max(along.length())
-            };
-            p.normal(at).dot(q.normal(at)).abs() > SMOOTH && contact(p, q, at, along).is_some_and(is_near)
+        let touches = |&(at, side): &(DVec3, f64)| {
+            let is_near =
+                |c: DVec3| p.distance(c).abs() + q.distance(c).abs() <= near && c.distance(at) <= room.max(side);
+            p.normal(at).dot(q.normal(at)).abs() > SMOOTH && contact(p, q, at).is_some_and(is_near)
         };
         let curved = [p, q].iter().any(|p| !matches!(p, Primitive::Plane { .. }));
         if curved && places.iter().all(touches) {
+            let places = places.into_iter().map(|p| p.0).collect();
             out.push(Claim { relation: Relation::Touch { bodies, places }, bound: near });
         }
     }
@@ -199,18 +200,17 @@ fn at_corners(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
     out
 }
 
-/// A cylinder or cone that touches another surface at a corner.
+/// Two surfaces, one of them curved, that touch at a corner.
 fn touch_at(all: &[Body], bodies: [u32; 2], place: DVec3) -> Option<Claim> {
     let [a, b] = bodies.map(|k| &all[k as usize]);
-    let along = [a, b].iter().find_map(|b| match b.primitive {
-        Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } => Some(axis),
-        _ => None,
-    })?;
+    if [a, b].iter().all(|b| b.primitive.kind() == Kind::Plane) {
+        return None;
+    }
     let [x, y] = [a, b].map(|body| body.residuals()[1]);
     let turned = a.primitive.normal(place).dot(b.primitive.normal(place)).abs();
-    let near = contact(&a.primitive, &b.primitive, place, along)?.distance(place)
+    let near = contact(&a.primitive, &b.primitive, place)?.distance(place)
         <= reach(&a.primitive, &b.primitive, x.max(y).max(FILE));
-    let relation = Relation::Touch { bodies, places: vec![(place, along)] };
+    let relation = Relation::Touch { bodies, places: vec![place] };
     let bound = NEAR * (x + y) + FILE;
     (turned > TANGENT && near && relation.off(all) <= bound).then_some(Claim { relation, bound })
 }

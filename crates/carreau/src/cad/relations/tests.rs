@@ -45,7 +45,7 @@ fn corner(off: [f64; 6]) -> Vec<Body> {
 }
 
 fn relations() -> Vec<Relation> {
-    let places = |x: f64, y: f64| (0..8).map(|k| (DVec3::new(x, y, 0.06 * f64::from(k)), DVec3::Z)).collect();
+    let places = |x: f64, y: f64| (0..8).map(|k| DVec3::new(x, y, 0.06 * f64::from(k))).collect();
     vec![
         Relation::Touch { bodies: [0, 2], places: places(0.1, 0.0) },
         Relation::Touch { bodies: [1, 2], places: places(0.0, 0.1) },
@@ -78,7 +78,7 @@ proptest! {
         let place = DVec3::new(0.0, 0.0, 0.0);
         let all = |b: &[Body]| {
             let mut out = vec![
-                touching(b, [0, 2], DVec3::new(0.1, 0.0, 0.2), DVec3::Z),
+                touching(b, [0, 2], DVec3::new(0.1, 0.0, 0.2)),
                 concurring(b, [0, 1, 3, 2], place),
             ];
             out.extend(parallel(b, [2, 3]));
