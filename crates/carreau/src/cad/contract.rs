@@ -15,7 +15,6 @@ use super::tuning::EXACT;
 use crate::brep::Surface;
 use crate::error::Result;
 use crate::mesh::NONE;
-use glam::DVec3;
 
 /// Most sides of an edge that noise may have made.
 const LONGEST: usize = 3;
@@ -23,7 +22,7 @@ const LONGEST: usize = 3;
 const ROUNDS: usize = 4;
 
 impl Map<'_> {
-    /// Shortens edges whose corners, as points of their surfaces, are nearer to each other than the noise, until there are none.
+    /// Shortens edges whose corners are one point of their surfaces but for the noise, until there are none.
     pub fn contract(&mut self) -> Result<()> {
         if self.tolerance <= EXACT * self.diagonal {
             return Ok(());
@@ -44,24 +43,24 @@ impl Map<'_> {
         Ok(())
     }
 
-    /// Whether an edge is short, and its corners are in one place or in the other order.
+    /// Whether an edge is short, and all surfaces around its two corners pass through one point there, within the noise.
     fn is_noise(&self, chain: &Chain, around: &Around) -> bool {
-        if chain.closed || chain.half_edges.len() > LONGEST || chain.sides[1] == NONE {
+        let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
+        if chain.closed || chain.half_edges.len() > LONGEST || chain.sides[1] == NONE || ends[0] == ends[1] {
             return false;
         }
-        let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
-        let corner = |v: u32| -> Option<DVec3> {
-            let pieces = around.at(v);
-            let known = pieces.len() == 3
-                && pieces.iter().all(|&p| p != NONE && self.pieces[p as usize].rung == Rung::Analytic);
-            let surfaces: Vec<&Surface> = pieces.iter().map(|&p| &self.pieces[p as usize].surface).collect();
-            known.then(|| meet(&surfaces, self.t.points()[v as usize]))
-        };
-        let [a, b] = ends.map(|v| self.t.points()[v as usize]);
-        match ends.map(corner) {
-            [Some(p), Some(q)] => ends[0] != ends[1] && (q - p).dot((b - a).normalize_or_zero()) <= self.tolerance,
-            _ => false,
+        let [at, to] = ends.map(|v| around.at(v));
+        if at.len() != 3 || to.len() != 3 || at == to {
+            return false;
         }
+        let all: Vec<u32> = at.iter().chain(to.iter().filter(|p| !at.contains(p))).copied().collect();
+        if all.iter().any(|&p| p == NONE || self.pieces[p as usize].rung != Rung::Analytic) {
+            return false;
+        }
+        let surfaces: Vec<&Surface> = all.iter().map(|&p| &self.pieces[p as usize].surface).collect();
+        let [a, b] = ends.map(|v| self.t.points()[v as usize]);
+        let p = meet(&surfaces, 0.5 * (a + b));
+        p.distance(0.5 * (a + b)) <= a.distance(b) && surfaces.iter().all(|s| s.distance(p) <= self.tolerance)
     }
 
     /// Gives the triangles of the left piece around the first corner to the third piece there; whether there were any.
