@@ -33,7 +33,7 @@
 //! | pieces that are in the way go down a rung | `ladder` |
 //! | the last rungs: plane facets | `facets` |
 //! | regions that are too much for one spline surface | `halve` |
-//! | smooth faces over all of a scan, without regions | [`organic`] |
+//! | smooth faces over all of a scan, without regions | `organic` |
 //! | constants | `tuning` |
 
 mod adjust;
