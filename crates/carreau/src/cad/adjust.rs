@@ -104,11 +104,7 @@ impl Body {
         let least = self.sigma / self.size;
         let Some(factor) = cholesky(&full, UNKNOWNS) else { return least };
         let inverse = inverse(&factor, UNKNOWNS);
-        let own = match self.primitive {
-            Primitive::Plane { normal, .. } => normal,
-            Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } | Primitive::Torus { axis, .. } => axis,
-            Primitive::Sphere { .. } => return f64::INFINITY,
-        };
+        let Some(own) = direction(&self.primitive) else { return f64::INFINITY };
         let (x, y) = own.any_orthonormal_pair();
         let variance = |e: DVec3| {
             let at = |i: usize, j: usize| e[i] * e[j] * inverse[(3 + i) * UNKNOWNS + 3 + j];
@@ -140,6 +136,15 @@ impl Body {
             },
         };
         primitive.is_sound().then_some(primitive)
+    }
+}
+
+/// The normal of a plane or the axis of what is round; a sphere has none.
+pub fn direction(primitive: &Primitive) -> Option<DVec3> {
+    match *primitive {
+        Primitive::Plane { normal, .. } => Some(normal),
+        Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } | Primitive::Torus { axis, .. } => Some(axis),
+        Primitive::Sphere { .. } => None,
     }
 }
 

@@ -2,7 +2,7 @@
 //! lie on.
 
 use super::regions::{Map, Piece, Rung, area_vector, connected, inner_vertices, vertex_ids, vertices};
-use super::tuning::{EXACT, FILE, REFINE_STEPS};
+use super::tuning::{FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
@@ -117,18 +117,18 @@ impl<'a> Map<'a> {
 
     /// The share of the area in pieces of some triangles whose vertices lie on their surface.
     pub fn exact_share(&self) -> f64 {
-        let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
-        let is_exact =
-            |p: &&Piece| p.rung < Rung::Spline && p.triangles.len() >= SEVERAL && p.max <= FILE * self.diagonal;
-        let all: f64 = self.pieces.iter().map(area).sum();
-        self.pieces.iter().filter(is_exact).map(area).sum::<f64>() / all
+        self.share(|p| p.rung < Rung::Spline && p.triangles.len() >= SEVERAL && p.max <= FILE * self.diagonal)
     }
 
     /// The share of the area in pieces that have a surface.
     pub fn known_share(&self) -> f64 {
+        self.share(|p| p.rung < Rung::Spline)
+    }
+
+    fn share(&self, counts: impl Fn(&Piece) -> bool) -> f64 {
         let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
         let all: f64 = self.pieces.iter().map(area).sum();
-        self.pieces.iter().filter(|p| p.rung < Rung::Spline).map(area).sum::<f64>() / all
+        self.pieces.iter().filter(|p| counts(p)).map(area).sum::<f64>() / all
     }
 
     /// Whether a piece lies on the surface of a larger one, and both look the same way there, within the angle of its facets.
@@ -145,7 +145,7 @@ impl<'a> Map<'a> {
     fn collect(&mut self, label: &[u32], primitives: &[Option<Primitive>]) {
         let t = self.t;
         let (part, regions) = parts_of(t, label);
-        let inner = if self.tolerance > EXACT * self.diagonal { inner_vertices(t, &part) } else { Vec::new() };
+        let inner = if self.is_noisy() { inner_vertices(t, &part) } else { Vec::new() };
         let mut triangles = vec![Vec::new(); regions.len()];
         part.iter().zip(0u32..).for_each(|(&p, k)| triangles[p as usize].push(k));
         self.pieces = triangles

@@ -11,7 +11,6 @@
 use super::regions::{Map, Rung};
 use super::topology::{Chain, Graph};
 use super::trace::meet;
-use super::tuning::EXACT;
 use crate::brep::Surface;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -24,7 +23,7 @@ const ROUNDS: usize = 4;
 impl Map<'_> {
     /// Shortens edges whose corners are one point of their surfaces but for the noise, until there are none.
     pub fn contract(&mut self) -> Result<()> {
-        if self.tolerance <= EXACT * self.diagonal {
+        if !self.is_noisy() {
             return Ok(());
         }
         for _ in 0..ROUNDS {

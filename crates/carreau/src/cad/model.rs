@@ -11,7 +11,7 @@ use super::relations;
 use super::spline::settle;
 use super::topology::{Chain, Graph};
 use super::trace::meet;
-use super::tuning::{BRANCH, COPLANAR_DISTANCE, EXACT, GAP, NOISE, SAME_POINT};
+use super::tuning::{BRANCH, COPLANAR_DISTANCE, GAP, NOISE, SAME_POINT};
 use crate::brep::{Brep, Face, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -163,7 +163,7 @@ impl Corners {
             let room = (BRANCH * map.diagonal).max(2.0 * NOISE * map.tolerance);
             (at[0].0, if p.distance(start) <= room { p } else { start })
         };
-        let noisy = map.tolerance > EXACT * map.diagonal;
+        let noisy = map.is_noisy();
         let is_facet = |s: u32| map.pieces[s as usize].rung >= Rung::Planes;
         let moves = |at: &&[(u32, u32)]| {
             at.iter().any(|a| is_spline(a.1)) || noisy && at.len() > 2 && !at.iter().any(|a| is_facet(a.1))
@@ -198,7 +198,7 @@ fn track(map: &Map<'_>, chain: &Chain, ends: [DVec3; 2]) -> Option<Track> {
         let other = [a, b].into_iter().find(|p| p.rung != Rung::Spline);
         return border(other.map(|p| &p.surface), &polyline, closed, map.diagonal);
     }
-    if map.tolerance > EXACT * map.diagonal && !closed {
+    if map.is_noisy() && !closed {
         polyline = between_ends(&polyline, ends);
     }
     // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.

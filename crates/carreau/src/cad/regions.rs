@@ -2,7 +2,7 @@
 //!
 //! Regions come from [`crate::segment`].
 
-use super::tuning::FILE;
+use super::tuning::{EXACT, FILE};
 use crate::brep::{Frame, Surface};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::{DisjointSets, NONE, Triangles};
@@ -98,6 +98,11 @@ pub struct Map<'a> {
 }
 
 impl Map<'_> {
+    /// Whether vertices are farther from their surfaces than those of exact data.
+    pub fn is_noisy(&self) -> bool {
+        self.tolerance > EXACT * self.diagonal
+    }
+
     /// A number that no piece has.
     pub fn new_id(&mut self) -> u64 {
         self.next += 1;

@@ -1,9 +1,8 @@
 //! What is zero where a relation holds, with its derivatives by the unknowns of the surfaces.
 
 use super::contact::contact;
-use crate::cad::adjust::{Body, Condition};
+use crate::cad::adjust::{Body, Condition, direction};
 use crate::cad::tuning::STEPS;
-use crate::geometry::primitive::Primitive;
 use glam::{DMat3, DVec3};
 
 /// At a place of a border: both surfaces are equally far from the point of contact.
@@ -37,15 +36,6 @@ pub fn concurring(all: &[Body], bodies: [u32; 4], place: DVec3) -> Condition {
     let by = base(p).transpose().inverse() * of(3).primitive.normal(p);
     let others = (0..3).map(|k| (bodies[k], of(k).distance(p).1.map(|x| -by[k] * x)));
     Condition { value, by: others.chain([(bodies[3], row)]).collect() }
-}
-
-/// The normal of a plane or the axis of what is round; a sphere has none.
-pub fn direction(primitive: &Primitive) -> Option<DVec3> {
-    match *primitive {
-        Primitive::Plane { normal, .. } => Some(normal),
-        Primitive::Cylinder { axis, .. } | Primitive::Cone { axis, .. } | Primitive::Torus { axis, .. } => Some(axis),
-        Primitive::Sphere { .. } => None,
-    }
 }
 
 /// Two directions are parallel: the second has no part across the first.

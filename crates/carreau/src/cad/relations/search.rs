@@ -1,13 +1,12 @@
 //! Relations that the noise allows.
 
-use super::conditions::direction;
 use super::contact::{contact, reach};
 use super::{Claim, Relation};
-use crate::cad::adjust::Body;
+use crate::cad::adjust::{Body, direction};
 use crate::cad::clean::fitting_points;
 use crate::cad::regions::{Map, Rung, area_vector, inner_vertices};
 use crate::cad::topology::Graph;
-use crate::cad::tuning::{EXACT, FILE, REFINE_STEPS, TANGENT};
+use crate::cad::tuning::{FILE, REFINE_STEPS, TANGENT};
 use crate::geometry::primitive::{Kind, Primitive, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
@@ -61,7 +60,7 @@ impl Found {
     /// The surfaces of the analytic pieces. In noisy data, pieces of one surface share it.
     pub fn of(map: &Map<'_>) -> Self {
         let unit = Unit { origin: map.t.points().first().copied().unwrap_or_default(), diagonal: map.diagonal };
-        let noisy = is_noisy(map);
+        let noisy = map.is_noisy();
         let inner = if noisy { inner_vertices(map.t, &map.label) } else { Vec::new() };
         let area =
             |p: u32| map.pieces[p as usize].triangles.iter().map(|&k| area_vector(map.t, k).length()).sum::<f64>();
@@ -108,15 +107,11 @@ impl Found {
     pub fn claims(&self, map: &Map<'_>, graph: &Graph) -> Vec<Claim> {
         let mut all = along_borders(map, graph, self);
         all.extend(at_corners(map, graph, self));
-        if is_noisy(map) {
+        if map.is_noisy() {
             all.extend(directions(&self.bodies));
         }
         all
     }
-}
-
-fn is_noisy(map: &Map<'_>) -> bool {
-    map.tolerance > EXACT * map.diagonal
 }
 
 fn body(primitive: Primitive, points: Vec<DVec3>) -> Body {
