@@ -49,7 +49,7 @@ impl Map<'_> {
             return false;
         }
         let [at, to] = ends.map(|v| around.at(v));
-        if at.len() != 3 || to.len() != 3 || at == to {
+        if at.len() != 3 || to.len() != 3 {
             return false;
         }
         let all: Vec<u32> = at.iter().chain(to.iter().filter(|p| !at.contains(p))).copied().collect();

@@ -16,6 +16,7 @@
 //! | pieces that fit in part | `misfits` |
 //! | edges that noise has made | `contract` |
 //! | surfaces that touch or meet in one point, and all of them adjusted to that | `relations`, `adjust` |
+//! | noisy vertices put on the surfaces around them | `project` |
 //! | corners, edges and loops of the map | `topology` |
 //! | curves of the edges: with a name | `curves`, `conics` |
 //! | curves of the edges: traced | `trace` |
@@ -59,6 +60,7 @@ mod model;
 mod organic;
 mod points;
 mod profile;
+mod project;
 mod regions;
 mod relations;
 mod runs;
@@ -78,6 +80,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{SurfaceMesh, Triangles};
 use crate::segment::{Rectify, SegmentOptions, Segmentation, segment};
+use glam::DVec3;
 use regions::Map;
 use serde::{Deserialize, Serialize};
 use tuning::{EXACT, NEARLY_ALL, SOME};
@@ -186,7 +189,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
             done => return allowed(done?, options),
         }
     }
-    let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
+    let places = if map.is_noisy() { Some(map.projected(context)?) } else { None };
+    let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
     let (distance_max, distance_rms) = distances(&map);
     let masses = brep.face_masses(context)?;
     let areas: Vec<f64> = masses.iter().map(|m| m.area).collect();
@@ -207,6 +211,25 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         distance_rms,
     };
     allowed(model, options)
+}
+
+/// Goes down the ladder with other places of the vertices, if there are any, and with those of the mesh if there is no model then.
+fn descend<'a>(
+    mut map: Map<'a>,
+    places: Option<&'a [DVec3]>,
+    mesh: &SurfaceMesh,
+    context: &Context,
+) -> Result<(Map<'a>, Brep, Vec<Fallback>)> {
+    if let Some(places) = places {
+        let mut moved = map.clone().with_vertices_of(map.t.with_points(places));
+        match ladder::descend(&mut moved, mesh, context) {
+            // Facets that were turned over do not make a model.
+            Err(Error::Numeric(reason)) => tracing::debug!(target: "carreau::cad", reason, "no model on the surfaces"),
+            done => return done.map(|(brep, fallback)| (moved, brep, fallback)),
+        }
+    }
+    let (brep, fallback) = ladder::descend(&mut map, mesh, context)?;
+    Ok((map, brep, fallback))
 }
 
 /// A model that has not more faces than allowed.

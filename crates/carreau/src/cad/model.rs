@@ -139,7 +139,7 @@ fn graph(map: &Map<'_>) -> Result<Graph> {
     if more.is_empty() { Ok(graph) } else { Graph::of(t, &map.label, pieces.len(), &more) }
 }
 
-/// Where corners are that are not vertices of the mesh: beside spline surfaces, and in noisy data, on all other surfaces around them.
+/// Where corners are that are not vertices of the mesh: beside spline surfaces, on all other surfaces around them.
 struct Corners {
     /// Vertices of the mesh, ascending, and their places.
     moved: Vec<(u32, DVec3)>,
@@ -163,11 +163,7 @@ impl Corners {
             let room = (BRANCH * map.diagonal).max(2.0 * NOISE * map.tolerance);
             (at[0].0, if p.distance(start) <= room { p } else { start })
         };
-        let noisy = map.is_noisy();
-        let is_facet = |s: u32| map.pieces[s as usize].rung >= Rung::Planes;
-        let moves = |at: &&[(u32, u32)]| {
-            at.iter().any(|a| is_spline(a.1)) || noisy && at.len() > 2 && !at.iter().any(|a| is_facet(a.1))
-        };
+        let moves = |at: &&[(u32, u32)]| at.iter().any(|a| is_spline(a.1));
         Corners { moved: around.chunk_by(|a, b| a.0 == b.0).filter(moves).map(place).collect() }
     }
 

@@ -7,7 +7,9 @@
 //! ```
 //!
 //! What facets legitimately cut off is allowed besides the limit: the sagitta of a facet, from its longest side and the
-//! curvature of the face there, and of the chords along a curved border.
+//! curvature of the face there, and of the chords along a curved border. Where surfaces touch, a border of the mesh may be
+//! rows of triangles away from the edge, so that a face may also be near triangles of other regions that face its way, and a
+//! vertex near any face that does.
 
 use super::{Fault, Finding, Limits, Reference, middle};
 use crate::brep::tessellate::Tessellation;
@@ -17,6 +19,7 @@ use crate::error::Result;
 use crate::geometry::search_tree::TriangleTree;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 
 /// The share of the mesh's volume by which a face whose surface swings may change it: what such a surface does between the
 /// vertices is a guess, and a revolution of 13 facets a turn is off by as much.
@@ -74,6 +77,8 @@ pub(super) fn compare(
     context: &Context,
 ) -> Result<Vec<Finding>> {
     let regions = regions(brep, reference);
+    let everywhere = Everywhere::of_mesh(reference);
+    let model = Everywhere::of_model(tessellation);
     let faces_of = triangles_by_face(brep.faces.len(), tessellation);
     let mut out = Vec::new();
     let mut cut_off = 0.0;
@@ -81,7 +86,12 @@ pub(super) fn compare(
     let mut blamed = (f64::NEG_INFINITY, None);
     let points = reference.mesh.points();
     let whole = enclosed(reference, points.first().copied().unwrap_or_default()).abs();
-    let (apart, means) = to_model(points, &regions, &faces_of, tessellation, context)?;
+    let (mut apart, means) = to_model(points, &regions, &faces_of, tessellation, context)?;
+    let most = limits.distance + chord;
+    for (v, normal) in far_vertices(reference, &apart, most) {
+        let d = &mut apart[v as usize];
+        *d = d.min(model.distance(points[v as usize], normal, most, limits.angle));
+    }
     for (r, region) in regions.iter().enumerate().filter(|(_, r)| !r.triangles.is_empty()) {
         context.check()?;
         let first = points[region.triangles[0][0] as usize];
@@ -91,13 +101,24 @@ pub(super) fn compare(
         };
         let vertices = || region.triangles.iter().flatten().map(|&v| v as usize);
         let worst = vertices().max_by(|&v, &w| apart[v].total_cmp(&apart[w])).unwrap_or_default();
-        if apart[worst] > limits.distance + chord {
-            let finding = Finding::new(Fault::MeshOffFace, apart[worst], limits.distance + chord, points[worst]);
+        if apart[worst] > most {
+            let finding = Finding::new(Fault::MeshOffFace, apart[worst], most, points[worst]);
             out.push(finding.of_face(region.faces[0]));
         }
         let tree = TriangleTree::new(points, &region.triangles);
         for &f in &region.faces {
-            let measured = to_mesh(brep, f, tessellation, &faces_of[f as usize], points, region, &tree, &apart, limits);
+            let measured = to_mesh(
+                brep,
+                f,
+                tessellation,
+                &faces_of[f as usize],
+                points,
+                region,
+                &tree,
+                &everywhere,
+                &apart,
+                limits,
+            );
             let (off, bound, at) = measured.back;
             if off > bound {
                 out.push(Finding::new(Fault::FaceOffMesh, off, bound, at).of_face(f));
@@ -217,6 +238,7 @@ fn to_mesh(
     points: &[DVec3],
     region: &Region,
     tree: &TriangleTree,
+    everywhere: &Everywhere<'_>,
     apart: &[f64],
     limits: &Limits,
 ) -> Measured {
@@ -243,8 +265,8 @@ fn to_mesh(
         let longest = ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max);
         let at_border = if longest > 0.0 { across } else { 0.0 };
         let border = (most_bent * longest.powi(2) / 8.0).min(0.5 * longest) + at_border;
-        looks.push(Look { p, distance: near.distance(), sagitta, border });
         let normal = sense * surface.normal(uv.x, uv.y);
+        looks.push(Look { p, normal, distance: near.distance(), sagitta, border });
         let facet = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         out.area += area;
         out.cut_off += area * sagitta;
@@ -258,14 +280,69 @@ fn to_mesh(
     }
     let deepest = looks.iter().map(|l| l.sagitta).fold(0.0, f64::max);
     let bound = |l: &Look| limits.distance + 2.0 * if swings { l.sagitta } else { deepest } + l.border;
+    for look in &mut looks {
+        let most = bound(look);
+        if look.distance > most {
+            look.distance = look.distance.min(everywhere.distance(look.p, look.normal, most, limits.angle));
+        }
+    }
     let worst = looks.iter().max_by(|a, b| (a.distance - bound(a)).total_cmp(&(b.distance - bound(b))));
     out.back = worst.map_or(out.back, |l| (l.distance, bound(l), l.p));
     out
 }
 
+/// All triangles of the mesh or of the model, in a tree that is built when it is asked for.
+struct Everywhere<'a> {
+    points: &'a [DVec3],
+    triangles: Vec<[u32; 3]>,
+    tree: OnceCell<TriangleTree>,
+}
+
+impl<'a> Everywhere<'a> {
+    fn of_mesh(reference: &Reference<'a>) -> Self {
+        let fan = |face: &'a [u32]| (2..face.len()).map(|k| [face[0], face[k - 1], face[k]]);
+        let triangles = reference.mesh.faces().iter().flat_map(fan).collect();
+        Everywhere { points: reference.mesh.points(), triangles, tree: OnceCell::new() }
+    }
+
+    fn of_model(tessellation: &'a Tessellation) -> Self {
+        let triangles = tessellation.triangles.clone();
+        Everywhere { points: &tessellation.points, triangles, tree: OnceCell::new() }
+    }
+
+    /// The distance of a point from the nearest triangle within a radius whose normal is within an angle of a direction; infinite
+    /// where there is none.
+    fn distance(&self, p: DVec3, normal: DVec3, radius: f64, angle: f64) -> f64 {
+        let tree = self.tree.get_or_init(|| TriangleTree::new(self.points, &self.triangles));
+        let mut least = f64::INFINITY;
+        tree.within(p, radius, |near| {
+            let [a, b, c] = self.triangles[near.triangle as usize].map(|v| self.points[v as usize]);
+            let facet = (b - a).cross(c - a);
+            if facet.length_squared() > 0.0 && normal != DVec3::ZERO && normal.angle_between(facet) <= angle {
+                least = least.min(near.distance());
+            }
+        });
+        least
+    }
+}
+
+/// Vertices of the mesh that are farther from the faces around them than allowed, with their normals.
+fn far_vertices(reference: &Reference, apart: &[f64], most: f64) -> Vec<(u32, DVec3)> {
+    let points = reference.mesh.points();
+    let is_far = |&v: &u32| apart[v as usize].is_finite() && apart[v as usize] > most;
+    let mut found: Vec<(u32, DVec3)> = Vec::new();
+    for face in reference.mesh.faces().iter() {
+        let [a, b, c] = [face[0], face[1], face[2]].map(|v| points[v as usize]);
+        found.extend(face.iter().filter(|v| is_far(v)).map(|&v| (v, (b - a).cross(c - a))));
+    }
+    found.sort_by_key(|f| f.0);
+    found.chunk_by(|a, b| a.0 == b.0).map(|of| (of[0].0, of.iter().map(|f| f.1).sum())).collect()
+}
+
 /// A point of a face over its region.
 struct Look {
     p: DVec3,
+    normal: DVec3,
     distance: f64,
     sagitta: f64,
     border: f64,
