@@ -6,8 +6,9 @@ use super::tuning::{FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
+use crate::numeric::eigen3::{Eigen3, outer};
 use crate::segment::Segmentation;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 /// Most vertices that a surface is fitted to; evenly thinned beyond.
@@ -22,6 +23,8 @@ const SEVERAL: usize = 6;
 const CRUMB: usize = 2;
 /// Inner vertices for every number of a surface that is fitted to them alone.
 const SPARE: usize = 4;
+/// Of the breadth of all vertices: inner ones of less say nothing about the direction across.
+const NARROW: f64 = 0.4;
 
 impl<'a> Map<'a> {
     /// The map of a segmentation. Regions without a surface are pieces on the spline rung.
@@ -176,12 +179,24 @@ fn fitted_again(t: Triangles<'_>, p: Primitive, triangles: &[u32], inner: &[bool
     straighter(t, triangles, p, far(&p), diagonal)
 }
 
-/// The vertices that the surface of a piece is fitted to: the inner ones where these are known and many enough, else all.
+/// The vertices that the surface of a piece is fitted to: the inner ones where these are known, many enough, and spread like all; a
+/// strip with one row of inner vertices could turn around them.
 pub fn fitting_points(t: Triangles<'_>, triangles: &[u32], inner: &[bool], kind: Kind) -> Vec<DVec3> {
     let is_inner = |v: &u32| inner.get(*v as usize).is_some_and(|&x| x);
     let some: Vec<DVec3> =
         vertex_ids(t, triangles).into_iter().filter(is_inner).map(|v| t.points()[v as usize]).collect();
-    if some.len() >= SPARE * kind.parameters() { some } else { vertices(t, triangles) }
+    if some.len() < SPARE * kind.parameters() {
+        return vertices(t, triangles);
+    }
+    let all = vertices(t, triangles);
+    if breadth(&some) >= NARROW * breadth(&all) { some } else { all }
+}
+
+/// The standard deviation of points along the second of their principal axes.
+fn breadth(points: &[DVec3]) -> f64 {
+    let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let spread = points.iter().fold(DMat3::ZERO, |sum, &p| sum + outer(p - middle));
+    (Eigen3::new(spread).values[1].max(0.0) / points.len().max(1) as f64).sqrt()
 }
 
 /// Connected parts of labels, and the label of each, in the order of their first triangles.

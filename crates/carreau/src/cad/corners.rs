@@ -5,7 +5,7 @@ use super::draft::Draft;
 use super::model::Obstacle;
 use super::regions::{Map, Rung};
 use super::topology::Graph;
-use super::tuning::{FREE, GAP, STEPS};
+use super::tuning::{FREE, STEPS};
 use crate::brep::Curve;
 use crate::mesh::NONE;
 use crate::numeric::eigen3::{Eigen3, outer};
@@ -46,8 +46,8 @@ pub fn place(map: &Map<'_>, graph: &Graph, tracks: &mut [Track], draft: &mut Dra
                 _ => track.range[side] = t,
             }
         }
-        let room = map.tolerance.max(GAP * map.diagonal) * 10.0;
-        if !(off <= GAP * map.diagonal) {
+        let room = map.tolerance.max(map.gap()) * 10.0;
+        if !(off <= map.gap()) {
             let share = off / map.diagonal;
             obstacles.push(Obstacle {
                 pieces: around,

@@ -5,12 +5,16 @@
 //!     │  cylinder │ blend          holds the wall, and the blend is free
 //!     └───────────┴──╯
 //! ```
+//!
+//! What does not lie on it goes to a neighbour that it lies on, if there is one: a facet with all corners on the border of two surfaces
+//! lies on both but for its depth.
 
 use super::clean::normals;
 use super::regions::{Map, Piece, area_vector, connected, vertices};
 use super::tuning::{COLUMN, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
+use crate::mesh::NONE;
 
 /// Triangles of both parts together, at least: fewer lie on some surface by chance.
 const LEAST: usize = 12;
@@ -28,12 +32,42 @@ impl Map<'_> {
             let Some((own, primitive)) = self.fitting(&self.pieces[p]) else { continue };
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
+            for part in connected(self.t, &rest, |_, _| true) {
+                if let Some(home) = self.home(p as u32, &part) {
+                    self.give(p as u32, &part, home);
+                    rest.retain(|k| part.binary_search(k).is_err());
+                }
+            }
             let described = (Surface::of_primitive(&primitive), Some(primitive));
             self.replace(&[p as u32], vec![(own, Some(described)), (rest, None)]);
             any = true;
         }
         self.compact();
         any
+    }
+
+    /// The neighbour that triangles of a piece lie on.
+    fn home(&self, of: u32, triangles: &[u32]) -> Option<u32> {
+        let beyond =
+            triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| self.t.opposite(c)).filter(|&o| o != NONE);
+        let mut around: Vec<u32> = beyond.map(|o| self.label[o as usize / 3]).filter(|&p| p != of).collect();
+        around.sort_unstable();
+        around.dedup();
+        let points = vertices(self.t, triangles);
+        let holds = |&p: &u32| {
+            let surface = self.pieces[p as usize].primitive;
+            surface.is_some_and(|s| points.iter().all(|&q| s.distance(q).abs() <= FILE * self.diagonal))
+        };
+        around.into_iter().find(holds)
+    }
+
+    /// Gives triangles of a piece to another one.
+    fn give(&mut self, from: u32, triangles: &[u32], to: u32) {
+        triangles.iter().for_each(|&k| self.label[k as usize] = to);
+        self.pieces[from as usize].triangles.retain(|k| triangles.binary_search(k).is_err());
+        let piece = &mut self.pieces[to as usize];
+        piece.triangles.extend(triangles);
+        piece.triangles.sort_unstable();
     }
 
     /// The connected part of a piece that lies on a surface, with half of the area at least.

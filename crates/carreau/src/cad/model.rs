@@ -11,7 +11,7 @@ use super::relations;
 use super::spline::settle;
 use super::topology::{Chain, Graph};
 use super::trace::meet;
-use super::tuning::{BRANCH, COPLANAR_DISTANCE, GAP, NOISE, SAME_POINT};
+use super::tuning::{BRANCH, COPLANAR_DISTANCE, NOISE, SAME_POINT};
 use crate::brep::{Brep, Face, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -61,7 +61,7 @@ pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Res
     for (track, chain) in tracks.zip(&graph.chains) {
         let pieces = || chain.sides.into_iter().filter(|&s| s != NONE).collect();
         match track {
-            Some(track) if track.gap <= GAP * map.diagonal => found.push(track),
+            Some(track) if track.gap <= map.gap() => found.push(track),
             Some(track) => {
                 let share = track.gap / map.diagonal;
                 obstacles

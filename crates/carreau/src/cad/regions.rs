@@ -2,7 +2,7 @@
 //!
 //! Regions come from [`crate::segment`].
 
-use super::tuning::{EXACT, FILE};
+use super::tuning::{EXACT, FILE, GAP, UNSETTLED};
 use crate::brep::{Frame, Surface};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::{DisjointSets, NONE, Triangles};
@@ -101,6 +101,12 @@ impl Map<'_> {
     /// Whether vertices are farther from their surfaces than those of exact data.
     pub fn is_noisy(&self) -> bool {
         self.tolerance > EXACT * self.diagonal
+    }
+
+    /// Largest gap between a face, its edges and their ends. What noise leaves over where surfaces nearly touch is no gap.
+    pub fn gap(&self) -> f64 {
+        let noise = if self.is_noisy() { UNSETTLED * self.tolerance } else { 0.0 };
+        noise.max(GAP * self.diagonal)
     }
 
     /// A number that no piece has.

@@ -7,6 +7,9 @@ pub const NAMED: f64 = 1e-7;
 pub const TRACED: f64 = 2e-8;
 /// Share of the diagonal: gaps above this make a model that other programs cannot work with, so that a face is demoted.
 pub const GAP: f64 = 1e-5;
+/// Share of the tolerance of noisy data: the same where that is more, because surfaces are no surer than this where the noise has a
+/// tenth of its largest value on average.
+pub const UNSETTLED: f64 = 0.25;
 /// Share of the diagonal: the vertices of a tessellation lie this near to its surfaces where the file has their full digits
 /// (a float has 6e-8 of its own size).
 pub const FILE: f64 = 2e-6;
