@@ -14,7 +14,6 @@ use super::regions::{Map, Piece, area_vector, connected, vertices};
 use super::tuning::{COLUMN, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
-use crate::mesh::NONE;
 
 /// Triangles of both parts together, at least: fewer lie on some surface by chance.
 const LEAST: usize = 12;
@@ -33,7 +32,7 @@ impl Map<'_> {
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
             for part in connected(self.t, &rest, |_, _| true) {
-                if let Some(home) = self.home(p as u32, &part) {
+                if let Some(home) = self.home(p as u32, &part, FILE * self.diagonal) {
                     self.give(p as u32, &part, home);
                     rest.retain(|k| part.binary_search(k).is_err());
                 }
@@ -44,30 +43,6 @@ impl Map<'_> {
         }
         self.compact();
         any
-    }
-
-    /// The neighbour that triangles of a piece lie on.
-    fn home(&self, of: u32, triangles: &[u32]) -> Option<u32> {
-        let beyond =
-            triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| self.t.opposite(c)).filter(|&o| o != NONE);
-        let mut around: Vec<u32> = beyond.map(|o| self.label[o as usize / 3]).filter(|&p| p != of).collect();
-        around.sort_unstable();
-        around.dedup();
-        let points = vertices(self.t, triangles);
-        let holds = |&p: &u32| {
-            let surface = self.pieces[p as usize].primitive;
-            surface.is_some_and(|s| points.iter().all(|&q| s.distance(q).abs() <= FILE * self.diagonal))
-        };
-        around.into_iter().find(holds)
-    }
-
-    /// Gives triangles of a piece to another one.
-    fn give(&mut self, from: u32, triangles: &[u32], to: u32) {
-        triangles.iter().for_each(|&k| self.label[k as usize] = to);
-        self.pieces[from as usize].triangles.retain(|k| triangles.binary_search(k).is_err());
-        let piece = &mut self.pieces[to as usize];
-        piece.triangles.extend(triangles);
-        piece.triangles.sort_unstable();
     }
 
     /// The connected part of a piece that lies on a surface, with half of the area at least.

@@ -14,6 +14,7 @@
 //! | directions and axes of sweeps | `axes` |
 //! | their profiles, and the lines and arcs of these | `profile`, `runs` |
 //! | pieces that fit in part | `misfits` |
+//! | a few triangles in the wrong piece | `scraps` |
 //! | edges that noise has made | `contract` |
 //! | surfaces that touch or meet in one point, and all of them adjusted to that | `relations`, `adjust` |
 //! | noisy vertices put on the surfaces around them | `project` |
@@ -64,6 +65,7 @@ mod project;
 mod regions;
 mod relations;
 mod runs;
+mod scraps;
 mod shells;
 mod spline;
 mod swept;
@@ -248,6 +250,7 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     let _stage = context.stage("map");
     let mut map = Map::new(t, mesh.diagonal(), segmentation);
     map.unify();
+    map.absorb_scraps();
     arcs::round(&mut map)?;
     swept::sweep(&mut map)?;
     if map.exact_share() > SOME && map.part_misfits() {

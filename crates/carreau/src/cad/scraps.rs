@@ -1,0 +1,62 @@
+//! Scraps: a few triangles beside a border that were given to the wrong piece, or are a piece of their own by chance.
+//!
+//! ```text
+//!     ──────●──────●──────●───    border of A and B: a triangle with all corners there lies on both,
+//!      A     ╲ S  ╱ ╲    ╱  B     and noise makes a piece S of it
+//!             ╲  ╱   ╲  ╱
+//! ```
+
+use super::regions::{Map, area_vector, inner_vertices, vertex_ids, vertices};
+use crate::mesh::NONE;
+use glam::DVec3;
+
+/// Cosine of the largest angle between a scrap's facets and the surface that it goes to (45°: noise tilts narrow facets).
+const TILTED: f64 = 0.7;
+
+impl Map<'_> {
+    /// In noisy data, gives pieces without a vertex of their own to the neighbours on whose surfaces they lie within the noise.
+    pub fn absorb_scraps(&mut self) {
+        if !self.is_noisy() {
+            return;
+        }
+        let inner = inner_vertices(self.t, &self.label);
+        for p in 0..self.pieces.len() as u32 {
+            let triangles = self.pieces[p as usize].triangles.clone();
+            if vertex_ids(self.t, &triangles).iter().any(|&v| inner[v as usize]) {
+                continue;
+            }
+            if let Some(home) = self.home(p, &triangles, self.tolerance) {
+                self.give(p, &triangles, home);
+            }
+        }
+        self.compact();
+    }
+
+    /// The neighbour on whose surface triangles of a piece lie within a distance and which faces their way: the nearest.
+    pub fn home(&self, of: u32, triangles: &[u32], within: f64) -> Option<u32> {
+        let corners = triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
+        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE);
+        let mut around: Vec<u32> = beyond.map(|o| self.label[o as usize / 3]).filter(|&p| p != of).collect();
+        around.sort_unstable();
+        around.dedup();
+        let points = vertices(self.t, triangles);
+        let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+        let facing = triangles.iter().map(|&k| area_vector(self.t, k)).sum::<DVec3>().normalize_or_zero();
+        let far = |p: u32| {
+            let surface = self.pieces[p as usize].primitive?;
+            let aligned = surface.normal(middle).dot(facing).abs() > TILTED;
+            let far = points.iter().map(|&q| surface.distance(q).abs()).fold(0.0, f64::max);
+            (aligned && far <= within).then_some((far, p))
+        };
+        around.into_iter().filter_map(far).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|f| f.1)
+    }
+
+    /// Gives triangles of a piece to another one.
+    pub fn give(&mut self, from: u32, triangles: &[u32], to: u32) {
+        triangles.iter().for_each(|&k| self.label[k as usize] = to);
+        self.pieces[from as usize].triangles.retain(|k| triangles.binary_search(k).is_err());
+        let piece = &mut self.pieces[to as usize];
+        piece.triangles.extend(triangles);
+        piece.triangles.sort_unstable();
+    }
+}
