@@ -71,26 +71,37 @@ impl<'a> Attempts<'a> {
         Tried::nothing(Budget::new(self.source.area / self.length.powi(2)))
     }
 
-    /// Field after field, until one will do. All but the first may be tried at the same time.
-    pub fn run(&self, tried: &mut Tried) -> Result<()> {
+    /// With the first field. Returns whether others are to be tried.
+    pub fn first(&self, tried: &mut Tried) -> Result<bool> {
+        self.with_field(FINER[0], self.ways(0), tried, self.context)?;
+        Ok(self.goes_on(1, tried))
+    }
+
+    /// Field after field, until one will do. They may be tried at the same time.
+    pub fn others(&self, tried: &mut Tried) -> Result<()> {
+        // Where the first one will do, the usual ones are enough, whatever comes of them.
+        let others = if tried.will_do() { &FINER[1..USUAL] } else { &FINER[1..] };
+        let field = |k: usize, known: &mut Tried, context: &Context| {
+            self.with_field(others[k], self.ways(k + 1), known, context)
+        };
+        let mut fields = 1;
+        let goes_on = |tried: &Tried| {
+            fields += 1;
+            self.goes_on(fields, tried)
+        };
+        self.each(others.len(), field, goes_on, tried)
+    }
+
+    /// Whether more fields are to be tried after so many.
+    fn goes_on(&self, fields: usize, tried: &Tried) -> bool {
         // Borders that lie on each other meet by chance here, by force on rung 3.
         let futile = if self.source.is_shared.contains(&true) { 1 } else { FUTILE };
-        let mut fields = 0;
-        let mut goes_on = |tried: &Tried| {
-            fields += 1;
-            let is_futile = fields >= futile && tried.best.is_none();
-            !(tried.is_good() || tried.budget.is_spent() || is_futile || fields >= USUAL && tried.will_do())
-        };
-        self.with_field(FINER[0], self.ways(0), tried, self.context)?;
-        if goes_on(tried) {
-            // Where the first one will do, the usual ones are enough, whatever comes of them.
-            let others = if tried.will_do() { &FINER[1..USUAL] } else { &FINER[1..] };
-            let field = |k: usize, known: &mut Tried, context: &Context| {
-                self.with_field(others[k], self.ways(k + 1), known, context)
-            };
-            self.each(others.len(), field, goes_on, tried)?;
-        }
-        Ok(())
+        let is_futile = fields >= futile && tried.best.is_none();
+        !(tried.is_good()
+            || tried.is_shaped()
+            || tried.budget.is_spent()
+            || is_futile
+            || fields >= USUAL && tried.will_do())
     }
 
     /// Both are tried with the first field, and one with each of the others, in turn: there would be no budget for more.

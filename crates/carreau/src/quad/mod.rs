@@ -4,7 +4,7 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `mapped`, `map` | on surfaces without features first, on others where the graph's quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
+//! | 1 | `mapped`, `map` | on surfaces without features first, on others where the graph's first quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
 //! | 1 | `attempts`, `tried`, `regular` | on surfaces with features first, on others where the map is refused: the field's motorcycle graph, grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
@@ -215,10 +215,15 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
         attempts.map(&mut tried, context)?;
     }
     if options.rung <= 2 && !(is_smooth && tried.is_useful()) {
-        attempts.run(&mut tried)?;
-    }
-    if options.rung == 1 && !is_smooth && !tried.is_useful() {
-        attempts.map(&mut tried, context)?;
+        let mut goes_on = attempts.first(&mut tried)?;
+        // Where the graph does not do at once, as on scans with a few features, the map mostly does, and sooner than other fields.
+        if goes_on && options.rung == 1 && !is_smooth && !tried.will_do() {
+            attempts.map(&mut tried, context)?;
+            goes_on = !tried.will_do() && !tried.is_shaped();
+        }
+        if goes_on {
+            attempts.others(&mut tried)?;
+        }
     }
     if !tried.is_useful()
         && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?

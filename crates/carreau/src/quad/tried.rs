@@ -39,6 +39,8 @@ pub struct Attempt {
     pub strays: f64,
     /// There is nothing to be said against it: no other is needed.
     pub is_good: bool,
+    /// Nothing but a distance speaks against it, which another field does not change.
+    pub is_shaped: bool,
     /// Where smaller quads would be near enough to the surface.
     pub tight: Vec<Tight>,
 }
@@ -88,6 +90,11 @@ impl Tried {
     /// Nothing more is to be tried: one will do, or the budget is spent.
     pub fn is_over(&self) -> bool {
         self.budget.is_spent() || self.will_do()
+    }
+
+    /// See [`Attempt::is_shaped`].
+    pub fn is_shaped(&self) -> bool {
+        self.best.as_ref().is_some_and(|b| b.is_shaped)
     }
 
     pub fn is_good(&self) -> bool {
@@ -148,6 +155,7 @@ pub fn judged(
     // Another field does not change what the features need, but smaller quads do.
     let misses_more = misses > 0 && is_raised;
     let is_good = made.rung.iter().all(|&r| r == 1) && strays <= STRAYS && poor + dull + far == 0 && !misses_more;
+    let is_shaped = !cost.useless && made.rung.iter().all(|&r| r == 1) && poor + dull + misses == 0;
     let tight = if far > 0 { gap.tight } else { Vec::new() };
-    Ok(Attempt { made, cost, strays, is_good, tight })
+    Ok(Attempt { made, cost, strays, is_good, is_shaped, tight })
 }
