@@ -686,7 +686,10 @@ def hex(
     radius: Length | None = None,
     adapt_radius: bool = False,
     stage: Literal["base", "full"] | None = None,
+    extend: float | None = None,
     allow_invalid: bool = False,
+    max_distance: Length | None = None,
+    allow_far: bool = False,
     **common: Unpack[Preparation],
 ) -> HexResult:
     """Mesh a tubular surface, or the tubes around a skeleton, with hexahedra.
@@ -713,8 +716,14 @@ def hex(
         Insert cells where a branch of a skeleton is more than twice as thick as where it is thinnest.
     stage : {"base", "full"}, optional
         "base": the graph as given, without clean-up and resampling ("full").
+    extend : float, optional
+        Lengthen every end by a straight piece of this many of its radii.
     allow_invalid : bool
         Return cells without a certificate too; the record lists them.
+    max_distance : float or str, optional
+        Largest distance between cells and surface, either way, that is no error ("2%").
+    allow_far : bool
+        Return cells that are farther than that from the surface, or lie where others are, too.
     **common
         Options that every verb on a surface has, see `Preparation` and `Common`.
 

@@ -20,10 +20,14 @@
 //! | padding, halving across and along | `refine` |
 //! | cells as flat as the sections of a surface | `oval` |
 //! | segments halved where a surface is far | `adapt` |
+//! | flat ends of closed tubes | `ends` |
 //! | the surface, the boundary of the mesh, and how the one comes to the other | `target`, `skin`, `fit` |
 //! | vertices that go to where the surface is far | `reach` |
 //! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
+//! | boundary, tags, certificate | `deliver` |
+//! | straight pieces at the ends | `extend` |
+//! | how far the result is from the surface, what lies where it should not | `judge` |
 //! | figures of the result | `figures` |
 //!
 //! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's, a
@@ -34,10 +38,14 @@ mod adapt;
 mod connection;
 mod cover;
 mod cubic;
+mod deliver;
+mod ends;
+mod extend;
 mod figures;
 mod fit;
 mod frames;
 mod insert;
+mod judge;
 mod limit;
 mod meet;
 mod optimise;
@@ -60,6 +68,7 @@ mod web;
 mod zip;
 
 pub use figures::{Figures, HexQuality};
+pub use judge::{MAX_DISTANCE, Uncovered};
 pub use surface::from_surface;
 pub use validate::Validity;
 
@@ -67,7 +76,7 @@ use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
-use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
+use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale};
 use cubic::Cube;
 use glam::DVec3;
 use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
@@ -76,6 +85,7 @@ use resample::Step;
 use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 use sew::BaseMesh;
+use std::ops::Bound;
 
 /// Where a layer of hexes is put.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -121,12 +131,20 @@ pub struct HexOptions {
     pub edge_length: Option<f64>,
     /// One radius for all nodes, in the unit of the file.
     pub radius: Option<f64>,
+    /// Every end is lengthened by a straight piece of so many of its radii.
+    pub extend: Option<f64>,
     /// Cells without a certificate are delivered.
     pub allow_invalid: bool,
+    /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`] of the diagonal.
+    pub max_distance: Option<f64>,
+    /// Cells farther than that from the surface, or where others are, are delivered.
+    pub allow_far: bool,
 }
 
 /// Levels of halving that are accepted.
 pub const MOST_HALVINGS: u32 = 6;
+/// Ends are lengthened by no more than this, in their radii: a hundred diameters, after which flow in a pipe has settled.
+pub const LONGEST_EXTENSION: f64 = 200.0;
 /// More hexes are refused.
 pub const MOST_HEXES: f64 = 5e7;
 /// Steps along the branches, in radii, where no size is asked for.
@@ -174,18 +192,24 @@ impl HexOptions {
         if self.hexes == Some(0) {
             return Err(Error::Options("the number of hexes must be positive".into()));
         }
-        for (name, length) in [("edge length", self.edge_length), ("radius", self.radius)] {
+        let lengths =
+            [("edge length", self.edge_length), ("radius", self.radius), ("max-distance", self.max_distance)];
+        for (name, length) in lengths {
             if length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
                 return Err(Error::Options(format!("the {name} must be positive")));
             }
+        }
+        if let Some(radii) = self.extend {
+            within("extend", radii, (Bound::Excluded(0.0), Bound::Included(LONGEST_EXTENSION)), "radii")?;
         }
         Ok(())
     }
 
     /// The options for a model in another scale.
     fn in_scale(&self, scale: UnitScale) -> HexOptions {
-        let [edge_length, radius] = [self.edge_length, self.radius].map(|l| l.map(|l| scale.length(l)));
-        HexOptions { edge_length, radius, ..self.clone() }
+        let lengths = [self.edge_length, self.radius, self.max_distance];
+        let [edge_length, radius, max_distance] = lengths.map(|l| l.map(|l| scale.length(l)));
+        HexOptions { edge_length, radius, max_distance, ..self.clone() }
     }
 
     fn refine_across(&self) -> u32 {
@@ -235,6 +259,12 @@ pub struct HexResult {
     pub figures: Figures,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// For every boundary face the one that it continues: itself, but for those that lengthen an end.
+    pub origins: Vec<u32>,
+    /// The tags of ends that are flat pieces of the surface itself, and no open ends.
+    pub flat_caps: Vec<i32>,
+    /// The vertices of the ends that the last vertices, those which lengthen an end, were drawn from.
+    bases: Vec<u32>,
 }
 
 impl HexResult {
@@ -242,6 +272,7 @@ impl HexResult {
     fn in_scale(mut self, scale: UnitScale) -> HexResult {
         self.mesh.points.iter_mut().for_each(|p| *p = scale.point(*p));
         self.figures.quality.volume = scale.back().volume(self.figures.quality.volume);
+        judge::in_scale(&mut self, scale);
         HexResult { skeleton: scale.moved_net(self.skeleton), ..self }
     }
 }
@@ -288,7 +319,11 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     if outside > 0 {
         warnings.push(format!("{outside} nodes of the skeleton lie outside of the cells"));
     }
-    deliver(tube, net, warnings, options, context)
+    let mut result = deliver::with_boundary(tube, net, warnings, options, context)?;
+    deliver::certify(&mut result, options)?;
+    deliver::finish(&mut result, options, context)?;
+    result.warnings.extend(judge::overlap_line(&result));
+    Ok(result)
 }
 
 /// The mesh of a skeleton that was made ready in one of several ways.
@@ -570,41 +605,4 @@ fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, held: &Held) {
     }
     optimiser.tie(springs);
     optimiser.fix(fixed);
-}
-
-/// Boundary, tags and figures.
-fn deliver(
-    tube: TubeMesh,
-    skeleton: CurveNet,
-    mut warnings: Vec<String>,
-    options: &HexOptions,
-    context: &Context,
-) -> Result<HexResult> {
-    let _stage = context.stage("boundary");
-    let uncertified = uncertified(&tube.points, &tube.hexes);
-    let quads: Vec<[u32; 4]> = boundary_faces(&tube.hexes).into_iter().map(|f| f.0).collect();
-    let tag = |q: &[u32; 4]| {
-        let cap = tube.caps[q[0] as usize];
-        if cap > 0 && q.iter().all(|&v| tube.caps[v as usize] == cap) { 1 + cap as i32 } else { 1 }
-    };
-    let tags = quads.iter().map(tag).collect();
-    let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
-    let mut figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
-    figures.cubic_junctions = tube.cubic_junctions;
-    let quality = &figures.quality;
-    if !quality.certified {
-        let count = quality.uncertified.len();
-        if !options.allow_invalid {
-            return Err(Error::Numeric(format!(
-                "{count} of {} hexes could not be made valid, first {}; add padding or halve across, or take them with --allow-invalid",
-                mesh.hexes.len(),
-                quality.uncertified[0]
-            )));
-        }
-        warnings.push(format!(
-            "{count} hexes have no certificate of a positive Jacobian, first {}",
-            quality.uncertified[0]
-        ));
-    }
-    Ok(HexResult { mesh, skeleton, figures, warnings })
 }

@@ -7,6 +7,7 @@
 //! | stage | file |
 //! |---|---|
 //! | open ends get lids | `lids` |
+//! | plane pieces of the surface that may be ends (for `hex`) | `flat_ends` |
 //! | walls are refused | `wall` |
 //! | long edges are divided | `divide` |
 //! | centres of the largest inner balls | `poles` |
@@ -24,6 +25,7 @@
 mod curves;
 mod divide;
 mod ends;
+pub(crate) mod flat_ends;
 mod flow;
 mod lids;
 mod limbs;
