@@ -686,6 +686,9 @@ def hex(
     radius: Length | None = None,
     adapt_radius: bool = False,
     stage: Literal["base", "full"] | None = None,
+    layers: int | None = None,
+    first_layer: Length | None = None,
+    growth: float | None = None,
     extend: float | None = None,
     allow_invalid: bool = False,
     max_distance: Length | None = None,
@@ -716,6 +719,12 @@ def hex(
         Insert cells where a branch of a skeleton is more than twice as thick as where it is thinnest.
     stage : {"base", "full"}, optional
         "base": the graph as given, without clean-up and resampling ("full").
+    layers : int, optional
+        Put this many boundary layers on the wall, thin ones for flow; goes with `first_layer`.
+    first_layer : float or str, optional
+        Thickness of the first layer, on the wall.
+    growth : float, optional
+        Thickness of every layer over that of the one before it (1.2).
     extend : float, optional
         Lengthen every end by a straight piece of this many of its radii.
     allow_invalid : bool

@@ -7,12 +7,13 @@ use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
+use carreau::hex::{self, HexOptions, HexResult, Layers, Padding, Stage};
 use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
+use carreau::words::rounded;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -68,6 +69,15 @@ pub struct Hex {
     /// base: the graph as given, without clean-up and resampling [default: full]
     #[arg(long, value_name = "STAGE", value_parser = choice::<Stage>(&["base", "full"]))]
     stage: Option<Stage>,
+    /// Puts this many boundary layers on the wall, thin ones for flow
+    #[arg(long, value_name = "N")]
+    layers: Option<u32>,
+    /// Thickness of the first layer, on the wall
+    #[arg(long, value_name = "LENGTH")]
+    first_layer: Option<Length>,
+    /// Thickness of every layer over that of the one before it [default: 1.2]
+    #[arg(long, value_name = "R")]
+    growth: Option<f64>,
     /// Lengthens every end by a straight piece of this many of its radii
     #[arg(long, value_name = "RADII")]
     extend: Option<f64>,
@@ -100,6 +110,9 @@ struct Options {
     radius: Option<Length>,
     adapt_radius: bool,
     stage: Stage,
+    layers: Option<u32>,
+    first_layer: Option<Length>,
+    growth: Option<f64>,
     extend: Option<f64>,
     allow_invalid: bool,
     max_distance: Option<Length>,
@@ -122,6 +135,11 @@ impl Options {
             hexes: self.hexes,
             edge_length: self.edge_length.map(|l| l.resolve(diagonal)),
             radius: self.radius.map(|l| l.resolve(diagonal)),
+            layers: self.layers.zip(self.first_layer).map(|(count, first)| Layers {
+                count,
+                first: first.resolve(diagonal),
+                growth: self.growth.unwrap_or(hex::GROWTH),
+            }),
             extend: self.extend,
             allow_invalid: self.allow_invalid,
             max_distance: self.max_distance.map(|l| l.resolve(diagonal)),
@@ -159,12 +177,22 @@ impl Hex {
         all.radius = self.radius.or(all.radius);
         all.adapt_radius |= self.adapt_radius;
         all.stage = self.stage.unwrap_or(all.stage);
+        all.layers = self.layers.or(all.layers);
+        all.first_layer = self.first_layer.or(all.first_layer);
+        all.growth = self.growth.or(all.growth);
         all.extend = self.extend.or(all.extend);
         all.allow_invalid |= self.allow_invalid;
         all.max_distance = self.max_distance.or(all.max_distance);
         all.allow_far |= self.allow_far;
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        match (all.layers, all.first_layer, all.growth) {
+            (Some(_), None, _) => return Err(Error::Options("--layers goes with --first-layer, its thickness".into())),
+            (None, Some(_), _) | (None, _, Some(_)) => {
+                return Err(Error::Options("--first-layer and --growth go with --layers, their number".into()));
+            }
+            _ => {}
+        }
         // Lengths above zero on a diagonal above zero.
         all.resolved(1.0).validate()?;
         Ok(all)
@@ -211,6 +239,14 @@ impl Hex {
             n => format!("{n} cells are not certified"),
         });
         session.say(figures.verdict());
+        if let Some(layers) = &figures.layers {
+            session.say(format!(
+                "{} layers, together {} thick on {:.1}% of the wall, within a tenth",
+                layers.asked.count,
+                rounded(layers.thickness, layers.thickness),
+                100.0 * layers.as_asked
+            ));
+        }
         if let Some(file) = &self.output {
             let mut raw = RawMesh::from(mesh.clone());
             // A format without a place for names need not say that it leaves out those of tags that all files have.
@@ -252,7 +288,9 @@ fn own_names(mesh: &HexMesh) -> BTreeMap<i32, String> {
 }
 
 fn holds_names(file: &Path) -> bool {
-    file.extension().and_then(|e| e.to_str()).is_some_and(|e| ["msh", "inp", "bdf"].contains(&e.to_lowercase().as_str()))
+    file.extension()
+        .and_then(|e| e.to_str())
+        .is_some_and(|e| ["msh", "inp", "bdf"].contains(&e.to_lowercase().as_str()))
 }
 
 /// Gives the boundary faces the groups of the surface, where its file has some (label `ref`), and returns the names. The wall

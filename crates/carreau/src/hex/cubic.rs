@@ -252,6 +252,7 @@ mod tests {
     use super::super::tests::{assert_conforming, star_net};
     use super::super::*;
     use super::*;
+    use crate::mesh::boundary_faces;
     use crate::mesh::irregular_hex_edges;
     use glam::DQuat;
 

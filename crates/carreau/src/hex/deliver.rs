@@ -3,7 +3,7 @@
 use super::extend::extend;
 use super::figures::Figures;
 use super::refine::TubeMesh;
-use super::{HexOptions, HexResult};
+use super::{HexOptions, HexResult, layers};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, HexMesh, boundary_faces};
@@ -33,9 +33,16 @@ pub fn with_boundary(
 
 /// What is asked for beyond the cells of the shape itself, with the figures of the longer mesh; distances are those of before.
 pub fn finish(result: &mut HexResult, options: &HexOptions, context: &Context) -> Result<()> {
-    let Some(radii) = options.extend else { return Ok(()) };
-    let _stage = context.stage("ends");
-    extend(result, radii)?;
+    if options.layers.is_none() && options.extend.is_none() {
+        return Ok(());
+    }
+    if let Some(wanted) = options.layers {
+        layers::add(result, wanted, context)?;
+    }
+    if let Some(radii) = options.extend {
+        let _stage = context.stage("ends");
+        extend(result, radii)?;
+    }
     let of_shape = result.figures.clone();
     let all = Figures::of(&result.mesh, of_shape.segments, of_shape.padding, context)?;
     result.figures = Figures {

@@ -130,8 +130,7 @@ impl<'a> Growth<'a> {
 }
 
 /// The corners across the cell from those of each of its faces.
-const OPPOSITE: [[usize; 4]; 6] =
-    [[4, 7, 6, 5], [0, 1, 2, 3], [3, 2, 6, 7], [0, 3, 7, 4], [1, 0, 4, 5], [2, 1, 5, 6]];
+const OPPOSITE: [[usize; 4]; 6] = [[4, 7, 6, 5], [0, 1, 2, 3], [3, 2, 6, 7], [0, 3, 7, 4], [1, 0, 4, 5], [2, 1, 5, 6]];
 
 /// Centre, unit normal and radius of the disc as large as some faces.
 pub fn disc(mesh: &HexMesh, faces: &[usize]) -> Option<(DVec3, DVec3, f64)> {

@@ -2,6 +2,7 @@
 
 use super::Padding;
 use super::judge::{Uncovered, overlapping};
+use super::layers::LayerFigures;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified, volume};
@@ -26,6 +27,9 @@ pub struct Figures {
     pub cubic_junctions: usize,
     /// Where a layer was put.
     pub padding: Padding,
+    /// What has become of the boundary layers, where some were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<LayerFigures>,
     /// What the cells are worth.
     #[serde(flatten)]
     pub quality: HexQuality,
@@ -60,6 +64,7 @@ impl Figures {
             boundary_quads: mesh.quads.len(),
             segments,
             padding,
+            layers: None,
             quality: HexQuality::of(&mesh.points, &mesh.hexes, &mesh.quads, context)?,
             distance_max: None,
             distance_max_at: None,
@@ -77,7 +82,8 @@ impl Figures {
             share if share > 0.0 => format!("{:.2}% of the volume is covered twice", 100.0 * share),
             _ => "nothing is covered twice".into(),
         };
-        let distance = self.distance_max.map(|d| format!("at most {:.2}% of the diagonal from the surface, ", 100.0 * d));
+        let distance =
+            self.distance_max.map(|d| format!("at most {:.2}% of the diagonal from the surface, ", 100.0 * d));
         let volume = self.volume_ratio.map(|v| format!("{:.1}% of its volume, ", 100.0 * v));
         [distance.unwrap_or_default(), volume.unwrap_or_default(), overlap].concat()
     }

@@ -46,12 +46,7 @@ pub struct Uncovered {
 }
 
 /// The cells that lie where others are, ascending; `quads` are the boundary faces.
-pub fn overlapping(
-    points: &[DVec3],
-    hexes: &[[u32; 8]],
-    quads: &[[u32; 4]],
-    context: &Context,
-) -> Result<Vec<u32>> {
+pub fn overlapping(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], context: &Context) -> Result<Vec<u32>> {
     let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&q| split_quad(points, q)).collect();
     let winding = WindingTree::new(&TriangleTree::new(points, &triangles));
     let is_twice = |h: &[u32; 8]| {
@@ -200,6 +195,7 @@ pub fn in_scale(result: &mut HexResult, scale: UnitScale) {
     let moved = |p: [f64; 3]| scale.point(DVec3::from(p)).to_array();
     let figures = &mut result.figures;
     figures.distance_max_at = figures.distance_max_at.map(moved);
+    figures.layers = figures.layers.take().map(|l| l.in_scale(scale));
     figures.uncovered.iter_mut().for_each(|part| part.at = moved(part.at));
 }
 

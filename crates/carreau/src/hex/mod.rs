@@ -26,6 +26,7 @@
 //! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
 //! | boundary, tags, certificate | `deliver` |
+//! | boundary layers | `layers` |
 //! | straight pieces at the ends | `extend` |
 //! | how far the result is from the surface, what lies where it should not | `judge` |
 //! | figures of the result | `figures` |
@@ -46,6 +47,7 @@ mod fit;
 mod frames;
 mod insert;
 mod judge;
+mod layers;
 mod limit;
 mod meet;
 mod optimise;
@@ -69,10 +71,11 @@ mod zip;
 
 pub use figures::{Figures, HexQuality};
 pub use judge::{MAX_DISTANCE, Uncovered};
+pub use layers::{GROWTH, LayerFigures, Layers, MOST_LAYERS};
 pub use surface::from_surface;
 pub use validate::Validity;
 
-use crate::bounds::within;
+use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
@@ -131,6 +134,8 @@ pub struct HexOptions {
     pub edge_length: Option<f64>,
     /// One radius for all nodes, in the unit of the file.
     pub radius: Option<f64>,
+    /// Boundary layers on the wall, besides the layer that `padding` makes.
+    pub layers: Option<Layers>,
     /// Every end is lengthened by a straight piece of so many of its radii.
     pub extend: Option<f64>,
     /// Cells without a certificate are delivered.
@@ -192,12 +197,16 @@ impl HexOptions {
         if self.hexes == Some(0) {
             return Err(Error::Options("the number of hexes must be positive".into()));
         }
-        let lengths =
-            [("edge length", self.edge_length), ("radius", self.radius), ("max-distance", self.max_distance)];
+        let lengths = [("edge length", self.edge_length), ("radius", self.radius), ("max-distance", self.max_distance)];
         for (name, length) in lengths {
             if length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
                 return Err(Error::Options(format!("the {name} must be positive")));
             }
+        }
+        if let Some(layers) = self.layers {
+            within("layers", layers.count, 1..=MOST_LAYERS, "")?;
+            positive("first-layer", layers.first)?;
+            within("growth", layers.growth, 1.0..=layers::STEEPEST, "")?;
         }
         if let Some(radii) = self.extend {
             within("extend", radii, (Bound::Excluded(0.0), Bound::Included(LONGEST_EXTENSION)), "radii")?;
@@ -209,7 +218,8 @@ impl HexOptions {
     fn in_scale(&self, scale: UnitScale) -> HexOptions {
         let lengths = [self.edge_length, self.radius, self.max_distance];
         let [edge_length, radius, max_distance] = lengths.map(|l| l.map(|l| scale.length(l)));
-        HexOptions { edge_length, radius, max_distance, ..self.clone() }
+        let layers = self.layers.map(|l| l.in_scale(scale));
+        HexOptions { edge_length, radius, max_distance, layers, ..self.clone() }
     }
 
     fn refine_across(&self) -> u32 {

@@ -16,7 +16,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::mesh::{CurveNet, SurfaceMesh, UnitScale, boundary_faces, split_quad};
-use crate::skeleton::{self, Closed, SkeletonOptions};
+use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -377,8 +377,8 @@ fn skeleton_of(
 ) -> Result<(Closed, CurveNet, Vec<String>)> {
     match given {
         None => {
-            // The ends are met by the cells themselves.
-            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), false, context)?;
+            // Round and open ends are met by the cells themselves.
+            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), Reach::Sharp, context)?;
             Ok((found.closed, found.net, found.warnings))
         }
         Some(net) => {

@@ -341,3 +341,102 @@ fn a_thread_has_few_cells() {
     let made = from_net(&net, &HexOptions::default(), &Context::new()).unwrap();
     assert!((1000..100_000).contains(&made.mesh.hexes.len()), "{}", made.mesh.hexes.len());
 }
+
+/// A closed tube whose ends are flat: both are ends with tags of their own, flat, and their rims stay. Lengthened, they are
+/// still flat, two radii farther out, and the faces around the new pieces continue those of the wall.
+#[test]
+fn flat_ends_of_a_closed_tube_are_ends() {
+    let closed = crate::skeleton::closed(&bent_tube()).unwrap().mesh;
+    let at = |k: u32| {
+        let (sin, cos) = (f64::from(k) / 20.0 * std::f64::consts::FRAC_PI_2).sin_cos();
+        DVec3::new(4.0 * sin, 4.0 * cos, 0.0)
+    };
+    // As the flow leaves it: it stops before the ends.
+    let nodes: Vec<DVec3> = (4..=16).map(at).collect();
+    let net = CurveNet::new(nodes.clone(), vec![0.8; nodes.len()], (1..13).map(|k| [k - 1, k]).collect());
+    let options = HexOptions { hexes: Some(600), ..HexOptions::default() };
+    let context = Context::new();
+    let short = from_surface(&closed, Some(&net), &options, &context).unwrap();
+    assert_eq!(short.flat_caps, [2, 3]);
+    assert!(short.figures.quality.certified && short.figures.quality.scaled_jacobian_min > 0.5, "{:?}", short.figures);
+    assert!((0.95..1.02).contains(&short.figures.volume_ratio.unwrap()));
+    let is_at_end = |p: DVec3, by: f64| (p.y + by).abs().min((p.x + by).abs()) < 1e-9;
+    let on_ends = |mesh: &HexMesh, tag: i32| -> Vec<DVec3> {
+        let faces = mesh.quads.iter().zip(&mesh.tags).filter(|f| *f.1 == tag);
+        faces.flat_map(|f| f.0.map(|v| mesh.points[v as usize])).collect()
+    };
+    for tag in [2, 3] {
+        let points = on_ends(&short.mesh, tag);
+        assert!(!points.is_empty() && points.iter().all(|p| is_at_end(*p, 0.0)));
+    }
+    let long = from_surface(&closed, Some(&net), &HexOptions { extend: Some(2.0), ..options }, &context).unwrap();
+    assert!(long.figures.quality.certified, "{:?}", long.figures);
+    assert_conforming(&long.mesh.hexes, &long.mesh.points, &[0]);
+    for tag in [2, 3] {
+        let points = on_ends(&long.mesh, tag);
+        let by = points.iter().map(|p| -p.x.min(p.y)).fold(0.0, f64::max);
+        // The section is a polygon in a circle of radius 1 or .6.
+        assert!((1.9..2.02).contains(&by) || (1.15..1.21).contains(&by), "{by}");
+        assert!(points.iter().all(|p| is_at_end(*p, by)), "flat");
+    }
+    let far = |q: &[u32; 4]| q.iter().any(|&v| long.mesh.points[v as usize].min_element() < -1.1);
+    let sides: Vec<usize> =
+        (0..long.mesh.quads.len()).filter(|&f| long.mesh.tags[f] == 1 && far(&long.mesh.quads[f])).collect();
+    assert!(!sides.is_empty());
+    for f in sides {
+        let origin = long.origins[f] as usize;
+        assert!(origin != f && long.mesh.tags[origin] == 1 && long.origins[origin] as usize == origin);
+    }
+}
+
+/// Five layers on a straight tube and on a fork: as thick as asked for along the wall's normal, in proportion, and certified.
+#[test]
+fn layers_have_the_thickness_asked_for() {
+    let straight = CurveNet::new(vec![DVec3::ZERO, DVec3::X * 8.0], vec![1.0; 2], vec![[0, 1]]);
+    let wanted = Layers { count: 5, first: 0.02, growth: 1.3 };
+    for (net, share) in [(straight, 0.99), (tree(), 0.95)] {
+        let plain = HexOptions { refine_across: Some(1), hexes: Some(4000), ..HexOptions::default() };
+        let context = Context::new();
+        let before = from_net(&net, &plain, &context).unwrap();
+        let after = from_net(&net, &HexOptions { layers: Some(wanted), ..plain }, &context).unwrap();
+        let f = &after.figures;
+        let layers = f.layers.as_ref().unwrap();
+        assert!(f.quality.certified && layers.as_asked > share, "{layers:?} {:?}", after.warnings);
+        assert!((layers.thickness - 0.02 * (1.3f64.powi(5) - 1.0) / 0.3).abs() < 1e-12);
+        let of_wall = before.mesh.tags.iter().filter(|t| **t == 1).count();
+        assert_eq!(f.hexes, before.figures.hexes + 5 * of_wall);
+        assert_conforming(&after.mesh.hexes, &after.mesh.points, &net.cycles());
+        // The boundary stays where it was.
+        let sorted = |r: &HexResult| {
+            let on: Vec<DVec3> = r.mesh.quads.iter().flatten().map(|&v| r.mesh.points[v as usize]).collect();
+            let mut on: Vec<[u64; 3]> = on.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+            on.sort_unstable();
+            on.dedup();
+            on
+        };
+        let (old, new) = (sorted(&before), sorted(&after));
+        assert!(old.iter().filter(|p| new.binary_search(p).is_ok()).count() * 10 > old.len() * 9);
+        assert_eq!(after.mesh.tags.iter().max(), before.mesh.tags.iter().max());
+        // Edges across the layers grow by the factor.
+        let length = |a: u32, b: u32| after.mesh.points[a as usize].distance(after.mesh.points[b as usize]);
+        let last = after.mesh.hexes.len() - of_wall;
+        let [outer, next] = [last, last - of_wall].map(|h| {
+            let c = after.mesh.hexes[h];
+            length(c[0], c[4])
+        });
+        assert!((next / outer - 1.3).abs() < 1e-9, "{next} {outer}");
+    }
+}
+
+/// Layers thicker than the tube are thinned, which is said, and the cells are certified all the same.
+#[test]
+fn layers_without_room_are_thinned() {
+    let wanted = Layers { count: 3, first: 0.4, growth: 1.5 };
+    let options = HexOptions { layers: Some(wanted), ..HexOptions::default() };
+    let result = from_net(&tree(), &options, &Context::new()).unwrap();
+    let layers = result.figures.layers.as_ref().unwrap();
+    assert!(result.figures.quality.certified && layers.as_asked < 0.5 && layers.least > 0.0, "{layers:?}");
+    assert!(result.warnings.iter().any(|w| w.contains("no room")), "{:?}", result.warnings);
+    assert!(HexOptions { layers: Some(Layers { growth: 0.5, ..wanted }), ..HexOptions::default() }.validate().is_err());
+    assert!(HexOptions { extend: Some(0.0), ..HexOptions::default() }.validate().is_err());
+}

@@ -103,7 +103,8 @@ fn lid(
     let off = |v: u32| (at(v) - centre).dot(normal).abs();
     let radius = border.iter().map(|e| at(e[0]).distance(centre)).sum::<f64>() / border.len() as f64;
     let flatness = border.iter().map(|e| off(e[0])).fold(0.0, f64::max) / radius.max(f64::MIN_POSITIVE);
-    let is_flat = triangles.iter().flat_map(|&t| [0, 1, 2].map(|k| side(mesh, t, k)[0])).all(|v| off(v) < FLAT * radius);
+    let is_flat =
+        triangles.iter().flat_map(|&t| [0, 1, 2].map(|k| side(mesh, t, k)[0])).all(|v| off(v) < FLAT * radius);
     is_flat.then_some((Lid { centre, normal, radius, flatness, border, triangles: 0..0, is_open: false }, triangles))
 }
 
@@ -187,7 +188,9 @@ mod tests {
         let ends = candidates(&pipe);
         let found: Vec<[f64; 2]> = ends.iter().map(|(lid, _)| [lid.centre.z, lid.normal.z]).collect();
         assert_eq!(found, [[0.0, -1.0], [9.0, 1.0]]);
-        assert!(ends.iter().all(|(lid, t)| (lid.radius - 1.0).abs() < 1e-12 && t.len() == 22 && lid.border.len() == 24));
+        assert!(
+            ends.iter().all(|(lid, t)| (lid.radius - 1.0).abs() < 1e-12 && t.len() == 22 && lid.border.len() == 24)
+        );
         let with = with_lids(pipe, ends).unwrap();
         assert_eq!((with.wall, with.lids.len(), with.mesh.face_count()), (48, 2, 92));
         for lid in &with.lids {

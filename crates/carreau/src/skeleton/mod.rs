@@ -35,6 +35,7 @@ mod tests;
 mod tidy;
 mod wall;
 
+pub(crate) use ends::Reach;
 pub use lids::{Closed, Lid, closed};
 use tidy::Body;
 pub(crate) use tidy::centre;
@@ -152,20 +153,20 @@ const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 /// [`Error::Input`] for a surface that is not triangular, not manifold or not consistently oriented, [`Error::Numeric`]
 /// where the cycles do not come out as many as the handles; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context) -> Result<Skeleton> {
-    extract_with(mesh, options, true, context)
+    extract_with(mesh, options, Reach::All, context)
 }
 
-/// As [`extract`]; the branches of flat ends stop before these unless they are to be led there.
+/// As [`extract`]; branches are led to some of the flat ends, and stop before others.
 pub(crate) fn extract_with(
     mesh: &SurfaceMesh,
     options: &SkeletonOptions,
-    to_ends: bool,
+    reach: Reach,
     context: &Context,
 ) -> Result<Skeleton> {
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
-        let found = extract_with(&mesh, options, to_ends, context)?;
+        let found = extract_with(&mesh, options, reach, context)?;
         let closed = found.closed.moved(scale.back());
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
@@ -206,8 +207,10 @@ pub(crate) fn extract_with(
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
-            if to_ends {
-                ends::reach_ends(&mut net, &body);
+            let sharp = || flat_ends::candidates(&closed).into_iter().map(|(lid, _)| lid).collect::<Vec<_>>();
+            match reach {
+                Reach::All => ends::reach_ends(&mut net, &body, None),
+                Reach::Sharp => ends::reach_ends(&mut net, &body, Some(&sharp())),
             }
             preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
