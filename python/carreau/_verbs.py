@@ -690,6 +690,7 @@ def hex(
     first_layer: Length | None = None,
     growth: float | None = None,
     extend: float | None = None,
+    order: Literal[1, 2] | None = None,
     allow_invalid: bool = False,
     max_distance: Length | None = None,
     allow_far: bool = False,
@@ -727,6 +728,8 @@ def hex(
         Thickness of every layer over that of the one before it (1.2).
     extend : float, optional
         Lengthen every end by a straight piece of this many of its radii.
+    order : {1, 2}, optional
+        2: cells have nodes in the middle of edges and faces, too, those of the boundary on the surface (1).
     allow_invalid : bool
         Return cells without a certificate too; the record lists them.
     max_distance : float or str, optional

@@ -7,9 +7,9 @@ use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::hex::{self, HexOptions, HexResult, Layers, Padding, Stage};
-use carreau::io::ResultKind;
+use carreau::hex::{self, HexOptions, HexResult, Layers, Order, Padding, Stage};
 use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, check_second_order};
 use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
@@ -81,6 +81,9 @@ pub struct Hex {
     /// Lengthens every end by a straight piece of this many of its radii
     #[arg(long, value_name = "RADII")]
     extend: Option<f64>,
+    /// Order of the cells: 2 for nodes in the middle of edges and faces, those of the boundary on the surface [default: 1]
+    #[arg(long, value_name = "1|2", value_parser = choice::<Order>(&["1", "2"]))]
+    order: Option<Order>,
     /// Writes cells without a certificate too; the record lists them
     #[arg(long)]
     allow_invalid: bool,
@@ -114,6 +117,7 @@ struct Options {
     first_layer: Option<Length>,
     growth: Option<f64>,
     extend: Option<f64>,
+    order: Order,
     allow_invalid: bool,
     max_distance: Option<Length>,
     allow_far: bool,
@@ -141,6 +145,7 @@ impl Options {
                 growth: self.growth.unwrap_or(hex::GROWTH),
             }),
             extend: self.extend,
+            order: self.order,
             allow_invalid: self.allow_invalid,
             max_distance: self.max_distance.map(|l| l.resolve(diagonal)),
             allow_far: self.allow_far,
@@ -180,6 +185,10 @@ impl Hex {
         all.layers = self.layers.or(all.layers);
         all.first_layer = self.first_layer.or(all.first_layer);
         all.growth = self.growth.or(all.growth);
+        all.order = self.order.unwrap_or(all.order);
+        if let Some(file) = self.output.as_deref().filter(|_| all.order == Order::Second) {
+            check_second_order(file)?;
+        }
         all.extend = self.extend.or(all.extend);
         all.allow_invalid |= self.allow_invalid;
         all.max_distance = self.max_distance.or(all.max_distance);
@@ -239,6 +248,9 @@ impl Hex {
             n => format!("{n} cells are not certified"),
         });
         session.say(figures.verdict());
+        if let Some(straight) = figures.straight_edges {
+            session.say(format!("cells of second order, {straight} edges kept straight"));
+        }
         if let Some(layers) = &figures.layers {
             session.say(format!(
                 "{} layers, together {} thick on {:.1}% of the wall, within a tenth",
@@ -248,7 +260,7 @@ impl Hex {
             ));
         }
         if let Some(file) = &self.output {
-            let mut raw = RawMesh::from(mesh.clone());
+            let mut raw = found.raw();
             // A format without a place for names need not say that it leaves out those of tags that all files have.
             let names = if has_groups || holds_names(file) { names } else { BTreeMap::new() };
             raw.attributes.names = names.into_iter().map(|(tag, name)| (("ref".to_string(), tag), name)).collect();

@@ -3,7 +3,8 @@
 use super::extend::extend;
 use super::figures::Figures;
 use super::refine::TubeMesh;
-use super::{HexOptions, HexResult, layers};
+use super::target::Target;
+use super::{HexOptions, HexResult, Order, layers, second_order};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, HexMesh, boundary_faces};
@@ -27,13 +28,14 @@ pub fn with_boundary(
     let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
     let mut figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, context)?;
     figures.cubic_junctions = tube.cubic_junctions;
+    let bases = (0..mesh.points.len() as u32).collect();
     let origins = (0..mesh.quads.len() as u32).collect();
-    Ok(HexResult { mesh, skeleton, figures, warnings, origins, flat_caps: Vec::new(), bases: Vec::new() })
+    Ok(HexResult { mesh, skeleton, figures, warnings, origins, flat_caps: Vec::new(), second_order: None, bases })
 }
 
 /// What is asked for beyond the cells of the shape itself, with the figures of the longer mesh; distances are those of before.
-pub fn finish(result: &mut HexResult, options: &HexOptions, context: &Context) -> Result<()> {
-    if options.layers.is_none() && options.extend.is_none() {
+pub fn finish(result: &mut HexResult, options: &HexOptions, target: Option<&Target>, context: &Context) -> Result<()> {
+    if options.layers.is_none() && options.extend.is_none() && options.order == Order::First {
         return Ok(());
     }
     if let Some(wanted) = options.layers {
@@ -43,11 +45,15 @@ pub fn finish(result: &mut HexResult, options: &HexOptions, context: &Context) -
         let _stage = context.stage("ends");
         extend(result, radii)?;
     }
+    if options.order == Order::Second {
+        second_order::raise(result, target, context)?;
+    }
     let of_shape = result.figures.clone();
+    let middles = result.second_order.as_ref().map_or(0, |m| m.places.len());
     let all = Figures::of(&result.mesh, of_shape.segments, of_shape.padding, context)?;
     result.figures = Figures {
         hexes: all.hexes,
-        vertices: all.vertices,
+        vertices: all.vertices + middles,
         boundary_quads: all.boundary_quads,
         quality: all.quality,
         ..of_shape

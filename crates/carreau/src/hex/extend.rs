@@ -77,7 +77,7 @@ impl<'a> Growth<'a> {
                 let p = result.mesh.points[v as usize];
                 let to_go = length - (p - centre).dot(normal);
                 result.mesh.points.push(p + normal * (share * to_go));
-                result.bases.push(v);
+                result.bases.push(result.bases[v as usize]);
             }
             for q in &quads {
                 let [low, high] = [q.map(|v| below[place(v)]), q.map(|v| first + place(v) as u32)];

@@ -30,6 +30,9 @@ pub struct Figures {
     /// What has become of the boundary layers, where some were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<LayerFigures>,
+    /// Edges of cells of second order that stay straight, because a cell would fold; only of such cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub straight_edges: Option<usize>,
     /// What the cells are worth.
     #[serde(flatten)]
     pub quality: HexQuality,
@@ -65,6 +68,7 @@ impl Figures {
             segments,
             padding,
             layers: None,
+            straight_edges: None,
             quality: HexQuality::of(&mesh.points, &mesh.hexes, &mesh.quads, context)?,
             distance_max: None,
             distance_max_at: None,

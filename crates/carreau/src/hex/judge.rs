@@ -220,7 +220,8 @@ mod tests {
         let figures = Figures::of(&mesh, 1, Padding::None, &context).unwrap();
         let skeleton = CurveNet::new(Vec::new(), Vec::new(), Vec::new());
         let (origins, flat_caps, bases) = (Vec::new(), Vec::new(), Vec::new());
-        let mut result = HexResult { mesh, skeleton, figures, warnings: Vec::new(), origins, flat_caps, bases };
+        let (warnings, second_order) = (Vec::new(), None);
+        let mut result = HexResult { mesh, skeleton, figures, warnings, origins, flat_caps, second_order, bases };
         measure(&mut result, &surface, options, &context).unwrap();
         (accept(&mut result, options, surface.diagonal()), result)
     }

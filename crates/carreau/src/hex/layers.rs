@@ -53,7 +53,9 @@ const KEPT: f64 = 0.4;
 /// Layers are thinned to this share around weak cells, in so many rounds at most.
 const THINNED: f64 = 0.75;
 const ROUNDS: usize = 16;
-/// Rings of cells around a weak one whose wall vertices are thinned.
+/// Where that is not enough all of the wall's are halved, so often at most.
+const HALVINGS: usize = 6;
+/// Rings of cells around a weak one whose wall vertices are thinned at first.
 const RINGS: usize = 2;
 /// Sweeps of the harmonic displacement, and its over-relaxation.
 const SWEEPS: usize = 120;
@@ -122,7 +124,7 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
     let floors: Vec<f64> = optimiser.qualities(&result.mesh.points).into_iter().map(|q| KEPT * q).collect();
     let mut moves = vec![DVec3::ZERO; result.mesh.points.len()];
     let mut points = result.mesh.points.clone();
-    for round in 0..ROUNDS {
+    for round in 0..ROUNDS + HALVINGS {
         context.check()?;
         inside.follow(&wall, &mut moves, context)?;
         points = result.mesh.points.iter().zip(&moves).map(|(p, m)| *p + *m).collect();
@@ -134,7 +136,13 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
         }
         weak.sort_unstable();
         weak.dedup();
-        wall.thin(&inside.wall_near(&result.mesh, &wall, &weak));
+        if round < ROUNDS {
+            // What stays weak has its reason farther away.
+            wall.thin(&inside.wall_near(&result.mesh, &wall, &weak, RINGS + round / 4));
+        } else {
+            wall.thickness.iter_mut().for_each(|t| *t *= 0.5);
+            moves.iter_mut().for_each(|m| *m *= 0.5);
+        }
     }
     let mut inner = Optimiser::new(&points, &result.mesh.hexes);
     inner.fix(wall.on_boundary.clone());
@@ -150,6 +158,10 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
     }
     result.figures.layers = Some(figures);
     wall.fill(&mut result.mesh, points, &layers)?;
+    let outermost = |k: usize| (result.bases.len() + (k + 1) * layers.count as usize - 1) as u32;
+    let outermost: Vec<u32> = (0..wall.vertices.len()).map(outermost).collect();
+    wall.vertices.iter().zip(&outermost).for_each(|(&v, &out)| result.bases[v as usize] = out);
+    result.bases.extend(outermost.iter().flat_map(|&out| std::iter::repeat_n(out, layers.count as usize)));
     result.origins = (0..result.mesh.quads.len() as u32).collect();
     Ok(())
 }
@@ -315,7 +327,7 @@ impl Wall {
 }
 
 /// The normals of the ends at the vertices of these.
-fn planes(mesh: &HexMesh) -> FxHashMap<u32, Vec<DVec3>> {
+pub(super) fn planes(mesh: &HexMesh) -> FxHashMap<u32, Vec<DVec3>> {
     let mut planes: FxHashMap<u32, Vec<DVec3>> = FxHashMap::default();
     for tag in 2..=mesh.tags.iter().copied().max().unwrap_or(1) {
         let faces: Vec<usize> = (0..mesh.quads.len()).filter(|&f| mesh.tags[f] == tag).collect();
@@ -329,7 +341,7 @@ fn planes(mesh: &HexMesh) -> FxHashMap<u32, Vec<DVec3>> {
 }
 
 /// Takes away what leads out of planes.
-fn within(planes: Option<&Vec<DVec3>>, v: DVec3) -> DVec3 {
+pub(super) fn within(planes: Option<&Vec<DVec3>>, v: DVec3) -> DVec3 {
     planes.into_iter().flatten().fold(v, |v, n| v - *n * n.dot(v))
 }
 
@@ -423,14 +435,14 @@ impl Inside {
     }
 
     /// The wall vertices of cells and of those some rings around them, or as many rings as it takes to reach the wall; as places.
-    fn wall_near(&self, mesh: &HexMesh, wall: &Wall, cells: &[u32]) -> Vec<usize> {
+    fn wall_near(&self, mesh: &HexMesh, wall: &Wall, cells: &[u32], rings: usize) -> Vec<usize> {
         let mut seen = vec![false; mesh.points.len()];
         let mut front: Vec<u32> = cells.iter().flat_map(|&h| mesh.hexes[h as usize]).collect();
         let mut found = Vec::new();
         for ring in 0.. {
             front.retain(|&v| !std::mem::replace(&mut seen[v as usize], true));
             found.extend(front.iter().filter_map(|&v| wall.place(v)));
-            if front.is_empty() || (ring >= RINGS && !found.is_empty()) {
+            if front.is_empty() || (ring >= rings && !found.is_empty()) {
                 break;
             }
             front = front.iter().flat_map(|&v| self.around(v as usize).iter().map(|a| a.0)).collect();

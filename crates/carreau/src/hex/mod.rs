@@ -28,6 +28,7 @@
 //! | boundary, tags, certificate | `deliver` |
 //! | boundary layers | `layers` |
 //! | straight pieces at the ends | `extend` |
+//! | cells of second order | `second_order` |
 //! | how far the result is from the surface, what lies where it should not | `judge` |
 //! | figures of the result | `figures` |
 //!
@@ -55,6 +56,7 @@ mod oval;
 mod reach;
 mod refine;
 mod resample;
+mod second_order;
 mod sew;
 mod skin;
 #[cfg(test)]
@@ -72,6 +74,7 @@ mod zip;
 pub use figures::{Figures, HexQuality};
 pub use judge::{MAX_DISTANCE, Uncovered};
 pub use layers::{GROWTH, LayerFigures, Layers, MOST_LAYERS};
+pub use second_order::MiddleOf;
 pub use surface::from_surface;
 pub use validate::Validity;
 
@@ -79,7 +82,7 @@ use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
-use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale};
+use crate::mesh::{CurveNet, HexMesh, RawMesh, RepairedNet, UnitScale};
 use cubic::Cube;
 use glam::DVec3;
 use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
@@ -114,6 +117,50 @@ pub enum Stage {
     Full,
 }
 
+/// The order of the cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "OrderNumber", into = "u8")]
+pub enum Order {
+    /// Straight edges: 8 corners.
+    #[default]
+    First,
+    /// Edges with a node in the middle, which bends them: 27 nodes, or 20.
+    Second,
+}
+
+/// The order as a number, or as a command line has it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OrderNumber {
+    Number(u8),
+    Word(String),
+}
+
+impl TryFrom<OrderNumber> for Order {
+    type Error = Error;
+
+    fn try_from(order: OrderNumber) -> Result<Order> {
+        let word = match order {
+            OrderNumber::Number(number) => number.to_string(),
+            OrderNumber::Word(word) => word,
+        };
+        match word.as_str() {
+            "1" => Ok(Order::First),
+            "2" => Ok(Order::Second),
+            _ => Err(Error::Options(format!("the order of the cells is {word}, it must be 1 or 2"))),
+        }
+    }
+}
+
+impl From<Order> for u8 {
+    fn from(order: Order) -> u8 {
+        match order {
+            Order::First => 1,
+            Order::Second => 2,
+        }
+    }
+}
+
 /// Options of [`from_net`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -138,6 +185,8 @@ pub struct HexOptions {
     pub layers: Option<Layers>,
     /// Every end is lengthened by a straight piece of so many of its radii.
     pub extend: Option<f64>,
+    /// Cells have nodes in the middle of their edges and faces, those of the boundary on the surface.
+    pub order: Order,
     /// Cells without a certificate are delivered.
     pub allow_invalid: bool,
     /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`] of the diagonal.
@@ -273,16 +322,28 @@ pub struct HexResult {
     pub origins: Vec<u32>,
     /// The tags of ends that are flat pieces of the surface itself, and no open ends.
     pub flat_caps: Vec<i32>,
-    /// The vertices of the ends that the last vertices, those which lengthen an end, were drawn from.
+    /// The nodes of second order, where they were asked for.
+    pub second_order: Option<MiddleOf>,
+    /// For every vertex the one of the wall that it lies under in a layer, or of an end that it was drawn from; else itself.
     bases: Vec<u32>,
 }
 
 impl HexResult {
+    /// What is written into a file: the mesh, with its nodes of second order where it has some.
+    pub fn raw(&self) -> RawMesh {
+        let raw = RawMesh::from(self.mesh.clone());
+        match &self.second_order {
+            Some(middle) => raw.with_second_order(middle.nodes.clone(), &middle.places),
+            None => raw,
+        }
+    }
+
     /// The result in another scale.
     fn in_scale(mut self, scale: UnitScale) -> HexResult {
         self.mesh.points.iter_mut().for_each(|p| *p = scale.point(*p));
         self.figures.quality.volume = scale.back().volume(self.figures.quality.volume);
         judge::in_scale(&mut self, scale);
+        self.second_order = self.second_order.take().map(|s| s.in_scale(scale));
         HexResult { skeleton: scale.moved_net(self.skeleton), ..self }
     }
 }
@@ -331,7 +392,7 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     }
     let mut result = deliver::with_boundary(tube, net, warnings, options, context)?;
     deliver::certify(&mut result, options)?;
-    deliver::finish(&mut result, options, context)?;
+    deliver::finish(&mut result, options, None, context)?;
     result.warnings.extend(judge::overlap_line(&result));
     Ok(result)
 }

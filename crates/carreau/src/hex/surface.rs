@@ -141,7 +141,7 @@ fn meshed(
     judge::measure(&mut result, &closed.mesh, &options, context)?;
     let numbered = (2..).zip(target.lids());
     result.flat_caps = numbered.filter(|(_, lid)| !lid.is_open).map(|(tag, _)| tag).collect();
-    deliver::finish(&mut result, &options, context)?;
+    deliver::finish(&mut result, &options, Some(&target), context)?;
     Ok(result)
 }
 

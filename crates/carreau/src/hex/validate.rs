@@ -107,7 +107,7 @@ mod tests {
             let mut mesh = row(60);
             for p in &mut mesh.points {
                 let (sin, cos) = (p.z / 60.0 * turn).sin_cos();
-                *p = DVec3::new((5.0 + p.x) * cos, p.y, -(5.0 + p.x) * sin);
+                *p = DVec3::new((5.0 + p.x) * cos, p.y, (5.0 + p.x) * sin);
             }
             mesh
         };

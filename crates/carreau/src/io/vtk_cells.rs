@@ -42,6 +42,8 @@ pub(super) mod kind {
     pub const HEXAHEDRON: u8 = 12;
     pub const WEDGE: u8 = 13;
     pub const PYRAMID: u8 = 14;
+    pub const BIQUADRATIC_QUAD: u8 = 28;
+    pub const TRIQUADRATIC_HEXAHEDRON: u8 = 29;
 }
 
 /// What the cells that are not kept are called.
@@ -293,6 +295,13 @@ fn has_values(column: &Column) -> bool {
 /// Visits all cells in the order in which they are written: lines, faces, tetrahedra, hexahedra, wedges, pyramids.
 pub(super) fn for_each_cell(mesh: &RawMesh, mut visit: impl FnMut(u8, &[u32])) {
     mesh.edges.iter().for_each(|e| visit(kind::LINE, e));
+    if let Some(nodes) = &mesh.second_order {
+        let faces = mesh.faces.iter().zip(&nodes.quads);
+        faces.for_each(|(face, middles)| visit(kind::BIQUADRATIC_QUAD, &[face, &middles[..]].concat()));
+        let cells = mesh.cells.hexes.iter().zip(&nodes.hexes);
+        cells.for_each(|(cell, middles)| visit(kind::TRIQUADRATIC_HEXAHEDRON, &[&cell[..], &middles[..]].concat()));
+        return;
+    }
     for face in mesh.faces.iter() {
         let kind = match face.len() {
             3 => kind::TRIANGLE,

@@ -37,7 +37,7 @@ impl SecondOrder {
     ///
     /// # Errors
     /// [`Error::Input`] where there would be more nodes than numbers for them.
-    pub fn of(mesh: &HexMesh) -> Result<(SecondOrder, Nodes)> {
+    pub fn of(mesh: &HexMesh) -> Result<(SecondOrder, MiddleNodes)> {
         let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
         let mut edges: Vec<[u32; 2]> = mesh
             .hexes
@@ -51,8 +51,7 @@ impl SecondOrder {
             mesh.hexes.par_iter().flat_map_iter(|h| (0..6).map(move |k| face(h, k))).collect();
         faces.par_sort_unstable();
         faces.dedup();
-        let [of_edges, of_faces, of_cells] =
-            [0, edges.len(), edges.len() + faces.len()].map(|k| mesh.points.len() + k);
+        let [of_edges, of_faces, of_cells] = [0, edges.len(), edges.len() + faces.len()].map(|k| mesh.points.len() + k);
         if of_cells + mesh.hexes.len() > u32::MAX as usize {
             return Err(Error::input("the mesh has too many nodes for cells of second order", "", "make fewer cells"));
         }
@@ -70,13 +69,13 @@ impl SecondOrder {
         };
         let hexes = mesh.hexes.par_iter().enumerate().map(cell).collect();
         let quads = mesh.quads.par_iter().map(quad).collect();
-        Ok((SecondOrder { hexes, quads }, Nodes { edges, faces, first: mesh.points.len() as u32 }))
+        Ok((SecondOrder { hexes, quads }, MiddleNodes { edges, faces, first: mesh.points.len() as u32 }))
     }
 }
 
 /// What the nodes of second order stand in the middle of.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Nodes {
+pub struct MiddleNodes {
     /// Ends of the edges, ascending.
     pub edges: Vec<[u32; 2]>,
     /// Corners of the faces, ascending.
