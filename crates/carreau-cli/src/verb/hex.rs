@@ -13,7 +13,7 @@ use carreau::io::{ResultKind, check_second_order};
 use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
-use carreau::words::rounded;
+use carreau::words::{counted, rounded};
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -248,8 +248,9 @@ impl Hex {
             n => format!("{n} cells are not certified"),
         });
         session.say(figures.verdict());
-        if let Some(straight) = figures.straight_edges {
-            session.say(format!("cells of second order, {straight} edges kept straight"));
+        if let Some(straight) = &figures.straight_edges {
+            let edges = counted(straight.count, "edge stays", "edges stay");
+            session.say(format!("cells of second order, {edges} straight"));
         }
         if let Some(layers) = &figures.layers {
             session.say(format!(

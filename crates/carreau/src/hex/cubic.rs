@@ -1,4 +1,4 @@
-//! Cubic junctions (named as future work by Viville et al.; spec 1.3): a branching of three to six segments that stand
+//! Cubic junctions (named as future work by Viville et al.): a branching of three to six segments that stand
 //! about at right angles gets 2 × 2 × 2 hexes, and every segment one of the six faces of that cube.
 //!
 //! ```text

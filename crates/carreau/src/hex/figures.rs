@@ -3,6 +3,7 @@
 use super::Padding;
 use super::judge::{Uncovered, overlapping};
 use super::layers::LayerFigures;
+use super::second_order::StraightEdges;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified, volume};
@@ -30,9 +31,9 @@ pub struct Figures {
     /// What has become of the boundary layers, where some were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<LayerFigures>,
-    /// Edges of cells of second order that stay straight, because a cell would fold; only of such cells.
+    /// What of the cells of second order stays straight, where these were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub straight_edges: Option<usize>,
+    pub straight_edges: Option<StraightEdges>,
     /// What the cells are worth.
     #[serde(flatten)]
     pub quality: HexQuality,

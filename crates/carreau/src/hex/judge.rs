@@ -11,6 +11,8 @@
 //!
 //! Each cell by itself may be certified all the same: only both together make a mesh of the shape.
 
+use super::layers::LayerFigures;
+use super::second_order::StraightEdges;
 use super::{HexOptions, HexResult};
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -143,7 +145,7 @@ fn uncovered(
 pub fn accept(result: &mut HexResult, options: &HexOptions, diagonal: f64) -> Result<()> {
     let found = flaws(result, options, diagonal);
     if !found.is_empty() && !options.allow_far {
-        let remedy = "ask for smaller cells, or give a skeleton with a branch in every limb (see `carreau skeleton`); \
+        let remedy = "ask for smaller cells, or give a skeleton with a branch in every limb \
                       the options max-distance and allow-far let such a mesh pass";
         return Err(Error::Numeric(format!("{}; {remedy}", found.join("; "))));
     }
@@ -175,6 +177,14 @@ fn flaws(result: &HexResult, options: &HexOptions, diagonal: f64) -> Vec<String>
     found
 }
 
+/// What is to be said of layers and curved edges that are not as they should be. In the unit of the file, too.
+pub fn tell(result: &mut HexResult) {
+    let figures = &result.figures;
+    let of_layers = figures.layers.as_ref().and_then(LayerFigures::warning);
+    let of_edges = figures.straight_edges.as_ref().and_then(StraightEdges::warning);
+    result.warnings.extend([of_layers, of_edges].into_iter().flatten());
+}
+
 /// What is to be said of cells that lie where others are.
 pub fn overlap_line(result: &HexResult) -> Option<String> {
     let quality = &result.figures.quality;
@@ -196,6 +206,7 @@ pub fn in_scale(result: &mut HexResult, scale: UnitScale) {
     let figures = &mut result.figures;
     figures.distance_max_at = figures.distance_max_at.map(moved);
     figures.layers = figures.layers.take().map(|l| l.in_scale(scale));
+    figures.straight_edges = figures.straight_edges.take().map(|s| s.in_scale(scale));
     figures.uncovered.iter_mut().for_each(|part| part.at = moved(part.at));
 }
 

@@ -101,6 +101,17 @@ impl Layers {
 }
 
 impl LayerFigures {
+    /// What is to be said where the layers are thinner than asked.
+    pub(super) fn warning(&self) -> Option<String> {
+        let ([x, y, z], share, least) = (self.least_at, 100.0 * (1.0 - self.as_asked), self.least);
+        (self.as_asked < MOST_OF_THE_WALL).then(|| {
+            format!(
+                "the layers are not as thick as asked on {share:.1}% of the wall, because there is no room; least {least:.2} \
+                 of the thickness near {x:.6} {y:.6} {z:.6}"
+            )
+        })
+    }
+
     pub(super) fn in_scale(self, scale: UnitScale) -> LayerFigures {
         LayerFigures {
             asked: self.asked.in_scale(scale),
@@ -148,14 +159,6 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
     inner.fix(wall.on_boundary.clone());
     inner.run(&mut points, &INNER, context)?;
     let figures = wall.figures(&result.mesh, &points, layers);
-    if figures.as_asked < MOST_OF_THE_WALL {
-        let ([x, y, z], share) = (figures.least_at, 100.0 * (1.0 - figures.as_asked));
-        result.warnings.push(format!(
-            "the layers are not as thick as asked on {share:.1}% of the wall, because there is no room; least {:.2} of the \
-             thickness near {x:.6} {y:.6} {z:.6}",
-            figures.least
-        ));
-    }
     result.figures.layers = Some(figures);
     wall.fill(&mut result.mesh, points, &layers)?;
     let outermost = |k: usize| (result.bases.len() + (k + 1) * layers.count as usize - 1) as u32;

@@ -74,7 +74,7 @@ mod zip;
 pub use figures::{Figures, HexQuality};
 pub use judge::{MAX_DISTANCE, Uncovered};
 pub use layers::{GROWTH, LayerFigures, Layers, MOST_LAYERS};
-pub use second_order::MiddleOf;
+pub use second_order::{MiddleOf, StraightEdges};
 pub use surface::from_surface;
 pub use validate::Validity;
 
@@ -365,9 +365,17 @@ impl HexResult {
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.validate()?;
+    let mut result = meshed(net, options, context)?;
+    result.warnings.extend(judge::overlap_line(&result));
+    judge::tell(&mut result);
+    Ok(result)
+}
+
+/// The mesh, not yet judged.
+fn meshed(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     let scale = UnitScale::of_net(net);
     if let Some(net) = scale.net(net) {
-        return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
+        return Ok(meshed(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
     }
     let mut best = Meshed::new(net, FORKS, options, context)?;
     let incidence = net.incidence();
@@ -393,7 +401,6 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     let mut result = deliver::with_boundary(tube, net, warnings, options, context)?;
     deliver::certify(&mut result, options)?;
     deliver::finish(&mut result, options, None, context)?;
-    result.warnings.extend(judge::overlap_line(&result));
     Ok(result)
 }
 
@@ -515,6 +522,7 @@ fn prepare(
             warnings.push(format!("{dropped} nodes where a branch turns back within its radius were dropped"));
         }
     }
+    check_steps(&net, options)?;
     let mut stay = FxHashSet::default();
     let mut best: Option<(usize, CurveNet, Vec<String>)> = None;
     for merge in [MERGE, MERGE, 0.0] {
@@ -571,6 +579,17 @@ fn shaped(
         notes.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
     }
     (net, notes)
+}
+
+/// Refuses steps so short that the hexes would be too many, before any is made.
+fn check_steps(net: &CurveNet, options: &HexOptions) -> Result<()> {
+    let Some(step) = options.edge_length else { return Ok(()) };
+    let length: f64 = (0..net.edges.len()).map(|e| net.length(e)).sum();
+    let expected = (length / step) * options.hexes_of(1, 0);
+    if expected > MOST_HEXES {
+        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for longer ones")));
+    }
+    Ok(())
 }
 
 fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {

@@ -19,9 +19,11 @@ use crate::error::Result;
 use crate::geometry::hexes::uncertified;
 use crate::geometry::second_order::{Nodes as Cell, is_certified, serendipity};
 use crate::mesh::{HexMesh, MiddleNodes, SecondOrder, UnitScale};
+use crate::words::counted;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
+use serde::Serialize;
 
 /// An edge that would bend by more than this share of its length stays straight: no smooth wall does, meshed as it should be.
 const MOST_BENT: f64 = 0.3;
@@ -39,6 +41,30 @@ pub struct MiddleOf {
     pub nodes: SecondOrder,
     /// Where they are: edges, faces, cells; they are numbered after the vertices of the mesh.
     pub places: Vec<DVec3>,
+}
+
+/// Edges of cells of second order that stay straight, because a cell with a curved one would fold.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StraightEdges {
+    /// Their number.
+    pub count: usize,
+    /// The middle of the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
+}
+
+impl StraightEdges {
+    pub(super) fn in_scale(mut self, scale: UnitScale) -> StraightEdges {
+        self.at = self.at.map(|p| scale.point(DVec3::from(p)).to_array());
+        self
+    }
+
+    /// What is to be said of them.
+    pub(super) fn warning(&self) -> Option<String> {
+        let [x, y, z] = self.at?;
+        let edges = counted(self.count, "edge stays", "edges stay");
+        Some(format!("{edges} straight, because a cell with a curved one would fold, first near {x:.6} {y:.6} {z:.6}"))
+    }
 }
 
 impl MiddleOf {
@@ -59,18 +85,12 @@ pub fn raise(result: &mut HexResult, target: Option<&Target>, context: &Context)
     let mut curved = Curved::new(&result.mesh, &nodes, &middles, &wall);
     let straight = curved.certify(context)?;
     let places = curved.places();
-    if let Some(&first) = straight.first() {
-        let [a, b] = middles.edges[first as usize].map(|v| result.mesh.points[v as usize]);
-        let at = 0.5 * (a + b);
-        result.warnings.push(format!(
-            "{} edges stay straight, because a cell with a curved one would fold, first near {:.6} {:.6} {:.6}",
-            straight.len(),
-            at.x,
-            at.y,
-            at.z
-        ));
-    }
-    result.figures.straight_edges = Some(straight.len());
+    let middle = |&edge: &u32| {
+        let [a, b] = middles.edges[edge as usize].map(|v| result.mesh.points[v as usize]);
+        (0.5 * (a + b)).to_array()
+    };
+    let at = straight.first().map(middle);
+    result.figures.straight_edges = Some(StraightEdges { count: straight.len(), at });
     result.second_order = Some(MiddleOf { nodes, places });
     Ok(())
 }

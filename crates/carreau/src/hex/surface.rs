@@ -76,6 +76,7 @@ pub fn from_surface(
 ) -> Result<HexResult> {
     let mut result = meshed(mesh, skeleton, options, context)?;
     judge::accept(&mut result, options, mesh.diagonal())?;
+    judge::tell(&mut result);
     Ok(result)
 }
 
@@ -415,6 +416,7 @@ fn prepare(
         meet::meet(net, target);
         meet::straighten_in_balls(net, target);
         zip::zip(net, narrow, zip::APART_DEGREES);
+        super::check_steps(net, options)?;
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {

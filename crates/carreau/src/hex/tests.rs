@@ -451,7 +451,7 @@ fn nodes_of_second_order_are_on_the_wall() {
         ..HexOptions::default()
     };
     let tube = from_net(&straight, &options, &Context::new()).unwrap();
-    assert_eq!(tube.figures.straight_edges, Some(0));
+    assert_eq!(tube.figures.straight_edges, Some(StraightEdges { count: 0, at: None }));
     let raw = tube.raw();
     assert!(raw.check().is_ok() && least_jacobian(&raw) > 0.0);
     assert_eq!(raw.points.len(), tube.figures.vertices);
@@ -492,6 +492,17 @@ fn nodes_of_second_order_are_on_the_wall() {
     assert!(on * 10 > all * 9, "{on} of {all}");
     // Written as corners alone it is the mesh of first order.
     assert_eq!(raw.first_order().points, torus.mesh.points);
+}
+
+/// A length far below what fits is refused, not replaced.
+#[test]
+fn steps_too_short_are_refused() {
+    let options = HexOptions { edge_length: Some(1e-7), ..HexOptions::default() };
+    for result in
+        [from_net(&tree(), &options, &Context::new()), from_surface(&bent_tube(), None, &options, &Context::new())]
+    {
+        assert!(matches!(result, Err(Error::Options(_))), "{:?}", result.map(|r| r.figures.hexes));
+    }
 }
 
 /// Layers thicker than the tube are thinned, which is said, and the cells are certified all the same.

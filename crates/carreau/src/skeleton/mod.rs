@@ -219,7 +219,7 @@ pub(crate) fn extract_with(
         let (cycles, parts) = found;
         Err(Error::Numeric(format!(
             "the skeleton came out with {cycles} cycles in {parts} parts, the surface has {genus} handles in {components}; \
-             refine the surface (`carreau enrich`), or check it for tunnels with `carreau info`"
+             refine the surface, or look for tunnels in it"
         )))
     })
 }
@@ -273,7 +273,7 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
             format!("the surface is that of a wall around a room, {share:.2} % of the diagonal thick: no filled tube"),
             "",
             "give its outer side alone, without the inner side and the rings between both: its open ends are closed by lids \
-             (`carreau segment` tells the faces apart)",
+             (a segmentation tells the faces apart)",
         ));
     }
     let genus = topology.genus.unwrap_or(0);
