@@ -252,6 +252,6 @@ mod tests {
             p[8].y += by;
             serendipity(&p)
         };
-        assert!(is_certified(&bent(0.1)) && is_certified(&bent(-0.3)) && !is_certified(&bent(0.9)));
+        assert!(is_certified(&bent(0.1)) && is_certified(&bent(-0.3)) && !is_certified(&bent(1.2)));
     }
 }

@@ -622,6 +622,25 @@ mod tests {
     }
 
     #[test]
+    fn cells_of_second_order_are_written_with_all_nodes() {
+        use crate::mesh::test_models::bricks;
+        use crate::mesh::{HexMesh, SecondOrder, boundary_faces};
+        let (points, hexes) = bricks([2, 1, 1]);
+        let quads: Vec<[u32; 4]> = boundary_faces(&hexes).into_iter().map(|f| f.0).collect();
+        let mesh = HexMesh { points, hexes, tags: vec![1; quads.len()], quads };
+        let (nodes, middles) = SecondOrder::of(&mesh).unwrap();
+        let places = vec![DVec3::ZERO; middles.edges.len() + middles.faces.len() + 2];
+        let raw = RawMesh::from(mesh).with_second_order(nodes, &places);
+        let table = CellTable::new(&raw).unwrap();
+        assert_eq!(table.kinds, [vec![28; 10], vec![29; 2]].concat());
+        assert_eq!(table.ends.last(), Some(&(10 * 9 + 2 * 27)));
+        assert!(table.corners.iter().all(|&v| (0..raw.points.len() as i64).contains(&v)));
+        let mut broken = raw.clone();
+        broken.second_order.as_mut().unwrap().quads.pop();
+        assert!(CellTable::new(&broken).is_err());
+    }
+
+    #[test]
     fn unknown_cells_are_counted_in_the_notes() {
         let mesh =
             read(&[(16, &[0, 1, 2, 3, 4, 5]), (16, &[0, 1, 2, 3, 4, 5]), (42, &[0]), (5, &[0, 1, 2])], Vec::new());

@@ -196,6 +196,9 @@ fn write_surfaces(mesh: &RawMesh, faces: &SmallFaces, sets: &[Set], out: &mut Ve
             }
         }
         let mut nodes: Vec<u32> = set.members.iter().flat_map(|&face| corners(face)).copied().collect();
+        if let Some(middles) = &mesh.second_order {
+            nodes.extend(set.members.iter().flat_map(|&face| &middles.quads[face as usize][..4]));
+        }
         nodes.sort_unstable();
         nodes.dedup();
         push_set(out, "*NSET, NSET", &Set { name: set.name.clone(), members: nodes }, |node| node + 1);
