@@ -686,7 +686,14 @@ def hex(
     radius: Length | None = None,
     adapt_radius: bool = False,
     stage: Literal["base", "full"] | None = None,
+    layers: int | None = None,
+    first_layer: Length | None = None,
+    growth: float | None = None,
+    extend: float | None = None,
+    order: Literal[1, 2] | None = None,
     allow_invalid: bool = False,
+    max_distance: Length | None = None,
+    allow_far: bool = False,
     **common: Unpack[Preparation],
 ) -> HexResult:
     """Mesh a tubular surface, or the tubes around a skeleton, with hexahedra.
@@ -713,8 +720,22 @@ def hex(
         Insert cells where a branch of a skeleton is more than twice as thick as where it is thinnest.
     stage : {"base", "full"}, optional
         "base": the graph as given, without clean-up and resampling ("full").
+    layers : int, optional
+        Put this many boundary layers on the wall, thin ones for flow; goes with `first_layer`.
+    first_layer : float or str, optional
+        Thickness of the first layer, on the wall.
+    growth : float, optional
+        Thickness of every layer over that of the one before it (1.2).
+    extend : float, optional
+        Lengthen every end by a straight piece of this many of its radii.
+    order : {1, 2}, optional
+        2: cells have nodes in the middle of edges and faces, too, those of the boundary on the surface (1).
     allow_invalid : bool
         Return cells without a certificate too; the record lists them.
+    max_distance : float or str, optional
+        Largest distance between cells and surface, either way, that is no error ("2%").
+    allow_far : bool
+        Return cells that are farther than that from the surface, or lie where others are, too.
     **common
         Options that every verb on a surface has, see `Preparation` and `Common`.
 

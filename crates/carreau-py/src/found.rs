@@ -61,7 +61,7 @@ impl From<Outcome> for Found {
             Some(host::Found::Quads(mesh, tracks)) => (Kind::Quads(tracks), Some(mesh)),
             Some(host::Found::Skeleton(skeleton)) => (Kind::Skeleton(Box::new(skeleton)), None),
             Some(host::Found::Hexes(hexes)) => {
-                let mesh = RawMesh::from(hexes.mesh.clone());
+                let mesh = hexes.raw();
                 (Kind::Hexes(Box::new(hexes)), Some(mesh))
             }
         };

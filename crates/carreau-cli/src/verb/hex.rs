@@ -7,25 +7,27 @@ use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
-use carreau::hex::{self, HexOptions, HexResult, Padding, Stage};
-use carreau::io::ResultKind;
+use carreau::hex::{self, HexOptions, HexResult, Layers, Order, Padding, Stage};
 use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, check_second_order};
 use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
+use carreau::words::{counted, rounded};
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Meshes a tubular surface, or the tubes around a skeleton, with hexahedra
 ///
 /// The skeleton of a surface is found first (see `carreau skeleton`), or given. A skeleton is a graph with radii: .cgr, .cg, .skel,
 /// .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches, and every cell is certified to have
-/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the open ends; or after the groups of the
-/// surface (face label ref), where its file has some, with open ends above these.
+/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the ends, which are open ones and flat ones with a
+/// sharp rim; or after the groups of the surface (face label ref), where its file has some, with other ends above these. What is
+/// far from the surface, or covers a place twice, is not written (exit code 4).
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau hex vessel.stl -o vessel.vtu --picture vessel.png\n  \
@@ -67,9 +69,30 @@ pub struct Hex {
     /// base: the graph as given, without clean-up and resampling [default: full]
     #[arg(long, value_name = "STAGE", value_parser = choice::<Stage>(&["base", "full"]))]
     stage: Option<Stage>,
+    /// Puts this many boundary layers on the wall, thin ones for flow
+    #[arg(long, value_name = "N")]
+    layers: Option<u32>,
+    /// Thickness of the first layer, on the wall
+    #[arg(long, value_name = "LENGTH")]
+    first_layer: Option<Length>,
+    /// Thickness of every layer over that of the one before it [default: 1.2]
+    #[arg(long, value_name = "R")]
+    growth: Option<f64>,
+    /// Lengthens every end by a straight piece of this many of its radii
+    #[arg(long, value_name = "RADII")]
+    extend: Option<f64>,
+    /// Order of the cells: 2 for nodes in the middle of edges and faces, those of the boundary on the surface [default: 1]
+    #[arg(long, value_name = "1|2", value_parser = choice::<Order>(&["1", "2"]))]
+    order: Option<Order>,
     /// Writes cells without a certificate too; the record lists them
     #[arg(long)]
     allow_invalid: bool,
+    /// Largest distance between cells and surface, either way, that is written [default: 2%]
+    #[arg(long, value_name = "LENGTH")]
+    max_distance: Option<Length>,
+    /// Writes cells that are farther than that from the surface, or lie where others are, too
+    #[arg(long)]
+    allow_far: bool,
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
@@ -90,7 +113,14 @@ struct Options {
     radius: Option<Length>,
     adapt_radius: bool,
     stage: Stage,
+    layers: Option<u32>,
+    first_layer: Option<Length>,
+    growth: Option<f64>,
+    extend: Option<f64>,
+    order: Order,
     allow_invalid: bool,
+    max_distance: Option<Length>,
+    allow_far: bool,
     #[serde(flatten)]
     prepare: PrepareOptions,
     #[serde(flatten)]
@@ -109,7 +139,16 @@ impl Options {
             hexes: self.hexes,
             edge_length: self.edge_length.map(|l| l.resolve(diagonal)),
             radius: self.radius.map(|l| l.resolve(diagonal)),
+            layers: self.layers.zip(self.first_layer).map(|(count, first)| Layers {
+                count,
+                first: first.resolve(diagonal),
+                growth: self.growth.unwrap_or(hex::GROWTH),
+            }),
+            extend: self.extend,
+            order: self.order,
             allow_invalid: self.allow_invalid,
+            max_distance: self.max_distance.map(|l| l.resolve(diagonal)),
+            allow_far: self.allow_far,
         }
     }
 }
@@ -143,9 +182,26 @@ impl Hex {
         all.radius = self.radius.or(all.radius);
         all.adapt_radius |= self.adapt_radius;
         all.stage = self.stage.unwrap_or(all.stage);
+        all.layers = self.layers.or(all.layers);
+        all.first_layer = self.first_layer.or(all.first_layer);
+        all.growth = self.growth.or(all.growth);
+        all.order = self.order.unwrap_or(all.order);
+        if let Some(file) = self.output.as_deref().filter(|_| all.order == Order::Second) {
+            check_second_order(file)?;
+        }
+        all.extend = self.extend.or(all.extend);
         all.allow_invalid |= self.allow_invalid;
+        all.max_distance = self.max_distance.or(all.max_distance);
+        all.allow_far |= self.allow_far;
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
+        match (all.layers, all.first_layer, all.growth) {
+            (Some(_), None, _) => return Err(Error::Options("--layers goes with --first-layer, its thickness".into())),
+            (None, Some(_), _) | (None, _, Some(_)) => {
+                return Err(Error::Options("--first-layer and --growth go with --layers, their number".into()));
+            }
+            _ => {}
+        }
         // Lengths above zero on a diagonal above zero.
         all.resolved(1.0).validate()?;
         Ok(all)
@@ -158,6 +214,9 @@ impl Hex {
         if wanted.adapt_radius && matches!(shape, Shape::Surface(..)) {
             return Err(Error::Options("--adapt-radius goes with a skeleton that has no surface".into()));
         }
+        if wanted.max_distance.is_some() && matches!(shape, Shape::Graph(..)) {
+            return Err(Error::Options("--max-distance goes with a surface".into()));
+        }
         let context = session.context.clone();
         let mut found = context.install(|| match &shape {
             Shape::Graph(net) => hex::from_net(net, &wanted, &context),
@@ -165,9 +224,12 @@ impl Hex {
         })?;
         found.warnings.iter().for_each(|w| session.warn(w));
         let names = match &shape {
-            Shape::Surface(surface, _) => tag_after(surface, &mut found.mesh, session)?,
-            Shape::Graph(_) => BTreeMap::new(),
+            Shape::Surface(surface, _) => tag_after(surface, &mut found, session)?,
+            Shape::Graph(_) => None,
         };
+        let has_groups = names.is_some();
+        let names = names.unwrap_or_else(|| own_names(&found.mesh));
+        session.record.set("tags", &names);
         let HexResult { mesh, figures, skeleton, .. } = &found;
         session.draw_as(|| hex_figure(mesh))?;
         session.show_result(self.output.as_deref(), |name, _| {
@@ -185,8 +247,23 @@ impl Hex {
             0 => "every cell is certified".into(),
             n => format!("{n} cells are not certified"),
         });
+        session.say(figures.verdict());
+        if let Some(straight) = &figures.straight_edges {
+            let edges = counted(straight.count, "edge stays", "edges stay");
+            session.say(format!("cells of second order, {edges} straight"));
+        }
+        if let Some(layers) = &figures.layers {
+            session.say(format!(
+                "{} layers, together {} thick on {:.1}% of the wall, within a tenth",
+                layers.asked.count,
+                rounded(layers.thickness, layers.thickness),
+                100.0 * layers.as_asked
+            ));
+        }
         if let Some(file) = &self.output {
-            let mut raw = RawMesh::from(mesh.clone());
+            let mut raw = found.raw();
+            // A format without a place for names need not say that it leaves out those of tags that all files have.
+            let names = if has_groups || holds_names(file) { names } else { BTreeMap::new() };
             raw.attributes.names = names.into_iter().map(|(tag, name)| (("ref".to_string(), tag), name)).collect();
             session.write_mesh(file, &raw, &WriteOptions::default())?;
         }
@@ -217,10 +294,27 @@ impl Hex {
     }
 }
 
-/// Gives the boundary faces the groups of the surface, where its file has some (label `ref`): the wall the group of the nearest
-/// face, the lids of open ends, which the surface has not, numbers above all groups. Returns the names. Everything else
-/// that the surface carries is left behind, with a word.
-fn tag_after(surface: &SurfaceMesh, mesh: &mut HexMesh, session: &mut Session) -> Result<BTreeMap<i32, String>, Error> {
+/// The names of the tags of a mesh whose surface has no groups.
+fn own_names(mesh: &HexMesh) -> BTreeMap<i32, String> {
+    let name = |tag: i32| if tag == 1 { "wall".to_string() } else { format!("cap_{}", tag - 1) };
+    mesh.tags.iter().map(|&tag| (tag, name(tag))).collect()
+}
+
+fn holds_names(file: &Path) -> bool {
+    file.extension()
+        .and_then(|e| e.to_str())
+        .is_some_and(|e| ["msh", "inp", "bdf"].contains(&e.to_lowercase().as_str()))
+}
+
+/// Gives the boundary faces the groups of the surface, where its file has some (label `ref`), and returns the names. The wall
+/// gets the group of the nearest face, a flat end its own group if the file has one for it. Other ends get numbers above all groups:
+/// the surface has no face there, or none that is told from its wall. Everything else that the surface carries is left
+/// behind, with a word.
+fn tag_after(
+    surface: &SurfaceMesh,
+    found: &mut HexResult,
+    session: &mut Session,
+) -> Result<Option<BTreeMap<i32, String>>, Error> {
     const GROUP: &str = "ref";
     let groups = match surface.attributes.face.get(GROUP) {
         Some(Column::Label(groups)) => Some(groups.clone()),
@@ -229,27 +323,48 @@ fn tag_after(surface: &SurfaceMesh, mesh: &mut HexMesh, session: &mut Session) -
     let mut rest = surface.clone();
     rest.attributes.face.remove(GROUP);
     session.leave_behind(&rest, "a volume mesh", |_| false);
-    let Some(groups) = groups else { return Ok(BTreeMap::new()) };
+    let Some(groups) = groups else { return Ok(None) };
     let most = groups.iter().copied().max().unwrap_or(0).max(0);
     rest.attributes = Attributes::words_of(&surface.attributes);
     rest.attributes.face.insert(GROUP.into(), Column::Label(groups));
     rest.tagged_edges.clear();
-    let faces = mesh.quads.iter().map(|q| &q[..]).collect();
-    let mut boundary = RawMesh { points: mesh.points.clone(), faces, ..RawMesh::default() };
+    let faces = found.mesh.quads.iter().map(|q| &q[..]).collect();
+    let mut boundary = RawMesh { points: found.mesh.points.clone(), faces, ..RawMesh::default() };
     session.carry(&rest, &mut boundary)?;
-    let Some(Column::Label(carried)) = boundary.attributes.face.get(GROUP) else { return Ok(BTreeMap::new()) };
+    let Some(Column::Label(carried)) = boundary.attributes.face.get(GROUP) else { return Ok(None) };
+    let carried: Vec<i32> = found.origins.iter().map(|&face| carried[face as usize]).collect();
     let own = surface.attributes.names.iter().filter(|((column, _), _)| column == GROUP);
     let mut names: BTreeMap<i32, String> = own.map(|((_, tag), name)| (*tag, name.clone())).collect();
-    for (tag, &group) in mesh.tags.iter_mut().zip(carried) {
-        // The wall has tag 1, the lids of open ends 2, 3 ….
-        let lid = *tag - 1;
-        *tag = if lid == 0 { group } else { most.saturating_add(lid) };
-        if lid > 0 {
-            names.entry(*tag).or_insert_with(|| format!("cap_{lid}"));
+    let groups_of_ends: BTreeMap<i32, i32> = found
+        .flat_caps
+        .iter()
+        .filter_map(|&cap| group_of_end(cap, &found.mesh.tags, &carried).map(|group| (cap, group)))
+        .collect();
+    for (tag, group) in found.mesh.tags.iter_mut().zip(carried) {
+        // The wall has tag 1, the ends 2, 3 ….
+        let end = *tag - 1;
+        if end == 0 {
+            *tag = group;
+        } else if let Some(group) = groups_of_ends.get(tag) {
+            *tag = *group;
+        } else {
+            *tag = most.saturating_add(end);
+            names.entry(*tag).or_insert_with(|| format!("cap_{end}"));
         }
     }
-    session.record.set("tags", &names);
-    Ok(names)
+    Ok(Some(names))
+}
+
+/// The group that most faces of an end have, unless more faces of the wall have it.
+fn group_of_end(cap: i32, tags: &[i32], groups: &[i32]) -> Option<i32> {
+    let mut counts: BTreeMap<i32, [usize; 2]> = BTreeMap::new();
+    for (&tag, &group) in tags.iter().zip(groups) {
+        let [on_end, on_wall] = counts.entry(group).or_default();
+        *on_end += usize::from(tag == cap);
+        *on_wall += usize::from(tag == 1);
+    }
+    let (group, [on_end, on_wall]) = counts.into_iter().max_by_key(|(group, [on_end, _])| (*on_end, -group))?;
+    (on_end > on_wall).then_some(group)
 }
 
 /// What is meshed.

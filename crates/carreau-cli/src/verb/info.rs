@@ -50,7 +50,7 @@ impl Info {
             session.record.set("options", &options);
             let raw = session.read(&self.input)?;
             describe_content(session, &raw);
-            describe_hexes(session, &raw);
+            describe_hexes(session, &raw)?;
             // A volume mesh is looked at through its boundary.
             let skin = if raw.cells.is_empty() { raw } else { raw.boundary()? };
             session.draw(&skin)?;
@@ -139,16 +139,16 @@ fn describe_content(session: &mut Session, raw: &RawMesh) {
 }
 
 /// Conformity, quality and certificate of a mesh of hexahedra.
-fn describe_hexes(session: &mut Session, raw: &RawMesh) {
+fn describe_hexes(session: &mut Session, raw: &RawMesh) -> Result<(), Error> {
     if raw.cells.hexes.is_empty() || raw.cells.hexes.len() < raw.cells.len() || raw.check().is_err() {
-        return;
+        return Ok(());
     }
     let mesh = HexMesh { points: raw.points.clone(), hexes: raw.cells.hexes.clone(), ..HexMesh::default() };
     let context = session.context.clone();
     let v = context.install(|| {
         let _stage = context.stage("hexahedra");
-        Validity::of(&mesh)
-    });
+        Validity::of(&mesh, &context)
+    })?;
     session.say(match v.bad_faces {
         0 => "conforming".into(),
         n => format!("not conforming: {n} faces have more than two cells, or two on one side"),
@@ -164,12 +164,18 @@ fn describe_hexes(session: &mut Session, raw: &RawMesh) {
             Some(first) => format!("{} cells are not certified, first {first}", quality.uncertified.len()),
         }
     ));
+    if let Some(first) = quality.overlapping.first() {
+        let (count, share) = (quality.overlapping.len(), 100.0 * quality.overlap);
+        let cells = counted(count, "cell lies where another is", "cells lie where others are");
+        session.say(format!("{cells} ({share:.2}% of the volume), first {first}"));
+    }
     let edges: Vec<String> =
         quality.irregular_edges.iter().map(|(valence, n)| format!("{n} of {valence} cells")).collect();
     if !edges.is_empty() {
         session.say(format!("irregular inner edges: {}", edges.join(", ")));
     }
     session.record.set("hexahedra", v);
+    Ok(())
 }
 
 fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Error> {

@@ -37,6 +37,7 @@ pub(crate) mod quadric;
 pub mod quality;
 mod ray;
 pub mod search_tree;
+pub mod second_order;
 mod slabs;
 mod slices;
 pub mod summary;

@@ -1,4 +1,4 @@
-//! Cubic junctions (named as future work by Viville et al.; spec 1.3): a branching of three to six segments that stand
+//! Cubic junctions (named as future work by Viville et al.): a branching of three to six segments that stand
 //! about at right angles gets 2 × 2 × 2 hexes, and every segment one of the six faces of that cube.
 //!
 //! ```text
@@ -252,6 +252,7 @@ mod tests {
     use super::super::tests::{assert_conforming, star_net};
     use super::super::*;
     use super::*;
+    use crate::mesh::boundary_faces;
     use crate::mesh::irregular_hex_edges;
     use glam::DQuat;
 

@@ -1,7 +1,12 @@
 //! What a hex mesh achieves.
 
 use super::Padding;
-use crate::geometry::hexes::{Corners, scaled_jacobian, volume};
+use super::judge::{Uncovered, overlapping};
+use super::layers::LayerFigures;
+use super::second_order::StraightEdges;
+use crate::context::Context;
+use crate::error::Result;
+use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified, volume};
 use crate::mesh::{HexMesh, irregular_hex_edges};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,6 +28,12 @@ pub struct Figures {
     pub cubic_junctions: usize,
     /// Where a layer was put.
     pub padding: Padding,
+    /// What has become of the boundary layers, where some were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<LayerFigures>,
+    /// What of the cells of second order stays straight, where these were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub straight_edges: Option<StraightEdges>,
     /// What the cells are worth.
     #[serde(flatten)]
     pub quality: HexQuality,
@@ -30,6 +41,12 @@ pub struct Figures {
     /// there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_max: Option<f64>,
+    /// Where that is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_max_at: Option<[f64; 3]>,
+    /// The parts of the surface that are farther from the cells than allowed, the farthest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub uncovered: Vec<Uncovered>,
     /// Mean distance from the surface to the boundary, as a share of the diagonal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_mean: Option<f64>,
@@ -40,19 +57,40 @@ pub struct Figures {
 
 impl Figures {
     /// The figures of a mesh with its boundary.
-    pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, uncertified: Vec<u32>) -> Figures {
-        Figures {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
+    pub fn of(mesh: &HexMesh, segments: usize, padding: Padding, context: &Context) -> Result<Figures> {
+        Ok(Figures {
             cubic_junctions: 0,
             hexes: mesh.hexes.len(),
             vertices: mesh.points.len(),
             boundary_quads: mesh.quads.len(),
             segments,
             padding,
-            quality: HexQuality::of(&mesh.points, &mesh.hexes, &mesh.quads, uncertified),
+            layers: None,
+            straight_edges: None,
+            quality: HexQuality::of(&mesh.points, &mesh.hexes, &mesh.quads, context)?,
             distance_max: None,
+            distance_max_at: None,
+            uncovered: Vec::new(),
             distance_mean: None,
             volume_ratio: None,
-        }
+        })
+    }
+}
+
+impl Figures {
+    /// One line on distances, volume and overlap.
+    pub fn verdict(&self) -> String {
+        let overlap = match self.quality.overlap {
+            share if share > 0.0 => format!("{:.2}% of the volume is covered twice", 100.0 * share),
+            _ => "nothing is covered twice".into(),
+        };
+        let distance =
+            self.distance_max.map(|d| format!("at most {:.2}% of the diagonal from the surface, ", 100.0 * d));
+        let volume = self.volume_ratio.map(|v| format!("{:.1}% of its volume, ", 100.0 * v));
+        [distance.unwrap_or_default(), volume.unwrap_or_default(), overlap].concat()
     }
 }
 
@@ -71,26 +109,36 @@ pub struct HexQuality {
     pub inverted: usize,
     /// Sum of the volumes of the cells.
     pub volume: f64,
+    /// Cells that lie where others are: the boundary winds around their centre more than once.
+    pub overlapping: Vec<u32>,
+    /// Their share of the volume.
+    pub overlap: f64,
     /// Edges off the boundary with other than four cells, by that number.
     pub irregular_edges: BTreeMap<u32, usize>,
 }
 
 impl HexQuality {
-    /// The quality of cells with their boundary faces, and the cells without a certificate.
-    pub(super) fn of(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], uncertified: Vec<u32>) -> Self {
+    /// The quality of cells with their boundary faces.
+    pub(super) fn of(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], context: &Context) -> Result<Self> {
+        let uncertified = uncertified(points, hexes);
+        let overlapping = overlapping(points, hexes, quads, context)?;
         let corners = |h: &[u32; 8]| -> Corners { h.map(|v| points[v as usize]) };
         let of_cell = |h| [scaled_jacobian(&corners(h)), volume(&corners(h))];
         let shapes: Vec<[f64; 2]> = hexes.par_iter().map(of_cell).collect();
         let jacobians = || shapes.iter().map(|s| s[0]);
-        HexQuality {
+        let volume: f64 = shapes.iter().map(|s| s[1]).sum();
+        let covered_twice: f64 = overlapping.iter().map(|&h| shapes[h as usize][1]).sum();
+        Ok(HexQuality {
             certified: uncertified.is_empty(),
             uncertified,
             scaled_jacobian_min: jacobians().fold(f64::INFINITY, f64::min),
             scaled_jacobian_mean: jacobians().sum::<f64>() / hexes.len().max(1) as f64,
             inverted: jacobians().filter(|j| *j <= 0.0).count(),
-            volume: shapes.iter().map(|s| s[1]).sum(),
+            volume,
+            overlap: if volume > 0.0 { covered_twice / volume } else { 0.0 },
+            overlapping,
             irregular_edges: irregular_edges(hexes, quads),
-        }
+        })
     }
 }
 

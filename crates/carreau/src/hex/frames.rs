@@ -1,4 +1,4 @@
-//! Frames along the branches (section 3.1 "Géométrie"; spec 1.4).
+//! Frames along the branches (section 3.1 "Géométrie" of the paper).
 //!
 //! A frame is a unit vector `u` across the curve; the ring of a node has its corners at u, t × u, −u, −t × u, the middles
 //! between. Frames start at a branching, from the corners of its quad, and are carried along by double reflection (Wang,

@@ -1,4 +1,4 @@
-//! Cells inserted where a branch grows thick (spec 1.5; named as future work by the paper, after Livesu, Muntoni, Puppo,
+//! Cells inserted where a branch grows thick (named as future work by the paper, after Livesu, Muntoni, Puppo,
 //! Scateni, "Skeleton-driven adaptive hexahedral meshing of tubular shapes", 2016).
 //!
 //! Where the radius is more than k + 1 times the smallest one of its branch, the section gets 2 k more columns of cells in

@@ -20,10 +20,16 @@
 //! | padding, halving across and along | `refine` |
 //! | cells as flat as the sections of a surface | `oval` |
 //! | segments halved where a surface is far | `adapt` |
+//! | flat ends of closed tubes | `ends` |
 //! | the surface, the boundary of the mesh, and how the one comes to the other | `target`, `skin`, `fit` |
 //! | vertices that go to where the surface is far | `reach` |
 //! | cells inserted where branches grow thick | `insert` |
 //! | untangling, smoothing, certificate | `optimise` |
+//! | boundary, tags, certificate | `deliver` |
+//! | boundary layers | `layers` |
+//! | straight pieces at the ends | `extend` |
+//! | cells of second order | `second_order` |
+//! | how far the result is from the surface, what lies where it should not | `judge` |
 //! | figures of the result | `figures` |
 //!
 //! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's, a
@@ -34,10 +40,15 @@ mod adapt;
 mod connection;
 mod cover;
 mod cubic;
+mod deliver;
+mod ends;
+mod extend;
 mod figures;
 mod fit;
 mod frames;
 mod insert;
+mod judge;
+mod layers;
 mod limit;
 mod meet;
 mod optimise;
@@ -45,6 +56,7 @@ mod oval;
 mod reach;
 mod refine;
 mod resample;
+mod second_order;
 mod sew;
 mod skin;
 #[cfg(test)]
@@ -60,14 +72,17 @@ mod web;
 mod zip;
 
 pub use figures::{Figures, HexQuality};
+pub use judge::{MAX_DISTANCE, Uncovered};
+pub use layers::{GROWTH, LayerFigures, Layers, MOST_LAYERS};
+pub use second_order::{MiddleOf, StraightEdges};
 pub use surface::from_surface;
 pub use validate::Validity;
 
-use crate::bounds::within;
+use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
-use crate::mesh::{CurveNet, HexMesh, RepairedNet, UnitScale, boundary_faces};
+use crate::mesh::{CurveNet, HexMesh, RawMesh, RepairedNet, UnitScale};
 use cubic::Cube;
 use glam::DVec3;
 use optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
@@ -76,6 +91,7 @@ use resample::Step;
 use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 use sew::BaseMesh;
+use std::ops::Bound;
 
 /// Where a layer of hexes is put.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -101,6 +117,50 @@ pub enum Stage {
     Full,
 }
 
+/// The order of the cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "OrderNumber", into = "u8")]
+pub enum Order {
+    /// Straight edges: 8 corners.
+    #[default]
+    First,
+    /// Edges with a node in the middle, which bends them: 27 nodes, or 20.
+    Second,
+}
+
+/// The order as a number, or as a command line has it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OrderNumber {
+    Number(u8),
+    Word(String),
+}
+
+impl TryFrom<OrderNumber> for Order {
+    type Error = Error;
+
+    fn try_from(order: OrderNumber) -> Result<Order> {
+        let word = match order {
+            OrderNumber::Number(number) => number.to_string(),
+            OrderNumber::Word(word) => word,
+        };
+        match word.as_str() {
+            "1" => Ok(Order::First),
+            "2" => Ok(Order::Second),
+            _ => Err(Error::Options(format!("the order of the cells is {word}, it must be 1 or 2"))),
+        }
+    }
+}
+
+impl From<Order> for u8 {
+    fn from(order: Order) -> u8 {
+        match order {
+            Order::First => 1,
+            Order::Second => 2,
+        }
+    }
+}
+
 /// Options of [`from_net`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -121,12 +181,24 @@ pub struct HexOptions {
     pub edge_length: Option<f64>,
     /// One radius for all nodes, in the unit of the file.
     pub radius: Option<f64>,
+    /// Boundary layers on the wall, besides the layer that `padding` makes.
+    pub layers: Option<Layers>,
+    /// Every end is lengthened by a straight piece of so many of its radii.
+    pub extend: Option<f64>,
+    /// Cells have nodes in the middle of their edges and faces, those of the boundary on the surface.
+    pub order: Order,
     /// Cells without a certificate are delivered.
     pub allow_invalid: bool,
+    /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`] of the diagonal.
+    pub max_distance: Option<f64>,
+    /// Cells farther than that from the surface, or where others are, are delivered.
+    pub allow_far: bool,
 }
 
 /// Levels of halving that are accepted.
 pub const MOST_HALVINGS: u32 = 6;
+/// Ends are lengthened by no more than this, in their radii: a hundred diameters, after which flow in a pipe has settled.
+pub const LONGEST_EXTENSION: f64 = 200.0;
 /// More hexes are refused.
 pub const MOST_HEXES: f64 = 5e7;
 /// Steps along the branches, in radii, where no size is asked for.
@@ -174,18 +246,29 @@ impl HexOptions {
         if self.hexes == Some(0) {
             return Err(Error::Options("the number of hexes must be positive".into()));
         }
-        for (name, length) in [("edge length", self.edge_length), ("radius", self.radius)] {
+        let lengths = [("edge length", self.edge_length), ("radius", self.radius), ("max-distance", self.max_distance)];
+        for (name, length) in lengths {
             if length.is_some_and(|l| !(l > 0.0 && l.is_finite())) {
                 return Err(Error::Options(format!("the {name} must be positive")));
             }
+        }
+        if let Some(layers) = self.layers {
+            within("layers", layers.count, 1..=MOST_LAYERS, "")?;
+            positive("first-layer", layers.first)?;
+            within("growth", layers.growth, 1.0..=layers::STEEPEST, "")?;
+        }
+        if let Some(radii) = self.extend {
+            within("extend", radii, (Bound::Excluded(0.0), Bound::Included(LONGEST_EXTENSION)), "radii")?;
         }
         Ok(())
     }
 
     /// The options for a model in another scale.
     fn in_scale(&self, scale: UnitScale) -> HexOptions {
-        let [edge_length, radius] = [self.edge_length, self.radius].map(|l| l.map(|l| scale.length(l)));
-        HexOptions { edge_length, radius, ..self.clone() }
+        let lengths = [self.edge_length, self.radius, self.max_distance];
+        let [edge_length, radius, max_distance] = lengths.map(|l| l.map(|l| scale.length(l)));
+        let layers = self.layers.map(|l| l.in_scale(scale));
+        HexOptions { edge_length, radius, max_distance, layers, ..self.clone() }
     }
 
     fn refine_across(&self) -> u32 {
@@ -235,13 +318,32 @@ pub struct HexResult {
     pub figures: Figures,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// For every boundary face the one that it continues: itself, but for those that lengthen an end.
+    pub origins: Vec<u32>,
+    /// The tags of ends that are flat pieces of the surface itself, and no open ends.
+    pub flat_caps: Vec<i32>,
+    /// The nodes of second order, where they were asked for.
+    pub second_order: Option<MiddleOf>,
+    /// For every vertex the one of the wall that it lies under in a layer, or of an end that it was drawn from; else itself.
+    bases: Vec<u32>,
 }
 
 impl HexResult {
+    /// What is written into a file: the mesh, with its nodes of second order where it has some.
+    pub fn raw(&self) -> RawMesh {
+        let raw = RawMesh::from(self.mesh.clone());
+        match &self.second_order {
+            Some(middle) => raw.with_second_order(middle.nodes.clone(), &middle.places),
+            None => raw,
+        }
+    }
+
     /// The result in another scale.
     fn in_scale(mut self, scale: UnitScale) -> HexResult {
         self.mesh.points.iter_mut().for_each(|p| *p = scale.point(*p));
         self.figures.quality.volume = scale.back().volume(self.figures.quality.volume);
+        judge::in_scale(&mut self, scale);
+        self.second_order = self.second_order.take().map(|s| s.in_scale(scale));
         HexResult { skeleton: scale.moved_net(self.skeleton), ..self }
     }
 }
@@ -263,9 +365,17 @@ impl HexResult {
 /// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.validate()?;
+    let mut result = meshed(net, options, context)?;
+    result.warnings.extend(judge::overlap_line(&result));
+    judge::tell(&mut result);
+    Ok(result)
+}
+
+/// The mesh, not yet judged.
+fn meshed(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     let scale = UnitScale::of_net(net);
     if let Some(net) = scale.net(net) {
-        return Ok(from_net(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
+        return Ok(meshed(&net, &options.in_scale(scale), context)?.in_scale(scale.back()));
     }
     let mut best = Meshed::new(net, FORKS, options, context)?;
     let incidence = net.incidence();
@@ -288,7 +398,10 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
     if outside > 0 {
         warnings.push(format!("{outside} nodes of the skeleton lie outside of the cells"));
     }
-    deliver(tube, net, warnings, options, context)
+    let mut result = deliver::with_boundary(tube, net, warnings, options, context)?;
+    deliver::certify(&mut result, options)?;
+    deliver::finish(&mut result, options, None, context)?;
+    Ok(result)
 }
 
 /// The mesh of a skeleton that was made ready in one of several ways.
@@ -409,6 +522,7 @@ fn prepare(
             warnings.push(format!("{dropped} nodes where a branch turns back within its radius were dropped"));
         }
     }
+    check_steps(&net, options)?;
     let mut stay = FxHashSet::default();
     let mut best: Option<(usize, CurveNet, Vec<String>)> = None;
     for merge in [MERGE, MERGE, 0.0] {
@@ -465,6 +579,17 @@ fn shaped(
         notes.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
     }
     (net, notes)
+}
+
+/// Refuses steps so short that the hexes would be too many, before any is made.
+fn check_steps(net: &CurveNet, options: &HexOptions) -> Result<()> {
+    let Some(step) = options.edge_length else { return Ok(()) };
+    let length: f64 = (0..net.edges.len()).map(|e| net.length(e)).sum();
+    let expected = (length / step) * options.hexes_of(1, 0);
+    if expected > MOST_HEXES {
+        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for longer ones")));
+    }
+    Ok(())
 }
 
 fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
@@ -570,41 +695,4 @@ fn hold(optimiser: &mut Optimiser, tube: &TubeMesh, held: &Held) {
     }
     optimiser.tie(springs);
     optimiser.fix(fixed);
-}
-
-/// Boundary, tags and figures.
-fn deliver(
-    tube: TubeMesh,
-    skeleton: CurveNet,
-    mut warnings: Vec<String>,
-    options: &HexOptions,
-    context: &Context,
-) -> Result<HexResult> {
-    let _stage = context.stage("boundary");
-    let uncertified = uncertified(&tube.points, &tube.hexes);
-    let quads: Vec<[u32; 4]> = boundary_faces(&tube.hexes).into_iter().map(|f| f.0).collect();
-    let tag = |q: &[u32; 4]| {
-        let cap = tube.caps[q[0] as usize];
-        if cap > 0 && q.iter().all(|&v| tube.caps[v as usize] == cap) { 1 + cap as i32 } else { 1 }
-    };
-    let tags = quads.iter().map(tag).collect();
-    let mesh = HexMesh { points: tube.points, hexes: tube.hexes, quads, tags };
-    let mut figures = Figures::of(&mesh, skeleton.edges.len(), options.padding, uncertified);
-    figures.cubic_junctions = tube.cubic_junctions;
-    let quality = &figures.quality;
-    if !quality.certified {
-        let count = quality.uncertified.len();
-        if !options.allow_invalid {
-            return Err(Error::Numeric(format!(
-                "{count} of {} hexes could not be made valid, first {}; add padding or halve across, or take them with --allow-invalid",
-                mesh.hexes.len(),
-                quality.uncertified[0]
-            )));
-        }
-        warnings.push(format!(
-            "{count} hexes have no certificate of a positive Jacobian, first {}",
-            quality.uncertified[0]
-        ));
-    }
-    Ok(HexResult { mesh, skeleton, figures, warnings })
 }

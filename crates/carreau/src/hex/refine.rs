@@ -1,4 +1,4 @@
-//! Refinement of the base mesh (section 4 "Raffinement"; spec 1.5): padding, and halving across and along.
+//! Refinement of the base mesh (section 4 "Raffinement" of the paper): padding, and halving across and along.
 //!
 //! Padding puts a layer of hexes on the wall (`sides`), which is the paper's trisection of every hex across its axis, or on
 //! the whole boundary (`all`), ends included:

@@ -1,4 +1,4 @@
-//! Clean-up and resampling of the skeleton (spec 1.2).
+//! Clean-up and resampling of the skeleton.
 //!
 //! Leaf branches shorter than the radius of their branching go, branchings inside each other become one, and every
 //! branch gets nodes at steps in proportion to its radius, by inverting ∫ ds / h(s).
@@ -7,6 +7,7 @@
 //! nearest neighbour, the first node lies at d ≥ max(1.5 r, 1.2 r / tan(θ/2) + 0.3 r), where the discs of the two
 //! branches are apart.
 
+use super::MOST_HEXES;
 use crate::mesh::{Branch, CurveNet, Incidence, branches};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -25,6 +26,8 @@ pub enum Step {
 
 /// Nodes are at most this share of their radius away from the new segments.
 const OFF: f64 = 0.4;
+/// A branch gets no more segments than this while lengths are tried that nobody has asked for.
+const MOST_TRIED: f64 = 1e5;
 /// A station closer than this, in radii, to a node that must become one moves there.
 const CLOSE: f64 = 0.7;
 
@@ -220,7 +223,9 @@ impl Curve {
             integral.push(integral[k] + (to - from) / parts as f64 / h.max(1e-9 * length));
         }
         let total = integral[parts];
-        let count = (total.round() as usize).clamp(1, 100_000).max(least.saturating_sub(marked));
+        // A length that is asked for has been checked; others are tried, and none of use is shorter than these.
+        let most = if matches!(step, Step::Length(_)) { MOST_HEXES / 4.0 } else { MOST_TRIED };
+        let count = (total.round().min(most) as usize).max(1).max(least.saturating_sub(marked));
         let mut stations = Vec::new();
         if ends[0] > 0.0 {
             stations.push(from);

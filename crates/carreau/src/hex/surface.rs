@@ -11,12 +11,12 @@ use super::resample::{self, Step};
 use super::sew::BaseMesh;
 use super::skin::Skin;
 use super::target::Target;
-use super::{HexOptions, HexResult, Stage, deliver, limit, meet, oval, padded, tips, web, zip};
+use super::{HexOptions, HexResult, Stage, deliver, ends, judge, limit, meet, oval, padded, tips, web, zip};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::{CurveNet, SurfaceMesh, Topology, UnitScale, boundary_faces, split_quad};
-use crate::skeleton::{self, Closed, SkeletonOptions};
+use crate::mesh::{CurveNet, SurfaceMesh, UnitScale, boundary_faces, split_quad};
+use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -56,8 +56,6 @@ const STUCK: f64 = 1.5;
 const WELL: f64 = 0.02;
 /// How the boundary of the coarsest cells is compared with the surface.
 const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements: 0, normals: false };
-/// And the result: samples alone miss the largest distance by some per cent.
-const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
 const LEAST: f64 = 0.6;
 /// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
@@ -68,8 +66,22 @@ const INSIDE: f64 = 0.85;
 /// Meshes a surface; its skeleton is extracted where none is given.
 ///
 /// # Errors
-/// Those of [`skeleton::extract`] and [`super::from_net`]; [`Error::Input`] for a skeleton that lies outside.
+/// Those of [`skeleton::extract`] and [`super::from_net`]; [`Error::Input`] for a skeleton that lies outside; [`Error::Numeric`]
+/// for cells that are farther from the surface than allowed, or lie where others are, unless `allow_far` is set.
 pub fn from_surface(
+    mesh: &SurfaceMesh,
+    skeleton: Option<&CurveNet>,
+    options: &HexOptions,
+    context: &Context,
+) -> Result<HexResult> {
+    let mut result = meshed(mesh, skeleton, options, context)?;
+    judge::accept(&mut result, options, mesh.diagonal())?;
+    judge::tell(&mut result);
+    Ok(result)
+}
+
+/// The mesh, not yet judged.
+fn meshed(
     mesh: &SurfaceMesh,
     skeleton: Option<&CurveNet>,
     options: &HexOptions,
@@ -79,10 +91,11 @@ pub fn from_surface(
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let skeleton = skeleton.map(|net| scale.moved_net(net.clone()));
-        let made = from_surface(&mesh, skeleton.as_ref(), &options.in_scale(scale), context)?;
+        let made = meshed(&mesh, skeleton.as_ref(), &options.in_scale(scale), context)?;
         return Ok(made.in_scale(scale.back()));
     }
     let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
+    let closed = ends::told_apart(closed, &net)?;
     let target = Target::new(&closed);
     let mut tried: Vec<Coarse> = Vec::new();
     let (mut known, mut made): (Vec<CurveNet>, usize) = (Vec::new(), 0);
@@ -124,8 +137,12 @@ pub fn from_surface(
         warnings.push("the surface is not that of tubes about its skeleton".into());
     }
     tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
-    let mut result = deliver(tube, net, warnings, &options, context)?;
-    measure(&mut result, &closed, context)?;
+    let mut result = deliver::with_boundary(tube, net, warnings, &options, context)?;
+    deliver::certify(&mut result, &options)?;
+    judge::measure(&mut result, &closed.mesh, &options, context)?;
+    let numbered = (2..).zip(target.lids());
+    result.flat_caps = numbered.filter(|(_, lid)| !lid.is_open).map(|(tag, _)| tag).collect();
+    deliver::finish(&mut result, &options, Some(&target), context)?;
     Ok(result)
 }
 
@@ -361,8 +378,8 @@ fn skeleton_of(
 ) -> Result<(Closed, CurveNet, Vec<String>)> {
     match given {
         None => {
-            // The ends are met by the cells themselves.
-            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), false, context)?;
+            // Round and open ends are met by the cells themselves.
+            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), Reach::Sharp, context)?;
             Ok((found.closed, found.net, found.warnings))
         }
         Some(net) => {
@@ -399,6 +416,7 @@ fn prepare(
         meet::meet(net, target);
         meet::straighten_in_balls(net, target);
         zip::zip(net, narrow, zip::APART_DEGREES);
+        super::check_steps(net, options)?;
         *net = sized(net, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
@@ -464,19 +482,6 @@ const FIRST: Rise = Rise { strength: [0.05, 100.0], rounds: 9, power: 1, iterati
 const NEXT: Rise = Rise { strength: [1.0, 100.0], rounds: 3, power: 2, iterations: 30 };
 const AGAIN: Rise = Rise { strength: [100.0, 1000.0], rounds: 2, power: 4, iterations: 25 };
 const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterations: 25 };
-
-/// Distances and volume.
-fn measure(result: &mut HexResult, closed: &Closed, context: &Context) -> Result<()> {
-    let _stage = context.stage("measure");
-    let mesh = &result.mesh;
-    let skin = skin_of(&mesh.points, mesh.quads.iter().copied())?;
-    let found = compare(&closed.mesh, &skin, &CLOSELY, context)?;
-    result.figures.distance_max = Some(found.relative.max);
-    result.figures.distance_mean = Some(found.a_to_b.distance.mean / found.diagonal.max(f64::MIN_POSITIVE));
-    let volume = Topology::of(&closed.mesh).volume;
-    result.figures.volume_ratio = volume.filter(|v| *v > 0.0).map(|v| result.figures.quality.volume / v);
-    Ok(())
-}
 
 /// Boundary faces as triangles.
 fn skin_of(points: &[DVec3], quads: impl Iterator<Item = [u32; 4]>) -> Result<SurfaceMesh> {

@@ -19,6 +19,8 @@ pub struct Target<'a> {
     closed: &'a Closed,
     normals: Vec<DVec3>,
     all: TriangleTree,
+    /// Those without the lids, where there are some.
+    wall: Option<TriangleTree>,
     inside: WindingTree,
     /// Borders of the lids, as triangles without width.
     rims: Vec<TriangleTree>,
@@ -54,14 +56,13 @@ impl<'a> Target<'a> {
     /// The target of a surface with lids.
     pub fn new(closed: &'a Closed) -> Self {
         let triangles = closed.mesh.faces().fan().0;
-        let rim = |lid: &Lid| {
-            let sides = lid.triangles.clone().map(|t| triangles[t as usize]).map(|[a, b, _]| [a, b]);
-            TriangleTree::of_segments(closed.mesh.points(), sides)
-        };
+        let rim = |lid: &Lid| TriangleTree::of_segments(closed.mesh.points(), lid.border.iter().copied());
+        let wall = &triangles[..closed.wall];
         let all = TriangleTree::new(closed.mesh.points(), &triangles);
         Target {
             normals: face_normals(&closed.mesh),
             inside: WindingTree::new(&all),
+            wall: (!closed.lids.is_empty()).then(|| TriangleTree::new(closed.mesh.points(), wall)),
             all,
             rims: closed.lids.iter().map(rim).collect(),
             by_facing: false,
@@ -197,8 +198,9 @@ impl<'a> Target<'a> {
         Some((c.point, self.normal(c.triangle)))
     }
 
+    /// The closest place of the surface without its lids, and the normal there.
     pub fn closest_wall(&self, p: DVec3) -> Option<(DVec3, DVec3)> {
-        let c = self.all.closest(p)?;
+        let c = self.wall.as_ref().unwrap_or(&self.all).closest(p)?;
         Some((c.point, self.normal(c.triangle)))
     }
 
@@ -226,6 +228,21 @@ mod tests {
     use super::*;
     use crate::context::Context;
     use crate::mesh::test_models::sphere;
+
+    /// Beyond an open end the lid is nearer than the wall.
+    #[test]
+    fn a_lid_is_no_wall() {
+        let ball = sphere(4);
+        let below = |t: &&[u32; 3]| t.iter().all(|&v| ball.points()[v as usize].z < 0.6);
+        let open: Vec<[u32; 3]> = ball.faces().fan().0.iter().filter(below).copied().collect();
+        let raw = SurfaceMesh::from_triangles(ball.points().to_vec(), &open).unwrap();
+        let (closed, _) = skeleton::prepared(&raw, &Context::new()).unwrap();
+        let target = Target::new(&closed);
+        let top = target.lids()[0].centre;
+        assert!(target.distance(top) < 1e-9);
+        let (on_wall, _) = target.closest_wall(top).unwrap();
+        assert!((on_wall.length() - 1.0).abs() < 0.02 && on_wall.distance(top) > 0.5, "{on_wall}");
+    }
 
     /// Faces that span a fork face another way than the surface under their corners: a vertex stays where it is, and slides from
     /// there, though by the faces alone it belongs on the other side.

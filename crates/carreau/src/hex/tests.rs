@@ -2,7 +2,7 @@
 
 use super::connection::tests::star;
 use super::*;
-use crate::mesh::{Column, RawMesh, SurfaceMesh, Topology};
+use crate::mesh::{Column, SurfaceMesh, Topology};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -340,4 +340,181 @@ fn a_thread_has_few_cells() {
     let net = CurveNet::new(vec![DVec3::ZERO, DVec3::X], vec![1e-8; 2], vec![[0, 1]]);
     let made = from_net(&net, &HexOptions::default(), &Context::new()).unwrap();
     assert!((1000..100_000).contains(&made.mesh.hexes.len()), "{}", made.mesh.hexes.len());
+}
+
+/// A closed tube whose ends are flat: both are ends with tags of their own. Lengthened, they are flat, two radii farther out,
+/// and the faces around the new pieces continue those of the wall.
+#[test]
+fn flat_ends_of_a_closed_tube_are_ends() {
+    let closed = crate::skeleton::closed(&bent_tube()).unwrap().mesh;
+    let at = |k: u32| {
+        let (sin, cos) = (f64::from(k) / 20.0 * std::f64::consts::FRAC_PI_2).sin_cos();
+        DVec3::new(4.0 * sin, 4.0 * cos, 0.0)
+    };
+    // As the flow leaves it: it stops before the ends.
+    let nodes: Vec<DVec3> = (4..=16).map(at).collect();
+    let net = CurveNet::new(nodes.clone(), vec![0.8; nodes.len()], (1..13).map(|k| [k - 1, k]).collect());
+    let options = HexOptions { hexes: Some(200), extend: Some(2.0), ..HexOptions::default() };
+    let long = from_surface(&closed, Some(&net), &options, &Context::new()).unwrap();
+    assert_eq!(long.flat_caps, [2, 3]);
+    assert!(long.figures.quality.certified && long.figures.quality.scaled_jacobian_min > 0.4, "{:?}", long.figures);
+    // An octagon in a circle has .90 of its area, and the wall is bent.
+    assert!((0.87..1.02).contains(&long.figures.volume_ratio.unwrap()), "{:?}", long.figures.volume_ratio);
+    assert_conforming(&long.mesh.hexes, &long.mesh.points, &[0]);
+    for tag in [2, 3] {
+        let faces = long.mesh.quads.iter().zip(&long.mesh.tags).filter(|f| *f.1 == tag);
+        let points: Vec<DVec3> = faces.flat_map(|f| f.0.map(|v| long.mesh.points[v as usize])).collect();
+        let by = points.iter().map(|p| -p.x.min(p.y)).fold(0.0, f64::max);
+        // The section is a polygon in a circle of radius 1 or .6.
+        assert!((1.8..2.02).contains(&by) || (1.08..1.21).contains(&by), "{by}");
+        assert!(points.iter().all(|p| (p.y + by).abs().min((p.x + by).abs()) < 1e-9), "flat");
+    }
+    let far = |q: &[u32; 4]| q.iter().any(|&v| long.mesh.points[v as usize].min_element() < -1.05);
+    let is_side = |f: &usize| long.mesh.tags[*f] == 1 && far(&long.mesh.quads[*f]);
+    let sides: Vec<usize> = (0..long.mesh.quads.len()).filter(is_side).collect();
+    assert!(!sides.is_empty());
+    for f in sides {
+        let origin = long.origins[f] as usize;
+        assert!(origin != f && long.mesh.tags[origin] == 1 && long.origins[origin] as usize == origin);
+    }
+}
+
+/// Five layers on a straight tube and on a fork: as thick as asked for along the wall's normal, in proportion, and certified.
+#[test]
+fn layers_have_the_thickness_asked_for() {
+    let straight = CurveNet::new(vec![DVec3::ZERO, DVec3::X * 6.0], vec![1.0; 2], vec![[0, 1]]);
+    for (net, first, share) in [(straight, 0.02, 0.99), (tree(), 0.006, 0.95)] {
+        let (plain, context) = (HexOptions::default(), Context::new());
+        let before = from_net(&net, &plain, &context).unwrap();
+        let wanted = Layers { count: 5, first, growth: 1.3 };
+        let after = from_net(&net, &HexOptions { layers: Some(wanted), ..plain }, &context).unwrap();
+        let f = &after.figures;
+        let layers = f.layers.as_ref().unwrap();
+        assert!(f.quality.certified && layers.as_asked > share, "{layers:?} {:?}", after.warnings);
+        assert!((layers.thickness - first * (1.3f64.powi(5) - 1.0) / 0.3).abs() < 1e-12);
+        let of_wall = before.mesh.tags.iter().filter(|t| **t == 1).count();
+        assert_eq!(f.hexes, before.figures.hexes + 5 * of_wall);
+        assert_conforming(&after.mesh.hexes, &after.mesh.points, &net.cycles());
+        assert_eq!(after.mesh.tags.iter().max(), before.mesh.tags.iter().max());
+        // The wall stays where it was.
+        let wall = |r: &HexResult| {
+            let faces = r.mesh.quads.iter().zip(&r.mesh.tags).filter(|f| *f.1 == 1);
+            let mut on: Vec<[u64; 3]> =
+                faces.flat_map(|f| f.0.map(|v| r.mesh.points[v as usize].to_array().map(f64::to_bits))).collect();
+            on.sort_unstable();
+            on.dedup();
+            on
+        };
+        assert_eq!(wall(&before), wall(&after));
+        // Edges across the layers grow by the factor.
+        let last = after.mesh.hexes.len() - of_wall;
+        let [outer, next] = [last, last - of_wall].map(|h| {
+            let [a, b] = [0, 4].map(|c| after.mesh.points[after.mesh.hexes[h][c] as usize]);
+            a.distance(b)
+        });
+        assert!((next / outer - 1.3).abs() < 1e-9, "{next} {outer}");
+    }
+}
+
+/// The Jacobian of cells of second order at places inside of them, the least over their mean volume, straight from its definition.
+fn least_jacobian(raw: &RawMesh) -> f64 {
+    let nodes = raw.second_order.as_ref().unwrap();
+    let shape = |k: usize, t: f64| [(2.0 * t - 1.0) * (t - 1.0), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)][k];
+    let slope = |k: usize, t: f64| [4.0 * t - 3.0, 4.0 - 8.0 * t, 4.0 * t - 1.0][k];
+    let lattice = crate::geometry::second_order::LATTICE;
+    let mut least = f64::INFINITY;
+    for (cell, middles) in raw.cells.hexes.iter().zip(&nodes.hexes) {
+        let p: Vec<DVec3> = cell.iter().chain(middles).map(|&v| raw.points[v as usize]).collect();
+        for n in 0..27 {
+            let t = [n / 9, n / 3 % 3, n % 3].map(|k| f64::from(k) / 2.0);
+            let derivative = |axis: usize| {
+                p.iter().zip(lattice).fold(DVec3::ZERO, |sum, (p, at)| {
+                    let factor = |a: usize| if a == axis { slope(at[a], t[a]) } else { shape(at[a], t[a]) };
+                    sum + *p * (factor(0) * factor(1) * factor(2))
+                })
+            };
+            least = least.min(derivative(0).dot(derivative(1).cross(derivative(2))));
+        }
+    }
+    least
+}
+
+/// Nodes of second order are on the surface, or on the round wall of a tube, also with layers and on lengthened ends; no cell folds.
+#[test]
+fn nodes_of_second_order_are_on_the_wall() {
+    let straight = CurveNet::new(vec![DVec3::ZERO, DVec3::X * 4.0], vec![1.0; 2], vec![[0, 1]]);
+    let layers = Some(Layers { count: 2, first: 0.05, growth: 1.2 });
+    let options = HexOptions {
+        padding: Padding::Sides,
+        order: Order::Second,
+        layers,
+        extend: Some(1.0),
+        ..HexOptions::default()
+    };
+    let tube = from_net(&straight, &options, &Context::new()).unwrap();
+    assert_eq!(tube.figures.straight_edges, Some(StraightEdges { count: 0, at: None }));
+    let raw = tube.raw();
+    assert!(raw.check().is_ok() && least_jacobian(&raw) > 0.0);
+    assert_eq!(raw.points.len(), tube.figures.vertices);
+    let nodes = raw.second_order.as_ref().unwrap();
+    let from_axis = |v: u32| raw.points[v as usize].with_x(0.0).length();
+    let mut bent = 0;
+    for (q, middles) in raw.faces.iter().zip(&nodes.quads).zip(&tube.mesh.tags).filter(|f| *f.1 == 1).map(|f| f.0) {
+        for k in 0..4 {
+            let [a, m, b] = [q[k], middles[k], q[(k + 1) % 4]].map(from_axis);
+            let straight = 0.5 * (raw.points[q[k] as usize] + raw.points[q[(k + 1) % 4] as usize]).with_x(0.0).length();
+            // Corners are nearly at radius 1, the middles of eight sides at .92.
+            assert!((m - 0.5 * (a + b)).abs() < 0.02, "{a} {m} {b}");
+            bent += usize::from(m - straight > 0.05);
+        }
+    }
+    assert!(bent > 50, "{bent}");
+
+    let mesh = crate::mesh::test_models::torus(40, 20);
+    let at = |k: u32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
+        DVec3::new(2.0 * cos, 2.0 * sin, 0.0)
+    };
+    let net = CurveNet::new((0..24).map(at).collect(), vec![0.5; 24], (0..24).map(|k| [k, (k + 1) % 24]).collect());
+    let options = HexOptions { hexes: Some(300), order: Order::Second, ..HexOptions::default() };
+    let torus = from_surface(&mesh, Some(&net), &options, &Context::new()).unwrap();
+    let raw = torus.raw();
+    assert!(least_jacobian(&raw) > 0.0, "{:?}", torus.warnings);
+    let tree = crate::geometry::search_tree::TriangleTree::new(mesh.points(), &mesh.faces().fan().0);
+    let on = raw
+        .second_order
+        .as_ref()
+        .unwrap()
+        .quads
+        .as_flattened()
+        .iter()
+        .filter(|&&v| tree.distance(raw.points[v as usize]) < 1e-9);
+    let (on, all) = (on.count(), 5 * raw.faces.len());
+    assert!(on * 10 > all * 9, "{on} of {all}");
+    // Written as corners alone it is the mesh of first order.
+    assert_eq!(raw.first_order().points, torus.mesh.points);
+}
+
+/// A length far below what fits is refused, not replaced.
+#[test]
+fn steps_too_short_are_refused() {
+    let options = HexOptions { edge_length: Some(1e-7), ..HexOptions::default() };
+    for result in
+        [from_net(&tree(), &options, &Context::new()), from_surface(&bent_tube(), None, &options, &Context::new())]
+    {
+        assert!(matches!(result, Err(Error::Options(_))), "{:?}", result.map(|r| r.figures.hexes));
+    }
+}
+
+/// Layers thicker than the tube are thinned, which is said, and the cells are certified all the same.
+#[test]
+fn layers_without_room_are_thinned() {
+    let wanted = Layers { count: 3, first: 0.4, growth: 1.5 };
+    let options = HexOptions { layers: Some(wanted), ..HexOptions::default() };
+    let result = from_net(&tree(), &options, &Context::new()).unwrap();
+    let layers = result.figures.layers.as_ref().unwrap();
+    assert!(result.figures.quality.certified && layers.as_asked < 0.5 && layers.least > 0.0, "{layers:?}");
+    assert!(result.warnings.iter().any(|w| w.contains("no room")), "{:?}", result.warnings);
+    assert!(HexOptions { layers: Some(Layers { growth: 0.5, ..wanted }), ..HexOptions::default() }.validate().is_err());
+    assert!(HexOptions { extend: Some(0.0), ..HexOptions::default() }.validate().is_err());
 }

@@ -64,7 +64,7 @@ pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
 }
 
 /// The direction in which a branch ends, from about a radius before its tip, and the largest radius on the way.
-fn heading(net: &CurveNet, around: &Incidence, tip: u32) -> (DVec3, f64) {
+pub fn heading(net: &CurveNet, around: &Incidence, tip: u32) -> (DVec3, f64) {
     let from = net.points[tip as usize];
     let mut radius = net.radii[tip as usize];
     let (mut node, mut edge) = (tip, u32::MAX);

@@ -1,7 +1,8 @@
 //! A look at any hexahedral mesh: conformity, quality, certificate.
 
 use super::figures::HexQuality;
-use crate::geometry::hexes::uncertified;
+use crate::context::Context;
+use crate::error::Result;
 use crate::mesh::{HEX_FACES, HexMesh, boundary_faces};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -26,21 +27,24 @@ pub struct Validity {
 
 impl Validity {
     /// Looks at a mesh; its list of boundary faces is not used. Corners must be valid.
-    pub fn of(mesh: &HexMesh) -> Validity {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
+    pub fn of(mesh: &HexMesh, context: &Context) -> Result<Validity> {
         let HexMesh { points, hexes, .. } = mesh;
         let quads: Vec<[u32; 4]> = boundary_faces(hexes).into_iter().map(|f| f.0).collect();
         let bad_faces = bad_faces(hexes);
         let mut used = vec![false; points.len()];
         hexes.as_flattened().iter().for_each(|&v| used[v as usize] = true);
         let is_degenerate = |h: &&[u32; 8]| (1..8).any(|k| h[..k].contains(&h[k]));
-        Validity {
+        Ok(Validity {
             conforming: bad_faces == 0,
             bad_faces,
             degenerate: hexes.iter().filter(is_degenerate).count(),
             unused_vertices: used.iter().filter(|u| !**u).count(),
             boundary_quads: quads.len(),
-            quality: HexQuality::of(points, hexes, &quads, uncertified(points, hexes)),
-        }
+            quality: HexQuality::of(points, hexes, &quads, context)?,
+        })
     }
 }
 
@@ -79,18 +83,40 @@ mod tests {
 
     #[test]
     fn a_row_is_fine_and_what_is_done_to_it_is_seen() {
-        let v = Validity::of(&row(3));
+        let of = |mesh: &HexMesh| Validity::of(mesh, &Context::new()).unwrap();
+        let v = of(&row(3));
         assert!(v.conforming && v.quality.certified && v.quality.irregular_edges.is_empty(), "{v:?}");
         assert_eq!((v.boundary_quads, v.unused_vertices, v.degenerate, v.quality.inverted), (14, 0, 0, 0));
         assert!((v.quality.volume - 3.0).abs() < 1e-12 && (v.quality.scaled_jacobian_min - 1.0).abs() < 1e-12);
         let mut twisted = row(3);
         twisted.hexes[1] = [4, 7, 6, 5, 8, 11, 10, 9];
-        let v = Validity::of(&twisted);
+        let v = of(&twisted);
         assert!(!v.conforming && v.bad_faces == 2 && v.quality.uncertified == [1] && v.quality.inverted == 1, "{v:?}");
         let mut third = row(3);
         third.hexes.push(third.hexes[1]);
         third.points.push(DVec3::ONE);
-        let v = Validity::of(&third);
+        let v = of(&third);
         assert!(v.bad_faces >= 2 && v.unused_vertices == 1);
+    }
+
+    /// A row that turns back into itself: its last cells lie where its first are.
+    #[test]
+    fn cells_that_lie_where_others_are_are_counted() {
+        let of = |mesh: &HexMesh| Validity::of(mesh, &Context::new()).unwrap().quality;
+        let bent = |turn: f64| {
+            let mut mesh = row(60);
+            for p in &mut mesh.points {
+                let (sin, cos) = (p.z / 60.0 * turn).sin_cos();
+                *p = DVec3::new((5.0 + p.x) * cos, p.y, (5.0 + p.x) * sin);
+            }
+            mesh
+        };
+        let (open, closed) = (of(&bent(6.2)), of(&bent(7.0)));
+        assert!(open.overlapping.is_empty() && open.overlap == 0.0 && open.certified, "{open:?}");
+        assert!(closed.certified, "each cell by itself is fine");
+        // 7 - 2 pi of 7, at both ends.
+        let share = 2.0 * (7.0 - std::f64::consts::TAU) / 7.0;
+        assert!((closed.overlap - share).abs() < 0.04, "{} {share}", closed.overlap);
+        assert!(closed.overlapping.contains(&0) && closed.overlapping.contains(&59));
     }
 }

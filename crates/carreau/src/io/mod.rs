@@ -43,7 +43,7 @@ use std::path::Path;
 
 pub use atomic::write_atomically;
 pub use cad::{CAD_EXTENSIONS, CadOptions, IgesForm, StepSchema, Unit, write_cad};
-pub use outputs::{ResultKind, check_format, check_place, holds_numbers};
+pub use outputs::{ResultKind, check_format, check_place, check_second_order, holds_numbers, holds_second_order};
 pub use skeleton::{SKELETON_EXTENSIONS, is_skeleton_file, read_skeleton, write_skeleton};
 
 /// The content of a file and where it came from.
@@ -166,6 +166,8 @@ pub fn write(path: &Path, mesh: &RawMesh, options: &WriteOptions) -> Result<Vec<
         check_format(path, ResultKind::Any)?;
         return Err(Error::write(path, "there is no such format"));
     };
+    let straight = (mesh.second_order.is_some() && !holds_second_order(path)).then(|| mesh.first_order());
+    let mesh = straight.as_ref().unwrap_or(mesh);
     let mut bytes = Vec::new();
     let library = (format.name == "OBJ").then(|| obj::library_beside(mesh, path));
     if let Some(library) = &library {
@@ -179,5 +181,8 @@ pub fn write(path: &Path, mesh: &RawMesh, options: &WriteOptions) -> Result<Vec<
         warnings.extend(library.warnings);
     }
     write_atomically(path, &bytes)?;
+    if straight.is_some() {
+        warnings.push(format!("{} has no place for cells of second order: their corners are written", format.name));
+    }
     Ok(warnings)
 }

@@ -23,6 +23,8 @@ pub enum ResultKind {
     Any,
 }
 
+/// Extensions of formats that are written with cells of second order.
+const SECOND_ORDER: &[&str] = &["vtu", "vtk", "msh", "inp"];
 /// Extensions of mesh files whose lines may be a skeleton.
 const POLYLINES: &[&str] = &["vtp", "vtk", "vtu", "obj"];
 
@@ -90,6 +92,27 @@ fn known(kind: ResultKind) -> String {
 /// Whether a format has a place for any numbers on vertices and faces.
 pub fn holds_numbers(path: &Path) -> bool {
     matches!(extension(path).as_str(), "ply" | "vtk" | "vtu" | "vtp")
+}
+
+/// Whether a format is written with cells of second order.
+pub fn holds_second_order(path: &Path) -> bool {
+    SECOND_ORDER.contains(&extension(path).as_str())
+}
+
+/// Refuses a file name whose extension names a format that is not written with cells of second order.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn check_second_order(path: &Path) -> Result<()> {
+    if holds_second_order(path) {
+        return Ok(());
+    }
+    let what = format!(
+        "'.{}' is not written with cells of second order; take one of: {}",
+        extension(path),
+        SECOND_ORDER.join(", ")
+    );
+    Err(Error::write(path, what))
 }
 
 /// Refuses a place that cannot be written to: a folder, a name in a folder that does not exist or may not be written to.

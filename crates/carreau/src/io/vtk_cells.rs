@@ -42,6 +42,8 @@ pub(super) mod kind {
     pub const HEXAHEDRON: u8 = 12;
     pub const WEDGE: u8 = 13;
     pub const PYRAMID: u8 = 14;
+    pub const BIQUADRATIC_QUAD: u8 = 28;
+    pub const TRIQUADRATIC_HEXAHEDRON: u8 = 29;
 }
 
 /// What the cells that are not kept are called.
@@ -293,6 +295,13 @@ fn has_values(column: &Column) -> bool {
 /// Visits all cells in the order in which they are written: lines, faces, tetrahedra, hexahedra, wedges, pyramids.
 pub(super) fn for_each_cell(mesh: &RawMesh, mut visit: impl FnMut(u8, &[u32])) {
     mesh.edges.iter().for_each(|e| visit(kind::LINE, e));
+    if let Some(nodes) = &mesh.second_order {
+        let faces = mesh.faces.iter().zip(&nodes.quads);
+        faces.for_each(|(face, middles)| visit(kind::BIQUADRATIC_QUAD, &[face, &middles[..]].concat()));
+        let cells = mesh.cells.hexes.iter().zip(&nodes.hexes);
+        cells.for_each(|(cell, middles)| visit(kind::TRIQUADRATIC_HEXAHEDRON, &[&cell[..], &middles[..]].concat()));
+        return;
+    }
     for face in mesh.faces.iter() {
         let kind = match face.len() {
             3 => kind::TRIANGLE,
@@ -610,6 +619,25 @@ mod tests {
             mesh.notes
         );
         assert_eq!(mesh.notes.len(), 1);
+    }
+
+    #[test]
+    fn cells_of_second_order_are_written_with_all_nodes() {
+        use crate::mesh::test_models::bricks;
+        use crate::mesh::{HexMesh, SecondOrder, boundary_faces};
+        let (points, hexes) = bricks([2, 1, 1]);
+        let quads: Vec<[u32; 4]> = boundary_faces(&hexes).into_iter().map(|f| f.0).collect();
+        let mesh = HexMesh { points, hexes, tags: vec![1; quads.len()], quads };
+        let (nodes, middles) = SecondOrder::of(&mesh).unwrap();
+        let places = vec![DVec3::ZERO; middles.edges.len() + middles.faces.len() + 2];
+        let raw = RawMesh::from(mesh).with_second_order(nodes, &places);
+        let table = CellTable::new(&raw).unwrap();
+        assert_eq!(table.kinds, [vec![28; 10], vec![29; 2]].concat());
+        assert_eq!(table.ends.last(), Some(&(10 * 9 + 2 * 27)));
+        assert!(table.corners.iter().all(|&v| (0..raw.points.len() as i64).contains(&v)));
+        let mut broken = raw.clone();
+        broken.second_order.as_mut().unwrap().quads.pop();
+        assert!(CellTable::new(&broken).is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! | `id` | typed ids |
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
+//! | `second_order` | [`SecondOrder`]: nodes in the middle of the edges, faces and cells of hexahedra |
 //! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary |
 //! | `surface` | [`SurfaceMesh`]: what every room takes |
 //! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
@@ -40,6 +41,7 @@ mod polygons;
 mod prepare;
 mod raw;
 mod repair;
+mod second_order;
 mod space_order;
 mod surface;
 #[cfg(test)]
@@ -67,6 +69,7 @@ pub use prepare::{
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub(crate) use repair::{divided, is_flawed};
+pub use second_order::{HEX_EDGE_NODES, MiddleNodes, SecondOrder};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};

@@ -3,6 +3,7 @@
 use super::attributes::Attributes;
 use super::id::VertexId;
 use super::polygons::Polygons;
+use super::second_order::SecondOrder;
 use super::surface::{SurfaceMesh, TaggedEdge};
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -56,6 +57,8 @@ pub struct RawMesh {
     pub edge_tags: Vec<i32>,
     /// Volume cells.
     pub cells: Cells,
+    /// The nodes of hexahedra of second order; then all cells are such, and all faces are their sides.
+    pub second_order: Option<SecondOrder>,
     /// Named columns on `points` and `faces`.
     pub attributes: Attributes,
     /// What the reader left out or repaired, for the record's `warnings`.
@@ -89,7 +92,14 @@ impl RawMesh {
         self.cells.tets.iter().enumerate().try_for_each(|(k, c)| beyond("tetrahedron", k, c))?;
         self.cells.hexes.iter().enumerate().try_for_each(|(k, c)| beyond("hexahedron", k, c))?;
         self.cells.wedges.iter().enumerate().try_for_each(|(k, c)| beyond("wedge", k, c))?;
-        self.cells.pyramids.iter().enumerate().try_for_each(|(k, c)| beyond("pyramid", k, c))
+        self.cells.pyramids.iter().enumerate().try_for_each(|(k, c)| beyond("pyramid", k, c))?;
+        let Some(nodes) = &self.second_order else { return Ok(()) };
+        let counts = [nodes.hexes.len(), nodes.quads.len()];
+        if counts != [self.cells.len(), self.faces.len()] || self.cells.hexes.len() != self.cells.len() {
+            return Err(Error::input("not all cells and faces have nodes of second order", "", ""));
+        }
+        nodes.hexes.iter().enumerate().try_for_each(|(k, c)| beyond("hexahedron", k, c))?;
+        nodes.quads.iter().enumerate().try_for_each(|(k, c)| beyond("face", k, c))
     }
 
     /// The surface in the file. A file with volume cells is refused: its surface has to be asked for.

@@ -1,8 +1,8 @@
 //! Quads by matching: the best choice of disjoint pairs over the whole mesh, instead of a greedy one.
 //!
 //! A pair of triangles is an edge of the dual graph, a choice of quads a matching. *Weighted*: the sum of the quads'
-//! qualities plus a price for every triangle left over is minimal (Remacle et al. 2012, with the price that the
-//! specification measured). *Cardinality*: as few triangles as possible are left over, and among those choices the
+//! qualities plus a price for every triangle left over is minimal (Remacle et al. 2012, with a price
+//! that was measured). *Cardinality*: as few triangles as possible are left over, and among those choices the
 //! qualities are best.
 
 use super::quality::Candidates;

@@ -1,4 +1,4 @@
-//! The independent check of every result (specification §1, "Validator").
+//! The independent check of every result.
 //!
 //! It looks at the mesh and the layout alone, with nothing from the construction: points and faces, no adjacency
 //! tables, no candidates. A failure is a defect of carreau and becomes [`Error::Bug`].

@@ -12,6 +12,7 @@
 //!
 //! Round ends have no such place: their branches end where the paper's do.
 
+use super::lids::Lid;
 use super::limbs::section;
 use super::tidy::Body;
 use crate::mesh::{CurveNet, Incidence};
@@ -32,12 +33,29 @@ const FACES: f64 = 0.5;
 /// The last node stays inside by this share of the radius.
 const INSIDE: f64 = 0.02;
 
-/// Moves the last nodes of branches that stop before a flat end; their radii are those of the sections across.
-pub fn reach_ends(net: &mut CurveNet, body: &Body) {
+/// Which flat ends branches are led to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// All.
+    All,
+    /// Those with a sharp rim: cells meet the others by themselves.
+    Sharp,
+}
+
+/// Moves the last nodes of branches that stop before a flat end; their radii are those of the sections across. Where only
+/// some ends count, these are the `lids`.
+pub fn reach_ends(net: &mut CurveNet, body: &Body, lids: Option<&[Lid]>) {
+    let counts = |at: DVec3| {
+        let is_in = |lid: &Lid| {
+            let to = at - lid.centre;
+            to.dot(lid.normal).abs() < FLAT * lid.radius && to.length() < lid.radius
+        };
+        lids.is_none_or(|lids| lids.iter().any(is_in))
+    };
     let around = net.incidence();
     for tip in around.tips() {
         let nodes = inward(net, &around, tip, body);
-        let Some(end) = end(net, &nodes, body) else { continue };
+        let Some(end) = end(net, &nodes, body).filter(|end| counts(end.at)) else { continue };
         let last = nodes.iter().position(|&v| v == end.from).unwrap_or(0);
         let [a, b] = [net.points[end.from as usize], end.at];
         let axis = (b - a).normalize_or_zero();

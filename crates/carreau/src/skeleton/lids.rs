@@ -29,8 +29,12 @@ pub struct Lid {
     pub radius: f64,
     /// Largest distance of the border from the plane, in radii.
     pub flatness: f64,
+    /// The edges around it.
+    pub border: Vec<[u32; 2]>,
     /// Its triangles.
     pub triangles: std::ops::Range<u32>,
+    /// Whether it closes an open end; else it is a flat piece of the surface itself.
+    pub is_open: bool,
 }
 
 impl Closed {
@@ -76,7 +80,9 @@ pub fn closed(mesh: &SurfaceMesh) -> Result<Closed> {
         let radius = at.iter().map(|p| p.distance(centre)).sum::<f64>() / at.len() as f64;
         let off = at.iter().map(|p| (*p - centre).dot(normal).abs()).fold(0.0, f64::max);
         let flatness = if radius > 0.0 { off / radius } else { 0.0 };
-        lids.push(Lid { centre, normal, radius, flatness, triangles: first..triangles.len() as u32 });
+        let sides = border.iter().enumerate().map(|(k, &v)| [border[(k + 1) % border.len()], v]).collect();
+        let triangles = first..triangles.len() as u32;
+        lids.push(Lid { centre, normal, radius, flatness, border: sides, triangles, is_open: true });
     }
     Ok(Closed { mesh: SurfaceMesh::from_triangles(points, &triangles)?, lids, wall })
 }

@@ -7,6 +7,7 @@
 //! | stage | file |
 //! |---|---|
 //! | open ends get lids | `lids` |
+//! | plane pieces of the surface that may be ends (for `hex`) | `flat_ends` |
 //! | walls are refused | `wall` |
 //! | long edges are divided | `divide` |
 //! | centres of the largest inner balls | `poles` |
@@ -24,6 +25,7 @@
 mod curves;
 mod divide;
 mod ends;
+pub(crate) mod flat_ends;
 mod flow;
 mod lids;
 mod limbs;
@@ -33,6 +35,7 @@ mod tests;
 mod tidy;
 mod wall;
 
+pub(crate) use ends::Reach;
 pub use lids::{Closed, Lid, closed};
 use tidy::Body;
 pub(crate) use tidy::centre;
@@ -150,20 +153,20 @@ const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 /// [`Error::Input`] for a surface that is not triangular, not manifold or not consistently oriented, [`Error::Numeric`]
 /// where the cycles do not come out as many as the handles; [`Error::Cancelled`], [`Error::Deadline`].
 pub fn extract(mesh: &SurfaceMesh, options: &SkeletonOptions, context: &Context) -> Result<Skeleton> {
-    extract_with(mesh, options, true, context)
+    extract_with(mesh, options, Reach::All, context)
 }
 
-/// As [`extract`]; the branches of flat ends stop before these unless they are to be led there.
+/// As [`extract`]; branches are led to some of the flat ends, and stop before others.
 pub(crate) fn extract_with(
     mesh: &SurfaceMesh,
     options: &SkeletonOptions,
-    to_ends: bool,
+    reach: Reach,
     context: &Context,
 ) -> Result<Skeleton> {
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
-        let found = extract_with(&mesh, options, to_ends, context)?;
+        let found = extract_with(&mesh, options, reach, context)?;
         let closed = found.closed.moved(scale.back());
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
@@ -204,8 +207,10 @@ pub(crate) fn extract_with(
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
-            if to_ends {
-                ends::reach_ends(&mut net, &body);
+            let sharp = || flat_ends::candidates(&closed).into_iter().map(|(lid, _)| lid).collect::<Vec<_>>();
+            match reach {
+                Reach::All => ends::reach_ends(&mut net, &body, None),
+                Reach::Sharp => ends::reach_ends(&mut net, &body, Some(&sharp())),
             }
             preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
@@ -214,7 +219,7 @@ pub(crate) fn extract_with(
         let (cycles, parts) = found;
         Err(Error::Numeric(format!(
             "the skeleton came out with {cycles} cycles in {parts} parts, the surface has {genus} handles in {components}; \
-             refine the surface (`carreau enrich`), or check it for tunnels with `carreau info`"
+             refine the surface, or look for tunnels in it"
         )))
     })
 }
@@ -268,7 +273,7 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
             format!("the surface is that of a wall around a room, {share:.2} % of the diagonal thick: no filled tube"),
             "",
             "give its outer side alone, without the inner side and the rings between both: its open ends are closed by lids \
-             (`carreau segment` tells the faces apart)",
+             (a segmentation tells the faces apart)",
         ));
     }
     let genus = topology.genus.unwrap_or(0);

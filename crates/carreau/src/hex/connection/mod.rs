@@ -2,7 +2,7 @@
 //! of one segment in it; n + 2 vertices, 2 n sides (Viville et al., section 3.2).
 //!
 //! Two ways to make one: orange slices about an axis, and the dual of a spherical Delaunay triangulation changed until
-//! every vertex has four edges. Two conditions decide whether a partition is any good (spec 1.3):
+//! every vertex has four edges. Two conditions decide whether a partition is any good:
 //!
 //! * inclusion: det(d, Vₖ, Vₖ₊₁) > 0 for the four sides of the quad of direction d, which is the sign of the Jacobian of
 //!   the four hexes at the branching;

@@ -1,4 +1,4 @@
-//! Geometry: untangling and smoothing (spec 1.6).
+//! Geometry: untangling and smoothing.
 //!
 //! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs); first for
 //!    the folded cells of a large mesh and their surroundings alone (unfold.rs), then for all, or the other way round.

@@ -2,7 +2,7 @@
 //!
 //! Of a surface every face is a shell element (S3, S4), its labels are element sets. Of a volume mesh the faces are no
 //! elements, which would be shells around the solid: their labels are surfaces (`*SURFACE`, by the faces of cells) and node
-//! sets. Labels of vertices and tags of edges are node sets.
+//! sets. Hexahedra of second order are C3D20. Labels of vertices and tags of edges are node sets.
 
 use super::sets::{Names, Set, left_out, of_columns, of_edges, of_labels};
 use crate::error::Result;
@@ -44,7 +44,8 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
     let faces = SmallFaces::of(mesh, FORMAT, &mut warnings);
     let solid = !mesh.cells.is_empty();
     out.extend_from_slice(b"*HEADING\nwritten by carreau\n*NODE\n");
-    for (k, p) in mesh.points.iter().enumerate() {
+    let unused = nodes_without_an_element(mesh);
+    for (k, p) in mesh.points.iter().enumerate().filter(|(k, _)| !unused.get(*k).is_some_and(|u| *u)) {
         push_integer(out, k + 1);
         for x in p.to_array() {
             out.extend_from_slice(b", ");
@@ -109,8 +110,26 @@ fn write_shells(faces: &SmallFaces, out: &mut Vec<u8>) -> Vec<u32> {
     element
 }
 
+/// Of cells of second order the nodes on faces and in the middle, which C3D20 has not; empty for those of first order.
+fn nodes_without_an_element(mesh: &RawMesh) -> Vec<bool> {
+    let mut unused = Vec::new();
+    if let Some(nodes) = &mesh.second_order {
+        unused.resize(mesh.points.len(), false);
+        nodes.hexes.iter().flat_map(|n| &n[12..]).for_each(|&v| unused[v as usize] = true);
+    }
+    unused
+}
+
 fn write_cells(mesh: &RawMesh, out: &mut Vec<u8>) {
     let mut count = 0;
+    if let Some(nodes) = &mesh.second_order {
+        out.extend_from_slice(b"*ELEMENT, TYPE=C3D20\n");
+        for (cell, middles) in mesh.cells.hexes.iter().zip(&nodes.hexes) {
+            count += 1;
+            push_row(out, count, &[&cell[..], &middles[..12]].concat());
+        }
+        return;
+    }
     for (kind, corners, size, _) in blocks(mesh) {
         if !corners.is_empty() {
             out.extend_from_slice(format!("*ELEMENT, TYPE={kind}\n").as_bytes());
@@ -124,8 +143,9 @@ fn write_cells(mesh: &RawMesh, out: &mut Vec<u8>) {
 
 fn push_row(out: &mut Vec<u8>, number: u32, corners: &[u32]) {
     push_integer(out, number);
-    for &v in corners {
-        out.extend_from_slice(b", ");
+    for (k, &v) in corners.iter().enumerate() {
+        // A line has room for 16 numbers; one that ends with a comma is continued.
+        out.extend_from_slice(if k == PER_LINE - 1 { b",\n" } else { b", " });
         push_integer(out, u64::from(v) + 1);
     }
     out.push(b'\n');
@@ -176,6 +196,9 @@ fn write_surfaces(mesh: &RawMesh, faces: &SmallFaces, sets: &[Set], out: &mut Ve
             }
         }
         let mut nodes: Vec<u32> = set.members.iter().flat_map(|&face| corners(face)).copied().collect();
+        if let Some(middles) = &mesh.second_order {
+            nodes.extend(set.members.iter().flat_map(|&face| &middles.quads[face as usize][..4]));
+        }
         nodes.sort_unstable();
         nodes.dedup();
         push_set(out, "*NSET, NSET", &Set { name: set.name.clone(), members: nodes }, |node| node + 1);

@@ -30,6 +30,33 @@ fn sides_of_cells_are_surfaces_with_names() {
     assert!(!deck.contains("S4") && warnings.is_empty(), "{deck} {warnings:?}");
 }
 
+/// Cells of second order have 20 nodes; those on faces and in the middle, which no element has, are left out. Other formats get the
+/// corners, with a word.
+#[test]
+fn cells_of_second_order_have_twenty_nodes() {
+    use crate::mesh::{HexMesh, SecondOrder};
+    let first = cube();
+    let quads: Vec<[u32; 4]> = first.faces.iter().map(|f| [f[0], f[1], f[2], f[3]]).collect();
+    let mesh = HexMesh { points: first.points, hexes: first.cells.hexes, tags: vec![1, 2], quads };
+    let (nodes, middles) = SecondOrder::of(&mesh).unwrap();
+    let places = vec![DVec3::ZERO; middles.edges.len() + middles.faces.len() + 1];
+    let raw = RawMesh::from(mesh).with_second_order(nodes, &places);
+    let (deck, warnings) = text(&raw, "inp");
+    let element = deck.split("TYPE=C3D20\n").nth(1).unwrap();
+    let numbers: Vec<u32> =
+        element.split([',', '\n', '*']).map_while(|n| n.trim().parse().ok().or(n.is_empty().then_some(0))).collect();
+    let numbers: Vec<u32> = numbers.into_iter().filter(|n| *n > 0).take(21).collect();
+    assert_eq!(numbers[..9], [1, 1, 2, 3, 4, 5, 6, 7, 8]);
+    let mut of_edges = numbers[9..].to_vec();
+    of_edges.sort_unstable();
+    assert_eq!(of_edges, (9..=20).collect::<Vec<u32>>());
+    assert!(deck.contains("\n20, ") && !deck.contains("\n21, ") && warnings.is_empty(), "{deck} {warnings:?}");
+    // The side below has its four corners and the four nodes between them.
+    let below = deck.split("*NSET, NSET=ref_1\n").nth(1).unwrap().lines().next().unwrap();
+    assert_eq!(below.split(", ").count(), 8, "{below}");
+    assert!(raw.first_order().points.len() == 8 && raw.first_order().second_order.is_none());
+}
+
 #[test]
 fn faces_of_a_surface_are_shells_in_sets() {
     let mut mesh = cube();

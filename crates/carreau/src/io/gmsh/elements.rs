@@ -11,10 +11,14 @@ pub(super) enum Shape {
     Hex,
     Wedge,
     Pyramid,
+    /// A quad with nodes in the middle of its sides and in its own.
+    Quad9,
+    /// A hexahedron with nodes in the middle of its edges and faces and in its own.
+    Hex27,
 }
 
 impl Shape {
-    /// Number of corners.
+    /// Number of corners; of shapes of second order that of all nodes.
     pub fn corners(self) -> usize {
         match self {
             Shape::Point => 1,
@@ -24,6 +28,8 @@ impl Shape {
             Shape::Pyramid => 5,
             Shape::Wedge => 6,
             Shape::Hex => 8,
+            Shape::Quad9 => 9,
+            Shape::Hex27 => 27,
         }
     }
 
@@ -32,12 +38,12 @@ impl Shape {
         match self {
             Shape::Point => 0,
             Shape::Line => 1,
-            Shape::Triangle | Shape::Quad => 2,
-            Shape::Tet | Shape::Hex | Shape::Wedge | Shape::Pyramid => 3,
+            Shape::Triangle | Shape::Quad | Shape::Quad9 => 2,
+            Shape::Tet | Shape::Hex | Shape::Wedge | Shape::Pyramid | Shape::Hex27 => 3,
         }
     }
 
-    /// The type number of the element of first order.
+    /// The type number of the element, of first order but for two.
     pub fn code(self) -> i32 {
         match self {
             Shape::Line => 1,
@@ -48,9 +54,15 @@ impl Shape {
             Shape::Wedge => 6,
             Shape::Pyramid => 7,
             Shape::Point => 15,
+            Shape::Quad9 => 10,
+            Shape::Hex27 => 12,
         }
     }
 }
+
+/// Gmsh's order of the nodes of a hexahedron with 27, as places in VTK's.
+pub(super) const HEX27: [usize; 27] =
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26];
 
 const FIRST_ORDER: [Shape; 8] =
     [Shape::Line, Shape::Triangle, Shape::Quad, Shape::Tet, Shape::Hex, Shape::Wedge, Shape::Pyramid, Shape::Point];
@@ -120,6 +132,7 @@ mod tests {
             Shape::Wedge => (p + 1).pow(2) * (p + 2) / 2,
             Shape::Pyramid => (p + 1) * (p + 2) * (2 * p + 3) / 6,
             Shape::Point => 1,
+            Shape::Quad9 | Shape::Hex27 => 0,
         };
         let complete = HIGHER_ORDER.into_iter().filter(|(_, types)| types[0].0 != 20);
         for (shape, types) in complete.chain([(Shape::Pyramid, &PYRAMIDS[..])]) {

@@ -273,3 +273,41 @@ proptest! {
         let _ = read("msh", &bytes);
     }
 }
+
+/// A cell of second order: Gmsh's own order of its nodes, by where these are; its corners are read.
+#[test]
+fn cells_of_second_order_have_their_nodes_in_order() {
+    use crate::mesh::test_models::bricks;
+    use crate::mesh::{HexMesh, SecondOrder, boundary_faces};
+    let (points, hexes) = bricks([1; 3]);
+    let quads: Vec<[u32; 4]> = boundary_faces(&hexes).into_iter().map(|f| f.0).collect();
+    let mesh = HexMesh { points, hexes, tags: vec![1; quads.len()], quads };
+    let (nodes, middles) = SecondOrder::of(&mesh).unwrap();
+    let at = |list: &[u32]| list.iter().map(|&v| mesh.points[v as usize]).sum::<DVec3>() / list.len() as f64;
+    let edges = middles.edges.iter().map(|e| at(e));
+    let places: Vec<DVec3> = edges.chain(middles.faces.iter().map(|f| at(f))).chain([DVec3::splat(0.5)]).collect();
+    let raw = RawMesh::from(mesh).with_second_order(nodes, &places);
+    let mut file = Vec::new();
+    let warnings = super::write::write(&raw, true, &mut file);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let text = String::from_utf8(file).unwrap();
+    let is_cell = |line: &&str| line.split(' ').count() == 28;
+    let row: Vec<usize> = text.lines().find(is_cell).unwrap().split(' ').skip(1).map(|n| n.parse().unwrap()).collect();
+    // The table of Gmsh's manual, "Hexahedron27": edges and faces by their corners.
+    let edges = [[0, 1], [0, 3], [0, 4], [1, 2], [1, 5], [2, 3], [2, 6], [3, 7], [4, 5], [4, 7], [5, 6], [6, 7]];
+    let faces = [[0, 1, 2, 3], [0, 1, 4, 5], [0, 3, 4, 7], [1, 2, 5, 6], [2, 3, 6, 7], [4, 5, 6, 7]];
+    let node = |n: usize| raw.points[row[n] - 1];
+    let middle = |corners: &[usize]| corners.iter().map(|&c| node(c)).sum::<DVec3>() / corners.len() as f64;
+    for (k, edge) in edges.iter().enumerate() {
+        assert_eq!(node(8 + k), middle(edge), "edge {k}");
+    }
+    for (k, face) in faces.iter().enumerate() {
+        assert_eq!(node(20 + k), middle(face), "face {k}");
+    }
+    assert_eq!(node(26), DVec3::splat(0.5));
+    let elements = text.split("$Elements\n").nth(1).unwrap();
+    let faces = elements.lines().filter(|line| line.split(' ').count() == 10).count();
+    assert_eq!(faces, 6);
+    let back = read("msh", text.as_bytes()).unwrap();
+    assert!(back.cells.hexes.len() == 1 && back.faces.len() == 6 && !back.notes.is_empty());
+}

@@ -5,11 +5,11 @@
 //! reference each, its numbers are the entities' own. Vertices with a reference become point elements.
 
 use super::collector::NAMED_LABELS;
-use super::elements::Shape;
+use super::elements::{HEX27, Shape};
 use crate::io::limits::words_left_out;
 use crate::io::small_faces::{COUNTED_FROM_ZERO, SmallFaces, face_references, label, warn_unheld};
 use crate::io::text::{push_float, push_integer};
-use crate::mesh::{Cells, RawMesh};
+use crate::mesh::{Cells, RawMesh, SecondOrder};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
@@ -28,8 +28,13 @@ pub(super) fn write(mesh: &RawMesh, ascii: bool, out: &mut Vec<u8>) -> Vec<Strin
     let mut model = Model::default();
     model.add_points(label(&mesh.attributes.vertex, "ref").unwrap_or(&[]));
     model.add_lines(mesh);
-    model.add_faces(&faces, &faces.values(references), entity_label.map(|e| faces.values(e)).as_deref());
-    model.add_cells(&mesh.cells);
+    match &mesh.second_order {
+        Some(nodes) => model.add_second_order(mesh, nodes, references),
+        None => {
+            model.add_faces(&faces, &faces.values(references), entity_label.map(|e| faces.values(e)).as_deref());
+            model.add_cells(&mesh.cells);
+        }
+    }
     warn_unheld(mesh, FORMAT, &["ref"], &[reference_name, "entity"], &mut warnings);
     let names = physical_names(mesh, reference_name, shift);
     let named = |column: &str| dimension_of(column, reference_name).is_some();
@@ -116,6 +121,19 @@ impl Model {
             (value(references, f), value(entities.unwrap_or(&[]), f), shape)
         };
         self.add(faces.faces.iter().enumerate().map(|(f, corners)| (key(f, corners), corners)));
+    }
+
+    /// The faces and cells of a mesh of second order.
+    fn add_second_order(&mut self, mesh: &RawMesh, nodes: &SecondOrder, references: &[i32]) {
+        let value = |list: &[i32], k: usize| list.get(k).copied().unwrap_or(0);
+        let of_faces = mesh.faces.iter().zip(&nodes.quads).map(|(face, middles)| [face, &middles[..]].concat());
+        let faces: Vec<Vec<u32>> = of_faces.collect();
+        self.add(faces.iter().enumerate().map(|(f, all)| ((value(references, f), 0, Shape::Quad9), &all[..])));
+        let of_cells = mesh.cells.hexes.iter().zip(&nodes.hexes);
+        let cells: Vec<[u32; 27]> =
+            of_cells.map(|(cell, middles)| HEX27.map(|n| if n < 8 { cell[n] } else { middles[n - 8] })).collect();
+        let tags = &mesh.cells.tags;
+        self.add(cells.iter().enumerate().map(|(h, all)| ((value(tags, h), 0, Shape::Hex27), &all[..])));
     }
 
     fn add_cells(&mut self, cells: &Cells) {
