@@ -115,7 +115,7 @@ fn noisy(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
 #[test]
 fn noise_makes_no_facets_of_parts() {
     let context = Context::new();
-    for name in ["bracket", "cube-cylinders"] {
+    for name in ["bracket", "cube-cylinders", "cylinder"] {
         let mesh = sample::make(name, None, &context).unwrap();
         let [exact, model] =
             [mesh.clone(), noisy(&mesh, 2e-4)].map(|mesh| rebuild(&mesh, &CadOptions::default(), &context).unwrap());
