@@ -145,7 +145,7 @@ fn uncovered(
 pub fn accept(result: &mut HexResult, options: &HexOptions, diagonal: f64) -> Result<()> {
     let found = flaws(result, options, diagonal);
     if !found.is_empty() && !options.allow_far {
-        let remedy = "ask for smaller cells, or give a skeleton with a branch in every limb \
+        let remedy = "ask for smaller cells, or give a skeleton with a branch in every limb; \
                       the options max-distance and allow-far let such a mesh pass";
         return Err(Error::Numeric(format!("{}; {remedy}", found.join("; "))));
     }
