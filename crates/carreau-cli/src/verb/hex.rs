@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau hex vessel.stl -o vessel.vtu --picture vessel.png\n  \
-    carreau hex cactus.obj -o cactus.mesh --hexes 1000 --json cactus.json\n  \
+    carreau hex cactus.obj -o cactus.mesh --hexes 3000 --json cactus.json\n  \
     carreau hex neuron.swc -o neuron.msh --padding all --refine-across 1")]
 pub struct Hex {
     /// The surface or the skeleton
