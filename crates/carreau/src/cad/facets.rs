@@ -53,11 +53,7 @@ impl Map<'_> {
     /// Whether a piece is a cylinder that touches two planes beside it.
     fn is_fillet(&self, piece: &Piece) -> bool {
         let Some(Primitive::Cylinder { origin, axis, radius }) = piece.primitive else { return false };
-        let corners = piece.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
-        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE).map(|o| self.label[o as usize / 3]);
-        let mut around: Vec<u32> = beyond.collect();
-        around.sort_unstable();
-        around.dedup();
+        let around = self.labels_beside(piece.triangles.iter().copied());
         let touches = |&p: &u32| match self.pieces[p as usize].primitive {
             Some(Primitive::Plane { origin: o, normal }) => {
                 let off = (normal.dot(origin - o).abs() - radius).abs();

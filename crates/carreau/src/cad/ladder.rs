@@ -150,11 +150,9 @@ fn doubt(piece: &Piece) -> f64 {
 }
 
 fn neighbours(map: &Map<'_>, pieces: &[u32]) -> Vec<u32> {
-    let corners = pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter()).flat_map(|&k| 3 * k..3 * k + 3);
-    let others = corners.map(|c| map.t.opposite(c)).filter(|&o| o != NONE);
-    let mut found: Vec<u32> = others.map(|o| map.label[o as usize / 3]).filter(|l| !pieces.contains(l)).collect();
-    found.sort_unstable();
-    found.dedup();
+    let triangles = pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied());
+    let mut found = map.labels_beside(triangles);
+    found.retain(|l| !pieces.contains(l));
     found
 }
 

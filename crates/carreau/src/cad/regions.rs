@@ -146,6 +146,16 @@ impl Map<'_> {
         self.tolerance = self.tolerance.min(f64::max(2.0 * worst, FILE * self.diagonal));
     }
 
+    /// The labels of the neighbours of triangles, ascending, each once; their own ones where they are neighbours of each other.
+    pub fn labels_beside(&self, triangles: impl IntoIterator<Item = u32>) -> Vec<u32> {
+        let corners = triangles.into_iter().flat_map(|k| 3 * k..3 * k + 3);
+        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE);
+        let mut found: Vec<u32> = beyond.map(|o| self.label[o as usize / 3]).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Makes splines of pieces, whose surfaces are still to be found.
     pub fn loosen(&mut self, which: &[u32]) {
         for &p in which {

@@ -7,7 +7,6 @@
 //! ```
 
 use super::regions::{Map, area_vector, inner_vertices, vertex_ids, vertices};
-use crate::mesh::NONE;
 use glam::DVec3;
 
 /// Cosine of the largest angle between a scrap's facets and the surface that it goes to (45°: noise tilts narrow facets).
@@ -34,11 +33,7 @@ impl Map<'_> {
 
     /// The neighbour on whose surface triangles of a piece lie within a distance and which faces their way: the nearest.
     pub fn home(&self, of: u32, triangles: &[u32], within: f64) -> Option<u32> {
-        let corners = triangles.iter().flat_map(|&k| 3 * k..3 * k + 3);
-        let beyond = corners.map(|c| self.t.opposite(c)).filter(|&o| o != NONE);
-        let mut around: Vec<u32> = beyond.map(|o| self.label[o as usize / 3]).filter(|&p| p != of).collect();
-        around.sort_unstable();
-        around.dedup();
+        let around = self.labels_beside(triangles.iter().copied()).into_iter().filter(|&p| p != of);
         let points = vertices(self.t, triangles);
         let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let facing = triangles.iter().map(|&k| area_vector(self.t, k)).sum::<DVec3>().normalize_or_zero();
@@ -48,7 +43,7 @@ impl Map<'_> {
             let far = points.iter().map(|&q| surface.distance(q).abs()).fold(0.0, f64::max);
             (aligned && far <= within).then_some((far, p))
         };
-        around.into_iter().filter_map(far).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|f| f.1)
+        around.filter_map(far).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|f| f.1)
     }
 
     /// Gives triangles of a piece to another one.

@@ -154,8 +154,9 @@ pub fn judged(
     tracing::debug!(target: "carreau::quad", strays, shape, poor, dull, misses, far, ?cost, rungs = ?made.rung, "attempt");
     // Another field does not change what the features need, but smaller quads do.
     let misses_more = misses > 0 && is_raised;
-    let is_good = made.rung.iter().all(|&r| r == 1) && strays <= STRAYS && poor + dull + far == 0 && !misses_more;
-    let is_shaped = !cost.useless && made.rung.iter().all(|&r| r == 1) && poor + dull + misses == 0;
+    let is_first = made.rung.iter().all(|&r| r == 1);
+    let is_good = is_first && strays <= STRAYS && poor + dull + far == 0 && !misses_more;
+    let is_shaped = !cost.useless && is_first && poor + dull + misses == 0;
     let tight = if far > 0 { gap.tight } else { Vec::new() };
     Ok(Attempt { made, cost, strays, is_good, is_shaped, tight })
 }

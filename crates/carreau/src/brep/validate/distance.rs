@@ -77,8 +77,9 @@ pub(super) fn compare(
     context: &Context,
 ) -> Result<Vec<Finding>> {
     let regions = regions(brep, reference);
-    let everywhere = Everywhere::of_mesh(reference);
-    let model = Everywhere::of_model(tessellation);
+    let fans = || reference.mesh.faces().iter().flat_map(fan).collect();
+    let everywhere = Everywhere::new(reference.mesh.points(), fans);
+    let model = Everywhere::new(&tessellation.points, || tessellation.triangles.clone());
     let faces_of = triangles_by_face(brep.faces.len(), tessellation);
     let mut out = Vec::new();
     let mut cut_off = 0.0;
@@ -151,15 +152,17 @@ fn swings(surface: &Surface) -> bool {
     matches!(surface, Surface::Spline(_) | Surface::Extrusion { .. } | Surface::Revolution { .. })
 }
 
+/// The triangles of a polygon around its first corner.
+fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    (2..face.len()).map(|k| [face[0], face[k - 1], face[k]])
+}
+
 /// The volume inside the mesh, seen from a point.
 fn enclosed(reference: &Reference, about: DVec3) -> f64 {
     let points = reference.mesh.points();
     let cone = |[a, b, c]: [DVec3; 3]| (a - about).dot((b - about).cross(c - about)) / 6.0;
     let faces = reference.mesh.faces().iter();
-    let fan = |face: &[u32]| {
-        (2..face.len()).map(|k| cone([face[0], face[k - 1], face[k]].map(|v| points[v as usize]))).sum::<f64>()
-    };
-    faces.map(fan).sum()
+    faces.map(|face| fan(face).map(|t| cone(t.map(|v| points[v as usize]))).sum::<f64>()).sum()
 }
 
 /// Triangles and faces of every region.
@@ -175,7 +178,7 @@ fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
     }
     for (face, &r) in reference.mesh.faces().iter().zip(reference.region_of) {
         let region = &mut out[r as usize];
-        region.triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
+        region.triangles.extend(fan(face));
     }
     out.iter_mut().for_each(|r| r.find_border(reference.mesh.points()));
     out
@@ -238,7 +241,7 @@ fn to_mesh(
     points: &[DVec3],
     region: &Region,
     tree: &TriangleTree,
-    everywhere: &Everywhere<'_>,
+    everywhere: &Everywhere<'_, impl Fn() -> Vec<[u32; 3]>>,
     apart: &[f64],
     limits: &Limits,
 ) -> Measured {
@@ -292,31 +295,29 @@ fn to_mesh(
 }
 
 /// All triangles of the mesh or of the model, in a tree that is built when it is asked for.
-struct Everywhere<'a> {
+struct Everywhere<'a, F> {
     points: &'a [DVec3],
-    triangles: Vec<[u32; 3]>,
-    tree: OnceCell<TriangleTree>,
+    /// Lists the triangles.
+    list: F,
+    known: OnceCell<(Vec<[u32; 3]>, TriangleTree)>,
 }
 
-impl<'a> Everywhere<'a> {
-    fn of_mesh(reference: &Reference<'a>) -> Self {
-        let fan = |face: &'a [u32]| (2..face.len()).map(|k| [face[0], face[k - 1], face[k]]);
-        let triangles = reference.mesh.faces().iter().flat_map(fan).collect();
-        Everywhere { points: reference.mesh.points(), triangles, tree: OnceCell::new() }
-    }
-
-    fn of_model(tessellation: &'a Tessellation) -> Self {
-        let triangles = tessellation.triangles.clone();
-        Everywhere { points: &tessellation.points, triangles, tree: OnceCell::new() }
+impl<'a, F: Fn() -> Vec<[u32; 3]>> Everywhere<'a, F> {
+    fn new(points: &'a [DVec3], list: F) -> Self {
+        Everywhere { points, list, known: OnceCell::new() }
     }
 
     /// The distance of a point from the nearest triangle within a radius whose normal is within an angle of a direction; infinite
     /// where there is none.
     fn distance(&self, p: DVec3, normal: DVec3, radius: f64, angle: f64) -> f64 {
-        let tree = self.tree.get_or_init(|| TriangleTree::new(self.points, &self.triangles));
+        let (triangles, tree) = self.known.get_or_init(|| {
+            let triangles = (self.list)();
+            let tree = TriangleTree::new(self.points, &triangles);
+            (triangles, tree)
+        });
         let mut least = f64::INFINITY;
         tree.within(p, radius, |near| {
-            let [a, b, c] = self.triangles[near.triangle as usize].map(|v| self.points[v as usize]);
+            let [a, b, c] = triangles[near.triangle as usize].map(|v| self.points[v as usize]);
             let facet = (b - a).cross(c - a);
             if facet.length_squared() > 0.0 && normal != DVec3::ZERO && normal.angle_between(facet) <= angle {
                 least = least.min(near.distance());
