@@ -80,13 +80,17 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
 
 /// The vertices of quads that are too far from the surface.
 pub fn far_vertices(work: &Work, source: &Source) -> Vec<bool> {
-    let far = FAR * source.diagonal;
-    let gaps = Gaps::new(work, source, far).of(work, &vec![true; work.points.len()]);
     let mut is_far = vec![false; work.points.len()];
-    for (face, _) in work.faces.iter().zip(&gaps).filter(|(_, gap)| gap.length() > far) {
-        face.iter().for_each(|&v| is_far[v as usize] = true);
+    for q in quads_beyond(work, source, FAR * source.diagonal) {
+        work.faces.face(q).iter().for_each(|&v| is_far[v as usize] = true);
     }
     is_far
+}
+
+/// The quads that are farther from the surface than so much, or that it is.
+pub fn quads_beyond(work: &Work, source: &Source, far: f64) -> Vec<usize> {
+    let gaps = Gaps::new(work, source, far).of(work, &vec![true; work.points.len()]);
+    (0..gaps.len()).filter(|&q| gaps[q].length() > far).collect()
 }
 
 /// What a vertex has to move by: the most that one of its quads asks for.

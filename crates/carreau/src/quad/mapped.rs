@@ -1,22 +1,30 @@
 //! Rung 1: quads by global parametrisation, put onto the surface, smoothed and looked at.
 
 use super::attempts::{Attempts, or_why};
-use super::lift::far_vertices;
-use super::map::{WORKING_EDGES, Wish, quads_of_map};
+use super::collapse::collapse;
+use super::lift::{far_vertices, quads_beyond};
+use super::map::{QuadMap, WORKING_EDGES, Wish};
 use super::regular::Made;
 use super::smooth::Smoothing;
 use super::source::Source;
-use super::tried::{Tried, judged};
+use super::tried::{STRAYS, Tried, judged};
 use super::work::Work;
-use super::{LEFT_OUT, LOST, lifted, take_back, validate};
+use super::{lifted, take_back, validate};
 use crate::context::Context;
 use crate::error::Result;
+use std::collections::BTreeSet;
+
+/// How often quads are made of a map, smaller ones each time where some were no good; and the share of those before that may be
+/// left for another time.
+const REFINEMENTS: usize = 5;
+const PROGRESS: f64 = 0.9;
 
 impl Attempts<'_> {
-    /// Working mesh after working mesh, until the quads of one are useful. Features are the same on all of them: where the first
-    /// one's come to nothing, so do the others'.
+    /// Working mesh after working mesh, until the quads of one are useful. Features that are whole are the same on all of them:
+    /// where the first one's come to nothing, so do the others'.
     pub fn map(&self, tried: &mut Tried, context: &Context) -> Result<()> {
-        let count = if self.source.edges.is_empty() { WORKING_EDGES.len() } else { 1 };
+        let is_whole = !self.source.edges.is_empty() && !self.source.has_loose_ends;
+        let count = if is_whole { 1 } else { WORKING_EDGES.len() };
         for &working in &WORKING_EDGES[..count] {
             match self.of_working_mesh(working, context)? {
                 Ok(found) => tried.offer(found),
@@ -39,34 +47,67 @@ impl Attempts<'_> {
     ) -> Result<std::result::Result<super::tried::Attempt, String>> {
         let source = self.source;
         let wish = Wish { length: self.length, quads: self.quads, working, feature_deg: self.feature_deg };
-        let mut work = match or_why(quads_of_map(source, &wish, context))? {
+        let mut map = match or_why(QuadMap::new(source, &wish, context))? {
+            Ok(map) => map,
+            Err(why) => return Ok(Err(why)),
+        };
+        let mut work = match self.placed(&mut map, &wish, context)? {
             Ok(work) => work,
             Err(why) => return Ok(Err(why)),
         };
-        put_onto(&mut work, self);
-        if let Some(why) = validate::topology_refusal(&work.to_mesh()?, source) {
-            return Ok(Err(why.into()));
+        let (is_good, has_changed) = collapse(&mut work, source, context)?;
+        tracing::debug!(target: "carreau::quad", is_good, has_changed, quads = work.faces.len(), "collapsed");
+        if is_good {
+            fitted(&mut work, source, context)?;
         }
-        smoothed(&mut work, source, context)?;
         let gap = lifted(&mut work, source, context)?;
-        if let Some(why) = validate::refusal(&work, &work.to_mesh()?, source)? {
+        // Creases that fade out may be too short, or bend too much, for an edge of the quads.
+        let refusal = if source.has_loose_ends { validate::unsound } else { validate::refusal };
+        if let Some(why) = refusal(&work, &work.to_mesh()?, source)? {
             return Ok(Err(why));
         }
-        let found = judged(source, Made::all_on(1, work, source), gap, self.quads, false, context)?;
-        Ok(if found.strays > LOST { Err(LEFT_OUT.into()) } else { Ok(found) })
+        judged(source, Made::all_on(1, work, source), gap, self.quads, false, context).map(Ok)
+    }
+
+    /// Quads of the map on the surface, as even as they become; smaller ones where some are no good or leave a part out, as on
+    /// limbs that are hardly wider than they are.
+    fn placed(&self, map: &mut QuadMap, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+        let mut best: Option<(usize, Work)> = None;
+        for _ in 0..REFINEMENTS {
+            let mut work = match or_why(map.quads(wish, context))? {
+                Ok(work) => work,
+                Err(why) if best.is_none() => return Ok(Err(why)),
+                Err(_) => break,
+            };
+            put_onto(&mut work, self);
+            if let Some(why) = validate::topology_refusal(&work.to_mesh()?, self.source) {
+                return Ok(Err(why.into()));
+            }
+            Smoothing::new(&mut work, self.source).run(&mut work, self.source, context)?;
+            let no_good = validate::faults(&work, self.source).map(|(q, _)| q);
+            let bad: BTreeSet<usize> = no_good.chain(quads_beyond(&work, self.source, STRAYS * self.length)).collect();
+            tracing::debug!(target: "carreau::quad", bad = bad.len(), quads = work.faces.len(), "placed");
+            map.refine(bad.iter().copied());
+            let before = best.as_ref().map_or(usize::MAX, |b| b.0);
+            if bad.len() < before {
+                best = Some((bad.len(), work));
+            }
+            if bad.is_empty() || bad.len() as f64 > PROGRESS * before as f64 {
+                break;
+            }
+        }
+        Ok(best.map(|b| b.1).ok_or_else(String::new))
     }
 }
 
-/// Makes quads even, and takes those that are too far from the surface nearer to it, as long as none is turned over for it.
-pub fn smoothed(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
-    let mut smoothing = Smoothing::new(work, source);
-    smoothing.run(work, source, context)?;
+/// Takes quads that are too far from the surface nearer to it, as long as none is turned over for it.
+fn fitted(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
     let is_far = far_vertices(work, source);
-    if !is_far.contains(&true) || validate::faults(work, source).next().is_some() {
+    if !is_far.contains(&true) {
         return Ok(());
     }
     let before = work.points.clone();
-    smoothing.fit_some(work, source, &is_far, context)?;
+    Smoothing::new(work, source).fit_some(work, source, &is_far, context)?;
     take_back(work, &before, source);
     Ok(())
 }

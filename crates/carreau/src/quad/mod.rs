@@ -4,7 +4,7 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `mapped`, `map` | on surfaces without features first, on others where the graph's first quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
+//! | 1 | `mapped`, `map` | on surfaces without features and with creases that fade out first, on others where the graph's first quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
 //! | 1 | `attempts`, `tried`, `regular` | on surfaces with features first, on others where the map is refused: the field's motorcycle graph, grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
@@ -26,6 +26,7 @@
 //! | regions and feature curves of the source; borders that lie on each other | `source`; `junction` |
 //! | the mesh at work, midpoint subdivision, smoothing | `work`, `halve`, `smooth`, `straighten` |
 //! | borders that lie on each other are sewn while quads are made | `sew` |
+//! | quads that stay turned over are taken out | `collapse` |
 //! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nudge` |
 //! | how good quads are, and can be between features | `around`, `ceiling` |
 //! | the validator, figures | `validate`, `quality` |
@@ -38,6 +39,7 @@ mod budget;
 mod ceiling;
 mod chart;
 mod chords;
+mod collapse;
 mod cut;
 mod draw;
 mod fill;
@@ -88,6 +90,7 @@ use lift::lift;
 use regular::Made;
 use serde::{Deserialize, Serialize};
 use source::Source;
+use tried::STRAYS;
 use work::{Place, Work};
 
 /// Options of [`quads`].
@@ -191,6 +194,13 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
     let mut quality = quality::measure(&made.work, &source);
+    if let (true, (kept, Some(p))) = (quality.feature_recall < validate::RECALL, validate::recall(&made.work, &source))
+    {
+        warnings.push(format!(
+            "{:.1} % of the features are kept, the first one is lost near {:.4} {:.4} {:.4}: it is too short or bends too much for the edges of the quads; more quads keep it",
+            100.0 * kept, p.x, p.y, p.z
+        ));
+    }
     if quality.inverted > 0 {
         let inverted = quality.inverted;
         warnings.push(format!("{inverted} quads are turned over: the triangles that they come from have no area"));
@@ -201,6 +211,13 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         (found, bound) = (found.max(of_fans[0]), bound.max(of_fans[1]));
     }
     (quality.distance_found, quality.distance_max) = (Some(found), Some(bound));
+    let edge = (source.area / count as f64).sqrt();
+    if found * source.diagonal > STRAYS * edge {
+        warnings.push(format!(
+            "the quads are up to {:.2} % of the diagonal from the surface: a part of it is thinner than they are; more quads are nearer",
+            100.0 * found
+        ));
+    }
     finish(&source, made, quality, warnings)
 }
 
@@ -209,23 +226,28 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
     let mut warnings = source.surface.repaired.clone();
     let attempts = Attempts::new(source, options, context);
     let mut tried = attempts.none();
-    // Between features the graph's grids are straighter; without any it has nothing to start from.
-    let is_smooth = source.edges.is_empty();
-    if options.rung == 1 && is_smooth {
+    // Between features the graph's grids are straighter; without any it has nothing to start from, and between creases that fade
+    // out it does worse than the map, after minutes.
+    let map_first = source.edges.is_empty() || source.has_loose_ends;
+    if options.rung == 1 && map_first {
         attempts.map(&mut tried, context)?;
     }
-    if options.rung <= 2 && !(is_smooth && tried.is_useful()) {
-        let mut goes_on = attempts.first(&mut tried)?;
-        // Where the graph does not do at once, as on scans with a few features, the map mostly does, and sooner than other fields.
-        if goes_on && options.rung == 1 && !is_smooth && !tried.will_do() {
-            attempts.map(&mut tried, context)?;
-            goes_on = !tried.will_do() && !tried.is_shaped();
-        }
-        if goes_on {
-            attempts.others(&mut tried)?;
+    let is_done = map_first && tried.is_useful();
+    if options.rung <= 2 && !is_done {
+        let goes_on = attempts.first(&mut tried)?;
+        if !map_first && goes_on {
+            // Where the graph does not do at once, the map mostly does, and sooner than other fields.
+            if options.rung == 1 && !tried.will_do() {
+                attempts.map(&mut tried, context)?;
+            }
+            if !tried.will_do() && !tried.is_shaped() {
+                attempts.others(&mut tried)?;
+            }
         }
     }
+    // What keeps to the number and leaves a part out is better than many times as many quads.
     if !tried.is_useful()
+        && !(map_first && tried.meets_number())
         && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?
     {
         attempts.graft(work, gap, &mut tried)?;

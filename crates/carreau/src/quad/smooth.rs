@@ -141,6 +141,30 @@ impl Smoothing {
     }
 }
 
+/// The same for some of the vertices: they become even, are turned over no more, and are looked after.
+pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u32], context: &Context) -> Result<()> {
+    for _ in 0..SWEEPS {
+        let mut has_moved = false;
+        for &v in near {
+            context.check_every(v as usize)?;
+            has_moved |= match work.place[v as usize] {
+                Place::Region(_) => relax(work, around, source, v),
+                Place::Curve(_) => slide(work, around, source, v),
+                Place::Fixed => false,
+            };
+        }
+        if !has_moved {
+            break;
+        }
+    }
+    for round in 0..ROUNDS {
+        for &v in near {
+            improve(work, around, source, v, STEPS[round % STEPS.len()]);
+        }
+    }
+    Ok(())
+}
+
 /// Looks for better places for all that have a poor quad.
 fn look_after(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
     let mut moves = Moves::new(work);

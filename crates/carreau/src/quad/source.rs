@@ -56,6 +56,8 @@ pub struct Source {
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
+    /// Some features end inside a surface: creases that fade out, as on scans.
+    pub has_loose_ends: bool,
 }
 
 impl Source {
@@ -154,6 +156,7 @@ impl Source {
         let every: Vec<u32> = (0..edges.len() as u32).collect();
         Ok(Source {
             diagonal: mesh.diagonal(),
+            has_loose_ends: has_loose_ends(mesh.vertex_count(), &edges),
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
@@ -264,6 +267,13 @@ fn ends_of_sewn(mesh: &SurfaceMesh, edges: &[[u32; 2]], sewn: &[bool]) -> Vec<bo
         ends.iter().for_each(|&v| arms[v as usize][usize::from(sewn)] += 1);
     }
     arms.into_iter().map(|arms| arms == [1, 1]).collect()
+}
+
+/// Whether a vertex has one feature edge.
+fn has_loose_ends(vertices: usize, edges: &[[u32; 2]]) -> bool {
+    let mut arms = vec![0u32; vertices];
+    edges.iter().flatten().for_each(|&v| arms[v as usize] += 1);
+    arms.contains(&1)
 }
 
 /// The vertices where feature curves end, branch or bend, and others that are known.

@@ -5,12 +5,13 @@ use super::ceiling::worst_shape;
 use super::gaps::{Gap, Tight};
 use super::regular::{Made, USELESS};
 use super::source::Source;
+use super::validate::{RECALL, recall};
 use super::{WITHIN, off, quality};
 use crate::context::Context;
 use crate::error::Result;
 
 /// Quads farther from the surface than this share of their edges make way for another attempt's.
-const STRAYS: f64 = 0.4;
+pub const STRAYS: f64 = 0.4;
 /// Quads of a worse shape make way, too, by grades of this size; as many cost a number that is missed.
 const POOR: f64 = 0.5;
 pub const GRADE: f64 = 0.1;
@@ -21,12 +22,16 @@ const FARTHER: f64 = 0.001;
 const DULL: f64 = 0.93;
 const DULLER: f64 = 0.03;
 
+/// So do features that are lost, by their share, and quads that lose more than the other share of them are of no use.
+const LOST: f64 = 0.02;
+const MOST_LOST: f64 = 0.2;
+
 /// What speaks against a result; the less the better.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Cost {
     /// It strays from the surface, or a quad is of no use.
     pub useless: bool,
-    /// Grades of poor shapes, the worst and the mean, of a number missed, of a distance.
+    /// Grades of poor shapes, the worst and the mean, of a number missed, of a distance, of lost features.
     pub grades: u32,
     pub irregular: usize,
 }
@@ -39,8 +44,10 @@ pub struct Attempt {
     pub strays: f64,
     /// There is nothing to be said against it: no other is needed.
     pub is_good: bool,
-    /// Nothing but a distance speaks against it, which another field does not change.
+    /// Nothing but a distance, lost features or a mean that is a little low speak against it, which another field hardly changes.
     pub is_shaped: bool,
+    /// It has as many quads as were asked for.
+    pub meets_number: bool,
     /// Where smaller quads would be near enough to the surface.
     pub tight: Vec<Tight>,
 }
@@ -97,6 +104,11 @@ impl Tried {
         self.best.as_ref().is_some_and(|b| b.is_shaped)
     }
 
+    /// See [`Attempt::meets_number`].
+    pub fn meets_number(&self) -> bool {
+        self.best.as_ref().is_some_and(|b| b.meets_number)
+    }
+
     pub fn is_good(&self) -> bool {
         self.best.as_ref().is_some_and(|b| b.is_good)
     }
@@ -145,18 +157,20 @@ pub fn judged(
     let shape = worst_shape(&made.work);
     let poor = grade(POOR - shape, GRADE);
     let dull = grade(DULL - quality::mean_jacobian(&made.work), DULLER);
+    let kept = recall(&made.work, source).0;
+    let lost = grade(RECALL - kept, LOST);
     let far = grade(gap.largest / source.diagonal - FAR, FARTHER);
     let cost = Cost {
-        useless: strays > STRAYS || shape < USELESS,
-        grades: poor + dull + misses + far,
+        useless: strays > STRAYS || shape < USELESS || kept < 1.0 - MOST_LOST,
+        grades: poor + dull + misses + far + lost,
         irregular: quality::irregular(&made.work),
     };
-    tracing::debug!(target: "carreau::quad", strays, shape, poor, dull, misses, far, ?cost, rungs = ?made.rung, "attempt");
+    tracing::debug!(target: "carreau::quad", strays, shape, poor, dull, misses, far, lost, ?cost, rungs = ?made.rung, "attempt");
     // Another field does not change what the features need, but smaller quads do.
     let misses_more = misses > 0 && is_raised;
     let is_first = made.rung.iter().all(|&r| r == 1);
-    let is_good = is_first && strays <= STRAYS && poor + dull + far == 0 && !misses_more;
-    let is_shaped = !cost.useless && is_first && poor + dull + misses == 0;
+    let is_good = is_first && strays <= STRAYS && poor + dull + far + lost == 0 && !misses_more;
+    let is_shaped = !cost.useless && is_first && poor + misses == 0 && dull <= 1;
     let tight = if far > 0 { gap.tight } else { Vec::new() };
-    Ok(Attempt { made, cost, strays, is_good, is_shaped, tight })
+    Ok(Attempt { made, cost, strays, is_good, is_shaped, meets_number: misses == 0, tight })
 }

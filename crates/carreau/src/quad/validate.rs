@@ -19,10 +19,21 @@ const TOUCH: f64 = 1e-6;
 /// A quad looks the wrong way where no triangle within this share of its longest edge, from the nearest one, agrees with it.
 const AROUND: f64 = 0.2;
 /// All but rounding of the features has to be kept.
-const RECALL: f64 = 0.9995;
+pub const RECALL: f64 = 0.9995;
 
 /// Why a mesh is refused; `None`: it is accepted.
 pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Option<String>> {
+    if let Some(why) = unsound(work, mesh, source)? {
+        return Ok(Some(why));
+    }
+    let (kept, lost) = recall(work, source);
+    let place =
+        lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
+    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+}
+
+/// Why a mesh is refused, whatever it keeps of the features inside the surface.
+pub fn unsound(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Option<String>> {
     if work.faces.iter().any(|f| f.len() != 4) {
         return Ok(Some("a face is no quad".into()));
     }
@@ -32,13 +43,7 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     if let Some(fault) = faults(work, source).next() {
         return Ok(Some(told(work, fault)));
     }
-    if let Some(why) = border_refusal(work, source) {
-        return Ok(Some(why.into()));
-    }
-    let (kept, lost) = recall(work, source);
-    let place =
-        lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
-    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+    Ok(border_refusal(work, source).map(String::from))
 }
 
 /// Why a mesh is no mesh of the source's topology.

@@ -30,14 +30,15 @@ enum Spot {
     Face(u32, Cell),
 }
 
-/// The quads; or why there are none.
+/// The quads, and the face that the centre of each is in; or why there are none.
 pub fn extract(
     flat: &Flat,
     framed: &Framed,
     locator: &Locator,
     context: &Context,
-) -> Result<std::result::Result<Work, &'static str>> {
-    let mut out = Extraction { flat, framed, locator, number: FxHashMap::default(), work: Work::default() };
+) -> Result<std::result::Result<(Work, Vec<u32>), &'static str>> {
+    let (number, work) = (FxHashMap::default(), Work::default());
+    let mut out = Extraction { flat, framed, locator, number, work, of: Vec::new() };
     for f in flat.faces() {
         context.check()?;
         if let Err(why) = out.add_face(f, context)? {
@@ -45,7 +46,7 @@ pub fn extract(
         }
     }
     out.add_features();
-    Ok(Ok(out.work))
+    Ok(Ok((out.work, out.of)))
 }
 
 struct Extraction<'a> {
@@ -54,6 +55,8 @@ struct Extraction<'a> {
     locator: &'a Locator<'a>,
     number: FxHashMap<Spot, u32>,
     work: Work,
+    /// The face of every quad.
+    of: Vec<u32>,
 }
 
 impl Extraction<'_> {
@@ -95,6 +98,7 @@ impl Extraction<'_> {
                 }
                 self.work.faces.push(&quad);
                 self.work.region.push(self.flat.region[f as usize]);
+                self.of.push(f);
             }
         }
         Ok(Ok(()))

@@ -2,30 +2,36 @@
 //!
 //! Sequential rounding ("nearest plane", Babai 1986): the shortest edges first, each to the nearest whole vector of the right
 //! parity for which the mean of those still free leaves every face some area. Then flips of faces that are not positive, other
-//! orders, and other orders around the faces that stay so.
+//! orders, with longer edges around the faces that stay so, and other orders around these alone.
 
 use super::flat::Flat;
 use super::lattice::{Lattice, Unknowns};
-use super::tuning::{CANDIDATES, LOCAL_ORDERS, LOCAL_RINGS, ORDERS, REPAIRS, ROOM, SHAKE};
+use super::tuning::{CANDIDATES, LOCAL_ORDERS, LOCAL_RINGS, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::dense::{cholesky, inverse, solve};
 
-/// Gives every edge its cells; returns whether all faces are positive.
-pub fn choose(flat: &mut Flat, context: &Context) -> Result<bool> {
+/// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
+/// are to be longer the next time, here and for who calls again.
+pub fn choose(flat: &mut Flat, stretch: &mut [f64], context: &Context) -> Result<bool> {
     let mut best: Option<(usize, Flat)> = None;
     let mut random = Random(1);
     for order in 0..ORDERS {
         context.check()?;
         let mut tried = flat.clone();
-        let unknowns = Unknowns::new(&tried, tried.faces().collect());
+        let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch);
         let Some(q) = rounded(&unknowns, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, &mut random, context)?;
+            bad = search(&mut tried, stretch, &mut random, context)?;
         }
+        let mut tight: Vec<u32> =
+            bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
+        tight.sort_unstable();
+        tight.dedup();
+        tight.into_iter().for_each(|v| stretch[v as usize] *= STRETCH);
         tracing::debug!(target: "carreau::quad", order, bad, "numbers");
         if best.as_ref().is_none_or(|b| bad < b.0) {
             best = Some((bad, tried));
@@ -221,7 +227,7 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
 }
 
 /// Rounds again around the faces that are not positive, with what is farther given.
-fn search(flat: &mut Flat, random: &mut Random, context: &Context) -> Result<usize> {
+fn search(flat: &mut Flat, stretch: &[f64], random: &mut Random, context: &Context) -> Result<usize> {
     for rings in LOCAL_RINGS {
         let mut done: Vec<u32> = Vec::new();
         while let Some(f) = bad_faces(flat).into_iter().find(|f| !done.contains(f)) {
@@ -230,7 +236,7 @@ fn search(flat: &mut Flat, random: &mut Random, context: &Context) -> Result<usi
             for _ in 0..LOCAL_ORDERS {
                 context.check()?;
                 let mut tried = flat.clone();
-                let unknowns = Unknowns::new(&tried, ids.clone());
+                let unknowns = Unknowns::new(&tried, ids.clone(), stretch);
                 let Some(q) = rounded(&unknowns, Some(random), context)? else { break };
                 assign(&mut tried, &unknowns, &q);
                 let before = bad_faces(flat).len();

@@ -6,7 +6,7 @@
 
 use super::cell::Cell;
 use super::flat::Flat;
-use super::framed::turned;
+use super::framed::{next, turned};
 use super::tuning::MOST_UNKNOWNS;
 use crate::context::Context;
 use crate::error::Result;
@@ -42,8 +42,9 @@ pub struct Unknowns {
 }
 
 impl Unknowns {
-    /// Of all faces, or of some, whose edges to others are given.
-    pub fn new(flat: &Flat, ids: Vec<u32>) -> Self {
+    /// Of all faces, or of some, whose edges to others are given. Edges are to be longer than they are by the mean of how much
+    /// their ends are stretched.
+    pub fn new(flat: &Flat, ids: Vec<u32>, stretch: &[f64]) -> Self {
         let mut is_in = vec![false; flat.is_alive.len()];
         ids.iter().for_each(|&f| is_in[f as usize] = true);
         let is_all = ids.len() == flat.faces().count();
@@ -60,7 +61,8 @@ impl Unknowns {
                 }
                 let (edge, turn, sign) = *of[h as usize].get_or_insert_with(|| {
                     unknowns.edges.push(h);
-                    unknowns.real.extend(side.vector.to_array());
+                    let ends = [side.vertex, flat.side(next(h)).vertex].map(|v| stretch[v as usize]);
+                    unknowns.real.extend((side.vector * (ends[0] * ends[1]).sqrt()).to_array());
                     (unknowns.edges.len() as u32 - 1, 0, 1.0)
                 });
                 if side.opposite != NONE && of[side.opposite as usize].is_none() {

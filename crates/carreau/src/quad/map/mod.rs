@@ -40,7 +40,7 @@ use flat::Flat;
 use framed::Framed;
 use locate::Locator;
 use seamless::Map;
-use tuning::{CANCELLED, MOST_QUADS, NUMBER, QUADS_EACH, SIZES, WORKING_SMALLEST};
+use tuning::{CANCELLED, FAILED, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, WORKING_SMALLEST};
 
 pub use tuning::WORKING_EDGES;
 
@@ -56,13 +56,26 @@ pub struct Wish {
     pub feature_deg: f64,
 }
 
-/// Quads before their vertices are moved; or why there are none.
-pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
-    let about = source.area / wish.length.powi(2);
-    if about > MOST_QUADS {
-        return Ok(Err("so many quads are too many for a map".into()));
-    }
-    let framed = {
+/// A map that is flat, from which quads are made as often as others are wanted somewhere.
+pub struct QuadMap {
+    framed: Framed,
+    map: Map,
+    flat: Flat,
+    /// The size that gave the number of quads.
+    scale: f64,
+    /// How much longer edges are to be at every vertex of the working mesh, in quads.
+    stretch: Vec<f64>,
+    /// The corners of the whole faces that the last quads came from, by quad.
+    corners: Vec<[u32; 3]>,
+}
+
+impl QuadMap {
+    /// The map of a surface; or why there is none.
+    pub fn new(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Self, String>> {
+        let about = source.area / wish.length.powi(2);
+        if about > MOST_QUADS {
+            return Ok(Err("so many quads are too many for a map".into()));
+        }
         let _stage = context.stage("working mesh");
         let edges = wish.working * wish.length;
         let Some(coarse) = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)? else {
@@ -77,70 +90,90 @@ pub fn quads_of_map(source: &Source, wish: &Wish, context: &Context) -> Result<s
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
         match Framed::new(&coarse, &field) {
-            Ok(framed) => framed,
-            Err(why) => return Ok(Err(why)),
-        }
-    };
-    of_frames(framed, wish, context)
-}
-
-fn of_frames(mut framed: Framed, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
-    let _stage = context.stage("map");
-    let cancelled = cancel::cancel(&mut framed, CANCELLED * wish.length, context)?;
-    let cut = match cut::cut(&framed) {
-        Ok(cut) => cut,
-        Err(why) => return Ok(Err(why)),
-    };
-    let map = match seamless::seamless(&framed, cut, wish.length, context)? {
-        Ok(map) => map,
-        Err(why) => return Ok(Err(why)),
-    };
-    let mut flat = Flat::new(&framed, &map);
-    let left = decimate::decimate(&mut flat, &framed.is_kept, context)?;
-    let faces = flat.faces().count();
-    tracing::debug!(target: "carreau::quad", cancelled, left, faces, "decimated");
-    drop(_stage);
-    sized(&flat, &framed, &map, wish, context)
-}
-
-/// Whole numbers in the size that gives the number of quads that is wanted, and these quads.
-fn sized(
-    flat: &Flat,
-    framed: &Framed,
-    map: &Map,
-    wish: &Wish,
-    context: &Context,
-) -> Result<std::result::Result<Work, String>> {
-    let _stage = context.stage("numbers");
-    let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
-    let mut scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
-    let mut best: Option<(f64, f64, Flat)> = None;
-    for _ in 0..SIZES {
-        let mut tried = flat.clone();
-        tried.sides.iter_mut().for_each(|side| side.vector *= scale);
-        let holds = integers::choose(&mut tried, context)?;
-        let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
-        let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
-        tracing::debug!(target: "carreau::quad", scale, holds, count, "whole");
-        if holds {
-            let off = ratio.ln().abs();
-            if best.as_ref().is_none_or(|b| off < b.0) {
-                best = Some((off, scale, tried));
-            }
-            if off < NUMBER {
-                break;
-            }
-            scale /= ratio.sqrt();
-        } else {
-            // Another size, other numbers.
-            scale *= 1.01;
+            Ok(framed) => Self::of_frames(framed, wish, context),
+            Err(why) => Ok(Err(why)),
         }
     }
-    drop(_stage);
-    let Some((_, scale, whole)) = best else { return Ok(Err("a part of the map has no room for a cell".into())) };
-    let _stage = context.stage("quads");
-    let locator = Locator::new(framed, map, scale);
-    Ok(extract::extract(&whole, framed, &locator, context)?.map_err(String::from))
+
+    fn of_frames(mut framed: Framed, wish: &Wish, context: &Context) -> Result<std::result::Result<Self, String>> {
+        let _stage = context.stage("map");
+        let cancelled = cancel::cancel(&mut framed, CANCELLED * wish.length, context)?;
+        let cut = match cut::cut(&framed) {
+            Ok(cut) => cut,
+            Err(why) => return Ok(Err(why)),
+        };
+        let map = match seamless::seamless(&framed, cut, wish.length, context)? {
+            Ok(map) => map,
+            Err(why) => return Ok(Err(why)),
+        };
+        let mut flat = Flat::new(&framed, &map);
+        let left = decimate::decimate(&mut flat, &framed.is_kept, context)?;
+        tracing::debug!(target: "carreau::quad", cancelled, left, faces = flat.faces().count(), "decimated");
+        let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
+        let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
+        let stretch = vec![1.0; framed.points.len()];
+        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, corners: Vec::new() }))
+    }
+
+    /// Quads before their vertices are moved, of the number that is wanted; or why there are none.
+    pub fn quads(&mut self, wish: &Wish, context: &Context) -> Result<std::result::Result<Work, String>> {
+        let Some(whole) = self.whole(wish, context)? else {
+            return Ok(Err("a part of the map has no room for a cell".into()));
+        };
+        let _stage = context.stage("quads");
+        let locator = Locator::new(&self.framed, &self.map, self.scale);
+        let (work, of) = match extract::extract(&whole, &self.framed, &locator, context)? {
+            Ok(found) => found,
+            Err(why) => return Ok(Err(why.into())),
+        };
+        self.corners = of.iter().map(|f| [0, 1, 2].map(|k| whole.side(3 * f + k).vertex)).collect();
+        Ok(Ok(work))
+    }
+
+    /// The next quads are to be smaller where some of these are.
+    pub fn refine(&mut self, quads: impl Iterator<Item = usize>) {
+        let mut corners: Vec<u32> = quads.flat_map(|q| self.corners[q]).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        corners.into_iter().for_each(|v| self.stretch[v as usize] *= REFINED);
+    }
+
+    /// Whole numbers in the size that gives the number of quads that is wanted.
+    fn whole(&mut self, wish: &Wish, context: &Context) -> Result<Option<Flat>> {
+        let _stage = context.stage("numbers");
+        let mut scale = self.scale;
+        let mut best: Option<(f64, f64, Flat)> = None;
+        let mut failed = 0;
+        for _ in 0..SIZES {
+            let mut tried = self.flat.clone();
+            tried.sides.iter_mut().for_each(|side| side.vector *= scale);
+            let holds = integers::choose(&mut tried, &mut self.stretch, context)?;
+            let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
+            let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
+            tracing::debug!(target: "carreau::quad", scale, holds, count, "whole");
+            if holds {
+                let off = ratio.ln().abs();
+                if best.as_ref().is_none_or(|b| off < b.0) {
+                    best = Some((off, scale, tried));
+                }
+                if off < NUMBER {
+                    break;
+                }
+                scale /= ratio.sqrt();
+            } else {
+                // Another size, other numbers.
+                scale *= 1.01;
+                failed += 1;
+                if failed == FAILED {
+                    break;
+                }
+            }
+        }
+        Ok(best.map(|(_, scale, whole)| {
+            self.scale = scale;
+            whole
+        }))
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::integers::choose;
 use super::lattice::{Lattice, Unknowns};
 use super::locate::Locator;
 use super::seamless::{Map, seamless};
-use super::{Wish, of_frames};
+use super::{QuadMap, Wish};
 use crate::context::Context;
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{HalfEdges, NONE, SurfaceMesh, Topology};
@@ -123,7 +123,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
     let (_, framed, map) = mapped("icosphere", &context);
     let mut flat = Flat::new(&framed, &map);
     decimate(&mut flat, &framed.is_kept, &context).unwrap();
-    let unknowns = Unknowns::new(&flat, flat.faces().collect());
+    let unknowns = Unknowns::new(&flat, flat.faces().collect(), &vec![1.0; framed.points.len()]);
     let order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     let lattice = Lattice::new(&unknowns, &order, &context).unwrap().unwrap();
     let mut whole: Vec<i64> = Vec::new();
@@ -149,13 +149,14 @@ fn whole_faces_close_are_positive_and_their_quads_have_the_euler_number() {
         let (source, framed, map) = mapped(name, &context);
         let mut flat = Flat::new(&framed, &map);
         decimate(&mut flat, &framed.is_kept, &context).unwrap();
-        assert!(choose(&mut flat, &context).unwrap(), "{name}");
+        assert!(choose(&mut flat, &mut vec![1.0; framed.points.len()], &context).unwrap(), "{name}");
         for f in flat.faces() {
             let cells = [0, 1, 2].map(|k| flat.side(3 * f + k).cells);
             assert_eq!(cells[0] + cells[1] + cells[2], super::cell::Cell::ZERO);
             assert!(flat.cells(f) > 0);
         }
-        let work = extract(&flat, &framed, &Locator::new(&framed, &map, 1.0), &context).unwrap().unwrap();
+        let (work, of) = extract(&flat, &framed, &Locator::new(&framed, &map, 1.0), &context).unwrap().unwrap();
+        assert!(of.len() == work.faces.len() && of.iter().all(|&f| flat.is_alive[f as usize]));
         let count = flat.faces().map(|f| flat.cells(f)).sum::<i64>();
         assert_eq!(2 * work.faces.len() as i64, count, "{name}");
         let mesh = SurfaceMesh::new(work.points.clone(), work.faces.clone()).unwrap();
@@ -176,7 +177,32 @@ fn the_number_of_quads_is_met() {
         let length = (source.area / quads as f64).sqrt();
         let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
         let (framed, _) = framed(&source, &context);
-        let work = of_frames(framed, &wish, &context).unwrap().unwrap();
+        let mut map = QuadMap::of_frames(framed, &wish, &context).unwrap().unwrap();
+        let work = map.quads(&wish, &context).unwrap().unwrap();
         assert!(work.faces.len().abs_diff(quads) * 20 <= quads, "{} of {quads}", work.faces.len());
     }
+}
+
+#[test]
+fn quads_are_smaller_where_others_came_to_nothing_and_their_number_is_met() {
+    let context = Context::new();
+    let (quads, source) = (2000, source("tube-tree", &context));
+    let length = (source.area / quads as f64).sqrt();
+    let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
+    let mut map = QuadMap::of_frames(framed(&source, &context).0, &wish, &context).unwrap().unwrap();
+    let before = map.quads(&wish, &context).unwrap().unwrap();
+    let heights = |work: &super::Work| -> Vec<f64> {
+        work.faces.iter().map(|face| face.iter().map(|&v| work.points[v as usize].z).sum::<f64>() / 4.0).collect()
+    };
+    let mut sorted = heights(&before);
+    sorted.sort_by(f64::total_cmp);
+    let limit = sorted[sorted.len() * 9 / 10];
+    let on_top = |work: &super::Work| -> Vec<usize> {
+        heights(work).iter().enumerate().filter(|h| *h.1 > limit).map(|h| h.0).collect()
+    };
+    let top = on_top(&before);
+    (0..2).for_each(|_| map.refine(top.iter().copied()));
+    let after = map.quads(&wish, &context).unwrap().unwrap();
+    assert!(after.faces.len().abs_diff(quads) * 20 <= quads, "{} of {quads}", after.faces.len());
+    assert!(on_top(&after).len() * 10 > top.len() * 11, "{} of {}", on_top(&after).len(), top.len());
 }

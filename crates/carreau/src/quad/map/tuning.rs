@@ -43,6 +43,11 @@ pub const CANDIDATES: usize = 14;
 /// Orders in which edges are rounded, one after the other until all faces are positive; lengths are shaken by this share.
 pub const ORDERS: usize = 10;
 pub const SHAKE: f64 = 0.4;
+/// By how much edges around a face that has no cell are to be longer in the next order: ten of them make a limb of one cell one of
+/// two or three.
+pub const STRETCH: f64 = 1.1;
+/// By how much edges are to be longer where quads came to nothing: a limb of two cells around becomes one of three.
+pub const REFINED: f64 = 1.4;
 /// Orders around faces that stay negative, and rings of faces around them.
 pub const LOCAL_ORDERS: usize = 40;
 pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];
@@ -54,6 +59,8 @@ pub const MOST_UNKNOWNS: usize = 2_500;
 /// Numbers of quads are met within this share; sizes that are tried for that.
 pub const NUMBER: f64 = 0.02;
 pub const SIZES: usize = 10;
+/// Sizes without whole numbers before it is given up: edges are stretched in all of their orders.
+pub const FAILED: usize = 3;
 /// Cells that are looked at in the box of one face at most.
 pub const MOST_CELLS: i64 = 100_000_000;
 /// Triangles that a straight line crosses at most.
