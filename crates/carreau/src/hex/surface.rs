@@ -417,10 +417,11 @@ fn prepare(
         meet::straighten_in_balls(net, target);
         zip::zip(net, narrow, zip::APART_DEGREES);
         super::check_steps(net, options)?;
-        *net = sized(net, options);
+        let round = tips_of(net).saturating_sub(in_lids.len());
+        *net = sized(net, round, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
-            net.radii[v] = target.distance(net.points[v]).max(LEAST * net.radii[v]);
+            net.radii[v] = target.room(net.points[v]).max(LEAST * net.radii[v]);
         }
     } else {
         options.refine_across.get_or_insert(ACROSS);
@@ -433,15 +434,20 @@ fn prepare(
     Ok(move |net: &CurveNet, v: u32| in_lids.iter().find(|l| l.0 == net.points[v as usize]).map_or(0, |l| l.1))
 }
 
-/// The net resampled to the size asked for, and the levels of halving that go with it.
-fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
+fn tips_of(net: &CurveNet) -> usize {
+    net.incidence().tips().count()
+}
+
+/// The net resampled to the size asked for, and the levels of halving that go with it; so many of its ends are `round`, with a
+/// layer of cells.
+fn sized(net: &CurveNet, round: usize, options: &mut HexOptions) -> CurveNet {
     if options.hexes.is_none() && options.edge_length.is_none() {
         let sized = resample::resample(net, Step::Eased(STEP, mean_radius(net)));
         if options.refine_across.is_none() && options.refine_along == 0 {
-            let (segments, ends) = (sized.edges.len(), sized.incidence().tips().count());
+            let segments = sized.edges.len();
             for [across, along] in [[ACROSS, ALONG], [ACROSS, 0], [1, 0], [0, 0]] {
                 (options.refine_across, options.refine_along) = (Some(across), along);
-                if options.hexes_of(segments, ends) <= MOST_UNASKED {
+                if options.hexes_of(segments, round) <= MOST_UNASKED {
                     break;
                 }
             }
@@ -456,19 +462,19 @@ fn sized(net: &CurveNet, options: &mut HexOptions) -> CurveNet {
         let step = length * f64::from(1 << options.refine_along.min(6));
         return resample::resample(net, Step::Length(step));
     }
-    let (ends, usual) = (net.incidence().tips().count(), mean_radius(net));
+    let usual = mean_radius(net);
     let eased = |k: f64| Step::Eased(k, usual);
     let wanted = options.hexes.unwrap_or(usize::MAX) as f64;
     let levels: Vec<u32> = options.refine_across.map_or((0..=3).rev().collect(), |a| vec![a]);
     for across in levels {
         options.refine_across = Some(across);
-        let fits = |n: &CurveNet| options.hexes_of(n.edges.len(), ends) <= wanted;
+        let fits = |n: &CurveNet| options.hexes_of(n.edges.len(), round) <= wanted;
         let longest = resample::resample(net, eased(LONGEST / f64::from(1 << across.min(2)) * 2.0));
         if fits(&longest) {
             return super::finest(net, eased, fits);
         }
     }
-    super::finest(net, eased, |n| options.hexes_of(n.edges.len(), ends) <= wanted)
+    super::finest(net, eased, |n| options.hexes_of(n.edges.len(), round) <= wanted)
 }
 
 /// Weighted by length.

@@ -10,7 +10,11 @@
 //!    ──────╯  ╰─────     the balls that touch it
 //!    ═══════╧════════    skeleton
 //! ```
+//!
+//! The rim of a flat end is far from a branch that stops before it, but no limb: the branch will be led to the end.
 
+use super::ends::reach_ends;
+use super::lids::Lid;
 use super::tidy::Body;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CurveNet, NONE, SurfaceMesh};
@@ -44,11 +48,14 @@ const LIMBS: usize = 64;
 const SMOOTHING: usize = 10;
 const SAMPLES: usize = 8;
 
-/// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii.
-pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+/// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii; of the flat ends only
+/// the `lids` count, if there are any given.
+pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body, lids: Option<&[Lid]>) -> usize {
     let &Body { surface, poles, .. } = body;
     let neighbours = Neighbours::of(surface);
-    let mut given_up = vec![false; poles.len()];
+    let mut led = net.clone();
+    reach_ends(&mut led, body, lids);
+    let mut given_up: Vec<bool> = distances(&led, surface.points()).into_iter().map(|far| far.0 < LOST).collect();
     let mut grown = 0;
     let mut far = distances(net, surface.points());
     for _ in 0..LIMBS {

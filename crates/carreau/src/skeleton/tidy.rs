@@ -1,6 +1,7 @@
 //! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
 //! the ball of their branching are dropped.
 
+use super::lids::Lid;
 use super::limbs::{farthest, grow_limbs, leaves};
 use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::search_tree::TriangleTree;
@@ -37,13 +38,19 @@ pub struct Body<'a> {
 }
 
 /// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
-/// of every vertex of the surface.
-pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) -> (usize, usize) {
+/// of every vertex of the surface; of the flat ends only the `lids` count, if there are any given.
+pub fn tidy(
+    net: &mut CurveNet,
+    preimage: &mut [u32],
+    body: &Body,
+    lids: Option<&[Lid]>,
+    prune: bool,
+) -> (usize, usize) {
     let brought_in = bring_in(net, body);
     centre(net, body.tree, body.inside);
     let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
-    let grown = regrow(net, preimage, body);
+    let grown = regrow(net, preimage, body, lids);
     if grown > 0 {
         centre(net, body.tree, body.inside);
         net.radii = radii(net);
@@ -56,16 +63,16 @@ pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) 
 
 /// Gives limbs a branch that have none. What crosses the room between two limbs is in neither: it goes, if what grows
 /// instead is not farther from the surface.
-fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body, lids: Option<&[Lid]>) -> usize {
     let (mut other, mut other_preimage) = (net.clone(), preimage.to_vec());
     let before = net.points.len();
-    let grown = grow_limbs(net, preimage, body);
+    let grown = grow_limbs(net, preimage, body, lids);
     drop_branches(&mut other, &mut other_preimage, |net, branch, fork| {
         let way: Vec<u32> = branch.iter().copied().chain([fork]).collect();
         leaves(net, &way, body)
     });
     if other.points.len() < before {
-        let regrown = grow_limbs(&mut other, &mut other_preimage, body);
+        let regrown = grow_limbs(&mut other, &mut other_preimage, body, lids);
         if farthest(&other, body) <= farthest(net, body) {
             *net = other;
             preimage.copy_from_slice(&other_preimage);
