@@ -561,7 +561,7 @@ fn shaped(
         if pruned > 0 {
             notes.push(format!("{pruned} branches end inside the ball of their branching and were dropped"));
         }
-        let merged = resample::merge_branchings(&mut net, |[a, b]| merge * a.min(b));
+        let merged = net.merge_branchings(|[a, b]| merge * a.min(b));
         if merged > 0 {
             notes.push(format!("{merged} branchings lie inside others and were merged with them"));
         }

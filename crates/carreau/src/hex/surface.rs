@@ -403,7 +403,7 @@ fn prepare(
     net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
     if options.stage == Stage::Full {
         resample::prune(net, &FxHashSet::default());
-        resample::merge_branchings(net, |[a, b]| merge * (a + b));
+        net.merge_branchings(|[a, b]| merge * (a + b));
         web::merge_webs(net, target);
     }
     let lids = tips::ready(net, target);

@@ -211,7 +211,8 @@ pub(crate) fn extract_with(
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
-            ends::reach_ends(&mut net, &body, sharp.as_deref());
+            let ends = ends::reach_ends(&mut net, &body, sharp.as_deref());
+            tidy::drop_beside(&mut net, &mut preimage, &ends);
             preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
             return Ok(Skeleton { net, preimage, closed, figures, warnings });
