@@ -1,8 +1,10 @@
 //! The whole way from a net to a mesh: counts in closed form, conformity, certificates, determinism, odd input.
 
 use super::connection::tests::star;
+use super::refine::CORE;
 use super::*;
-use crate::mesh::{Column, SurfaceMesh, Topology};
+use crate::error::Error;
+use crate::mesh::{Column, RawMesh, SurfaceMesh, Topology};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;

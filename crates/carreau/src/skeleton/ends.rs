@@ -13,7 +13,7 @@
 //! Round ends have no such place: their branches end where the paper's do.
 
 use super::lids::Lid;
-use super::limbs::section;
+use super::limbs::{room, section};
 use super::tidy::{Body, middle_of_section};
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
@@ -29,6 +29,9 @@ const FAR: f64 = 4.0;
 const RING: f64 = 0.6;
 const FLAT: f64 = 0.05;
 const RAYS: usize = 8;
+/// A known end is this near ahead, and the tip this near to its axis, in its radii.
+const AHEAD: f64 = 2.5;
+const ASIDE: f64 = 0.8;
 /// Least cosine between the axis and the normal of an end: what is more oblique is a side.
 const FACES: f64 = 0.5;
 /// The last node stays inside by this share of the radius.
@@ -49,44 +52,86 @@ pub enum Reach {
     Sharp,
 }
 
+/// Flat ends that are known beforehand: lids of open ends, and plane pieces with a sharp rim.
+pub struct Known<'a> {
+    /// The ends.
+    pub lids: &'a [Lid],
+    /// Whether branches are led to them alone.
+    pub alone: bool,
+}
+
 /// Moves the last nodes of branches that stop before a flat end, one branch for each; their radii are those of the sections across.
-/// Where only some ends count, these are the `lids`. Returns the ends.
-pub fn reach_ends(net: &mut CurveNet, body: &Body, lids: Option<&[Lid]>) -> Vec<End> {
-    let counts = |at: DVec3| {
+/// Returns the ends.
+pub fn reach_ends(net: &mut CurveNet, body: &Body, known: &Known) -> Vec<End> {
+    let counts = |end: &End| {
         let is_in = |lid: &Lid| {
-            let to = at - lid.centre;
+            let to = end.at - lid.centre;
             to.dot(lid.normal).abs() < FLAT * lid.radius && to.length() < lid.radius
         };
-        lids.is_none_or(|lids| lids.iter().any(is_in))
+        !known.alone || known.lids.iter().any(is_in)
     };
     let around = net.incidence();
     let mut ends: Vec<End> = Vec::new();
     for tip in around.tips() {
         let found = AXES.into_iter().find_map(|axis| {
             let nodes = inward(net, &around, tip, axis[1], body);
-            let end = end(net, &nodes, axis[0], body).filter(|end| counts(end.at))?;
+            let end = end(net, &nodes, axis[0], body).filter(counts)?;
+            Some((nodes, end))
+        });
+        let found = found.or_else(|| {
+            let nodes = inward(net, &around, tip, AXES[0][1], body);
+            let end = known_end(net, &nodes, known.lids, body)?;
             Some((nodes, end))
         });
         let Some((nodes, mut end)) = found else { continue };
         if ends.iter().any(|known| known.at.distance(end.at) < known.radius) {
             continue;
         }
-        let last = nodes.iter().position(|&v| v == end.from).unwrap_or(0);
-        let [a, b] = [net.points[end.from as usize], end.at];
-        let axis = (b - a).normalize_or_zero();
-        for (k, &v) in nodes[..last].iter().enumerate() {
-            let share = k as f64 / last as f64;
-            // A section across a tilted axis would cut the end.
-            let across = end.normal.lerp(axis, share).normalize_or(axis);
-            let p = middle_of_section(b.lerp(a, share), across, body.tree);
-            let radius = section(p, across, body);
-            net.points[v as usize] = p;
-            net.radii[v as usize] = if radius.is_finite() { radius } else { end.radius };
-        }
+        lead(net, &nodes, &end, body);
         end.at = net.points[tip as usize];
         ends.push(end);
     }
     ends
+}
+
+/// Puts the last nodes of a branch, the tip first, onto the way to its end.
+fn lead(net: &mut CurveNet, nodes: &[u32], end: &End, body: &Body) {
+    let last = nodes.iter().position(|&v| v == end.from).unwrap_or(0);
+    let [a, b] = [net.points[end.from as usize], end.at];
+    let axis = (b - a).normalize_or_zero();
+    // A section across a tilted axis would cut the end.
+    let across = |share: f64| end.normal.lerp(axis, share).normalize_or(axis);
+    for (k, &v) in nodes.iter().enumerate() {
+        let v = v as usize;
+        let share = (k as f64 / last.max(1) as f64).min(1.0);
+        if k < last {
+            net.points[v] = middle_of_section(b.lerp(a, share), across(share), body.tree);
+        } else if (end.at - net.points[v]).dot(end.normal) > end.radius {
+            break;
+        }
+        // The end may be nearer than the wall.
+        let radius = section(net.points[v], across(share), body);
+        net.radii[v] = if radius.is_finite() { radius } else { end.radius };
+    }
+}
+
+/// The known end that a branch stops before, where its axis does not lead there.
+fn known_end(net: &CurveNet, nodes: &[u32], lids: &[Lid], body: &Body) -> Option<End> {
+    let point = |v: u32| net.points[v as usize];
+    let (tip, inner) = (point(nodes[0]), point(nodes[nodes.len() - 1]));
+    let heading = (tip - inner).try_normalize()?;
+    let is_before = |lid: &&Lid| {
+        let to = lid.centre - tip;
+        let ahead = to.dot(lid.normal);
+        (0.0..AHEAD * lid.radius).contains(&ahead)
+            && (to - lid.normal * ahead).length() < ASIDE * lid.radius
+            && heading.dot(lid.normal) > FACES
+    };
+    let far = |lid: &Lid| lid.centre.distance_squared(tip);
+    let lid = lids.iter().filter(is_before).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let at = lid.centre - lid.normal * (INSIDE * lid.radius);
+    let from = nodes.iter().copied().find(|&v| point(v).distance(tip) >= lid.radius)?;
+    (room(point(from), at, body) > 0.0).then_some(End { from, at, normal: lid.normal, radius: lid.radius })
 }
 
 /// Where a branch ends.

@@ -196,11 +196,9 @@ pub(crate) fn extract_with(
             let (mut net, mut preimage) = (curves.net, curves.preimage);
             let inside = WindingTree::new(&tree);
             let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
-            let sharp = match reach {
-                Reach::All => None,
-                Reach::Sharp => Some(flat_ends::sharp(&closed)),
-            };
-            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, sharp.as_deref(), options.prune);
+            let sharp = flat_ends::sharp(&closed);
+            let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
+            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
             if brought_in > 0 {
                 warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
             }
@@ -211,7 +209,7 @@ pub(crate) fn extract_with(
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
-            let ends = ends::reach_ends(&mut net, &body, sharp.as_deref());
+            let ends = ends::reach_ends(&mut net, &body, &known);
             tidy::drop_beside(&mut net, &mut preimage, &ends);
             preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);

@@ -1,8 +1,7 @@
 //! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
 //! the ball of their branching are dropped.
 
-use super::ends::End;
-use super::lids::Lid;
+use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};
 use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::search_tree::TriangleTree;
@@ -22,8 +21,8 @@ const CLEFT: f64 = 0.5;
 /// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
 const CURLED: f64 = 1.5;
 const FAR: f64 = 8.0;
-/// Branchings nearer to each other than this share of the smaller radius are one.
-const MERGED: f64 = 0.6;
+/// Branchings nearer to each other than this share of the larger radius are one.
+const MERGED: f64 = 0.9;
 /// A node within this share of the radius of a branch is in its middle.
 const TWIN: f64 = 0.5;
 /// Rays across a branch, rounds of moving to the middle of what they meet, and the longest one over the shortest in a round
@@ -46,19 +45,13 @@ pub struct Body<'a> {
 }
 
 /// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
-/// of every vertex of the surface; of the flat ends only the `lids` count, if there are any given.
-pub fn tidy(
-    net: &mut CurveNet,
-    preimage: &mut [u32],
-    body: &Body,
-    lids: Option<&[Lid]>,
-    prune: bool,
-) -> (usize, usize) {
+/// of every vertex of the surface.
+pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known, prune: bool) -> (usize, usize) {
     let brought_in = bring_in(net, body);
     centre(net, body.tree, body.inside);
     let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
-    let grown = regrow(net, preimage, body, lids);
+    let grown = regrow(net, preimage, body, known);
     if grown > 0 {
         centre(net, body.tree, body.inside);
         net.radii = radii(net);
@@ -73,16 +66,16 @@ pub fn tidy(
 
 /// Gives limbs a branch that have none. What crosses the room between two limbs is in neither: it goes, if what grows
 /// instead is not farther from the surface.
-fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body, lids: Option<&[Lid]>) -> usize {
+fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known) -> usize {
     let (mut other, mut other_preimage) = (net.clone(), preimage.to_vec());
     let before = net.points.len();
-    let grown = grow_limbs(net, preimage, body, lids);
+    let grown = grow_limbs(net, preimage, body, known);
     drop_branches(&mut other, &mut other_preimage, |net, branch, fork| {
         let way: Vec<u32> = branch.iter().copied().chain([fork]).collect();
         leaves(net, &way, body)
     });
     if other.points.len() < before {
-        let regrown = grow_limbs(&mut other, &mut other_preimage, body, lids);
+        let regrown = grow_limbs(&mut other, &mut other_preimage, body, known);
         if farthest(&other, body) <= farthest(net, body) {
             *net = other;
             preimage.copy_from_slice(&other_preimage);
@@ -324,7 +317,7 @@ fn drop_branches(net: &mut CurveNet, preimage: &mut [u32], goes: impl Fn(&CurveN
 fn merge_branchings(net: &mut CurveNet, preimage: &mut [u32]) {
     let (before, ids) = (net.points.clone(), net.ids.clone());
     net.ids = (0..before.len() as i64).collect();
-    if net.merge_branchings(|[a, b]| MERGED * a.min(b)) > 0 {
+    if net.merge_branchings(|[a, b]| MERGED * a.max(b)) > 0 {
         let nearest = |p: DVec3| {
             let off = |v: u32| net.points[v as usize].distance_squared(p);
             (0..net.points.len() as u32).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
