@@ -31,7 +31,7 @@ const FLAT: f64 = 0.05;
 const RAYS: usize = 8;
 /// A known end is this near ahead, and the tip this near to its axis, in its radii.
 const AHEAD: f64 = 2.5;
-const ASIDE: f64 = 0.8;
+const ASIDE: f64 = 1.0;
 /// Least cosine between the axis and the normal of an end: what is more oblique is a side.
 const FACES: f64 = 0.5;
 /// The last node stays inside by this share of the radius.

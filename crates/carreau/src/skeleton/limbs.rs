@@ -326,7 +326,7 @@ mod tests {
         let inside = WindingTree::new(&tree);
         let normals = face_normals(&surface);
         let body = Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
-        let count = grow_limbs(&mut net, &mut preimage, &body);
+        let count = grow_limbs(&mut net, &mut preimage, &body, &Known { lids: &[], alone: false });
         assert!(net.points.iter().all(|&p| inside.contains(p)));
         assert!(preimage.iter().all(|&v| (v as usize) < net.points.len()));
         (net, preimage, surface, count)
