@@ -249,6 +249,7 @@ fn vertex_of(faces: &[usize]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::refine::CORE;
     use super::super::tests::{assert_conforming, star_net};
     use super::super::*;
     use super::*;

@@ -233,6 +233,7 @@ impl Sheets<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::refine::CORE;
     use super::super::tests::assert_conforming;
     use super::super::*;
     use super::*;

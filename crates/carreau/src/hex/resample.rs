@@ -1,7 +1,6 @@
 //! Clean-up and resampling of the skeleton.
 //!
-//! Leaf branches shorter than the radius of their branching go, branchings inside each other become one, and every
-//! branch gets nodes at steps in proportion to its radius, by inverting ∫ ds / h(s).
+//! Leaf branches shorter than the radius of their branching go, and every branch gets nodes at steps in proportion to its radius, by inverting ∫ ds / h(s).
 //!
 //! **First-ring rule** (not in the paper, and decisive): on a branch that leaves a branching with the angle θ to its
 //! nearest neighbour, the first node lies at d ≥ max(1.5 r, 1.2 r / tan(θ/2) + 0.3 r), where the discs of the two
@@ -10,7 +9,7 @@
 use super::MOST_HEXES;
 use crate::mesh::{Branch, CurveNet, Incidence, branches};
 use glam::DVec3;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 /// How long the steps are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,9 +33,6 @@ const CLOSE: f64 = 0.7;
 /// The exponent of the radius in eased steps, and their bounds in radii.
 const EASE: f64 = 0.6;
 const BOUNDS: [f64; 2] = [0.5, 2.5];
-
-/// The branch between branchings that become one may be this much longer than what they may be apart.
-const ROUNDABOUT: f64 = 3.0;
 
 /// Leaf branches inside the ball of their branching go, but for those with a node of a given id; returns how many.
 pub fn prune(net: &mut CurveNet, stay: &FxHashSet<i64>) -> usize {
@@ -67,39 +63,6 @@ fn is_stub(net: &CurveNet, around: &Incidence, branch: &Branch) -> bool {
     let from = branch.nodes[0] as usize;
     let is_inside = |&v: &u32| net.points[v as usize].distance(net.points[from]) < net.radii[from];
     branch.is_leaf(around) && branch.nodes.iter().all(is_inside)
-}
-
-/// Branchings joined by a branch that is shorter than what `near` says of their radii become one at the middle; returns how
-/// many went.
-pub fn merge_branchings(net: &mut CurveNet, near: impl Fn([f64; 2]) -> f64) -> usize {
-    let mut merged = 0;
-    loop {
-        let around = net.incidence();
-        let all = branches(net, &around);
-        let mut joined: FxHashMap<[u32; 2], u32> = FxHashMap::default();
-        all.iter().for_each(|b| *joined.entry(b.ends()).or_default() += 1);
-        let near = all.into_iter().find(|b| {
-            let [a, z] = b.ends();
-            let way: f64 = b.edges.iter().map(|&e| net.length(e as usize)).sum();
-            let line = net.points[a as usize].distance(net.points[z as usize]);
-            let limit = near([net.radii[a as usize], net.radii[z as usize]]);
-            // A second branch between the two would become a loop.
-            let alone = a != z && joined[&[a, z]] == 1;
-            alone && around.valence(a) > 2 && around.valence(z) > 2 && line < limit && way < ROUNDABOUT * limit
-        });
-        let Some(branch) = near else { return merged };
-        let (a, z) = (branch.nodes[0], branch.nodes[branch.nodes.len() - 1]);
-        net.points[a as usize] = 0.5 * (net.points[a as usize] + net.points[z as usize]);
-        net.radii[a as usize] = net.radii[a as usize].max(net.radii[z as usize]);
-        let mut keep = vec![true; net.points.len()];
-        branch.nodes[1..].iter().for_each(|&v| keep[v as usize] = false);
-        net.edges.iter_mut().for_each(|e| *e = e.map(|v| if v == z { a } else { v }));
-        net.edges.retain(|e| e[0] != e[1] && keep[e[0] as usize] && keep[e[1] as usize]);
-        net.drop_multiple_edges();
-        keep[a as usize] = true;
-        net.retain_nodes(&keep);
-        merged += 1;
-    }
 }
 
 /// The net with new articulations; branchings and extremities stay, and no node is farther from the new segments than

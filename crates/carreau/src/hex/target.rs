@@ -8,6 +8,7 @@ use crate::mesh::{CurveNet, SurfaceMesh, split_quad};
 use crate::skeleton::{self, Closed, Lid};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A hit counts when its normal is at most about 75° off.
 pub const AGREES: f64 = 0.25;
@@ -94,8 +95,12 @@ impl<'a> Target<'a> {
     }
 
     /// The triangles of the surface without its lids.
-    pub fn wall(&self) -> std::ops::Range<usize> {
+    fn wall_triangles(&self) -> Range<usize> {
         0..self.closed.wall
+    }
+
+    fn wall(&self) -> &TriangleTree {
+        self.wall.as_ref().unwrap_or(&self.all)
     }
 
     /// The corners of a triangle.
@@ -127,13 +132,18 @@ impl<'a> Target<'a> {
             let (distance, normal) = (found.distance(), self.normal(t as u32));
             find(Seen { place, normal, distance, quad: half / 2, half: halves[half] })
         };
-        let step = self.wall().len().div_ceil(samples).max(1);
-        self.wall().into_par_iter().step_by(step).filter_map(look).collect()
+        let step = self.wall_triangles().len().div_ceil(samples).max(1);
+        self.wall_triangles().into_par_iter().step_by(step).filter_map(look).collect()
     }
 
     /// Distance to the closed surface.
     pub fn distance(&self, p: DVec3) -> f64 {
         self.all.distance(p)
+    }
+
+    /// Distance to the surface without its lids: the room that a tube has about its branch, which goes on to the end.
+    pub fn room(&self, p: DVec3) -> f64 {
+        self.wall().distance(p)
     }
 
     /// Whether a point is inside.
@@ -143,7 +153,7 @@ impl<'a> Target<'a> {
 
     /// Moves the nodes of a net to the middle of the surface.
     pub fn centre(&self, net: &mut CurveNet) {
-        skeleton::centre(net, &self.all, &self.inside);
+        skeleton::centre(net, self.wall(), &self.inside);
     }
 
     /// How far along a ray from inside the surface is left.
@@ -200,7 +210,7 @@ impl<'a> Target<'a> {
 
     /// The closest place of the surface without its lids, and the normal there.
     pub fn closest_wall(&self, p: DVec3) -> Option<(DVec3, DVec3)> {
-        let c = self.wall.as_ref().unwrap_or(&self.all).closest(p)?;
+        let c = self.wall().closest(p)?;
         Some((c.point, self.normal(c.triangle)))
     }
 

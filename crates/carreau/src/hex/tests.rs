@@ -1,8 +1,10 @@
 //! The whole way from a net to a mesh: counts in closed form, conformity, certificates, determinism, odd input.
 
 use super::connection::tests::star;
+use super::refine::CORE;
 use super::*;
-use crate::mesh::{Column, SurfaceMesh, Topology};
+use crate::error::Error;
+use crate::mesh::{Column, RawMesh, SurfaceMesh, Topology};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -376,6 +378,25 @@ fn flat_ends_of_a_closed_tube_are_ends() {
     for f in sides {
         let origin = long.origins[f] as usize;
         assert!(origin != f && long.mesh.tags[origin] == 1 && long.origins[origin] as usize == origin);
+    }
+}
+
+/// Steps far shorter than a flat end is wide: the last nodes have the radius of the tube, not their distance from the cap, and
+/// the count that is asked for is met because flat ends take no cells.
+#[test]
+fn short_steps_before_a_flat_end_have_the_radius_of_the_tube() {
+    let cylinder = crate::sample::cylinder(1.0, 3.0, 0.4).unwrap().mesh.triangulated().unwrap();
+    let net = CurveNet::new(vec![DVec3::Z * 0.3, DVec3::Z * 2.7], vec![1.0; 2], vec![[0, 1]]);
+    let by_count = HexOptions { hexes: Some(400), ..HexOptions::default() };
+    let by_length =
+        HexOptions { edge_length: Some(0.2), refine_across: Some(0), padding: Padding::Sides, ..HexOptions::default() };
+    for options in [by_count, by_length] {
+        let result = from_surface(&cylinder, Some(&net), &options, &Context::new()).unwrap();
+        let f = &result.figures;
+        assert_eq!(result.flat_caps, [2, 3]);
+        assert!(f.quality.certified && f.quality.scaled_jacobian_min > 0.5 && f.quality.overlap == 0.0, "{f:?}");
+        assert!(f.distance_max.unwrap() < 0.015 && (0.96..1.01).contains(&f.volume_ratio.unwrap()), "{f:?}");
+        assert!(options.hexes.is_none_or(|n| (0.7..=1.0).contains(&(f.hexes as f64 / n as f64))), "{}", f.hexes);
     }
 }
 

@@ -29,7 +29,7 @@ const NEAR: f64 = 1.5;
 pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
     let around = net.incidence();
     target.centre(net);
-    net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
+    net.radii = net.points.iter().map(|&p| target.room(p)).collect();
     fill_dips(net, &around);
     let mut lid_of = vec![0; net.points.len()];
     let mut taken = vec![false; target.lids().len()];

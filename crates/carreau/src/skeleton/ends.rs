@@ -13,14 +13,15 @@
 //! Round ends have no such place: their branches end where the paper's do.
 
 use super::lids::Lid;
-use super::limbs::section;
-use super::tidy::Body;
+use super::limbs::{room, section};
+use super::tidy::{Body, middle_of_section};
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The axis is taken between so many radii and so many from the tip: nearer to it the flow bends it.
-const AXIS: [f64; 2] = [1.0, 3.0];
+/// The axis is taken between so many radii and so many from the tip: nearer to it the flow bends it. Where the tube itself bends so
+/// near to its end, a shorter piece of it may still lead there.
+const AXES: [[f64; 2]; 2] = [[1.0, 3.0], [0.7, 1.7]];
 /// An end is looked for within so many radii of where the axis is taken.
 const FAR: f64 = 4.0;
 /// An end is flat where rays around the axis, at this share of the radius from it, meet the plane that the axis meets within
@@ -28,10 +29,19 @@ const FAR: f64 = 4.0;
 const RING: f64 = 0.6;
 const FLAT: f64 = 0.05;
 const RAYS: usize = 8;
+/// A known end is this near ahead, and the tip this near to its axis, in its radii.
+const AHEAD: f64 = 2.5;
+const ASIDE: f64 = 1.0;
 /// Least cosine between the axis and the normal of an end: what is more oblique is a side.
 const FACES: f64 = 0.5;
 /// The last node stays inside by this share of the radius.
 const INSIDE: f64 = 0.02;
+
+/// A leaf branch shorter than the last is not counted beside another at an end, if its tip is so near to the end and to its axis; all
+/// in radii.
+const BEFORE: f64 = 1.5;
+const BESIDE: f64 = 1.1;
+const SHORT: f64 = 3.0;
 
 /// Which flat ends branches are led to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,42 +52,120 @@ pub enum Reach {
     Sharp,
 }
 
-/// Moves the last nodes of branches that stop before a flat end; their radii are those of the sections across. Where only
-/// some ends count, these are the `lids`.
-pub fn reach_ends(net: &mut CurveNet, body: &Body, lids: Option<&[Lid]>) {
-    let counts = |at: DVec3| {
+/// Flat ends that are known beforehand: lids of open ends, and plane pieces with a sharp rim.
+pub struct Known<'a> {
+    /// The ends.
+    pub lids: &'a [Lid],
+    /// Whether branches are led to them alone.
+    pub alone: bool,
+}
+
+/// Moves the last nodes of branches that stop before a flat end, one branch for each; their radii are those of the sections across.
+/// Returns the ends.
+pub fn reach_ends(net: &mut CurveNet, body: &Body, known: &Known) -> Vec<End> {
+    let counts = |end: &End| {
         let is_in = |lid: &Lid| {
-            let to = at - lid.centre;
+            let to = end.at - lid.centre;
             to.dot(lid.normal).abs() < FLAT * lid.radius && to.length() < lid.radius
         };
-        lids.is_none_or(|lids| lids.iter().any(is_in))
+        !known.alone || known.lids.iter().any(is_in)
     };
     let around = net.incidence();
+    let mut ends: Vec<End> = Vec::new();
     for tip in around.tips() {
-        let nodes = inward(net, &around, tip, body);
-        let Some(end) = end(net, &nodes, body).filter(|end| counts(end.at)) else { continue };
-        let last = nodes.iter().position(|&v| v == end.from).unwrap_or(0);
-        let [a, b] = [net.points[end.from as usize], end.at];
-        let axis = (b - a).normalize_or_zero();
-        for (k, &v) in nodes[..last].iter().enumerate() {
-            let p = b.lerp(a, k as f64 / last as f64);
-            let radius = section(p, axis, body);
-            net.points[v as usize] = p;
-            net.radii[v as usize] = if radius.is_finite() { radius } else { end.radius };
+        let found = AXES.into_iter().find_map(|axis| {
+            let nodes = inward(net, &around, tip, axis[1], body);
+            let end = end(net, &nodes, axis[0], body).filter(counts)?;
+            Some((nodes, end))
+        });
+        let found = found.or_else(|| {
+            let nodes = inward(net, &around, tip, AXES[0][1], body);
+            let end = known_end(net, &nodes, known.lids, body)?;
+            Some((nodes, end))
+        });
+        let Some((nodes, mut end)) = found else { continue };
+        if ends.iter().any(|known| known.at.distance(end.at) < known.radius) {
+            continue;
         }
+        lead(net, &nodes, &end, body);
+        end.at = net.points[tip as usize];
+        ends.push(end);
+    }
+    ends
+}
+
+/// Puts the last nodes of a branch, the tip first, onto the way to its end.
+fn lead(net: &mut CurveNet, nodes: &[u32], end: &End, body: &Body) {
+    let last = nodes.iter().position(|&v| v == end.from).unwrap_or(0);
+    let [a, b] = [net.points[end.from as usize], end.at];
+    let axis = (b - a).normalize_or_zero();
+    // A section across a tilted axis would cut the end.
+    let across = |share: f64| end.normal.lerp(axis, share).normalize_or(axis);
+    for (k, &v) in nodes.iter().enumerate() {
+        let v = v as usize;
+        let share = (k as f64 / last.max(1) as f64).min(1.0);
+        if k < last {
+            net.points[v] = middle_of_section(b.lerp(a, share), across(share), body.tree);
+        } else if (end.at - net.points[v]).dot(end.normal) > end.radius {
+            break;
+        }
+        // The end may be nearer than the wall.
+        let radius = section(net.points[v], across(share), body);
+        net.radii[v] = if radius.is_finite() { radius } else { end.radius };
     }
 }
 
-/// Where a branch is to end.
-struct End {
+/// The known end that a branch stops before, where its axis does not lead there.
+fn known_end(net: &CurveNet, nodes: &[u32], lids: &[Lid], body: &Body) -> Option<End> {
+    let point = |v: u32| net.points[v as usize];
+    let (tip, inner) = (point(nodes[0]), point(nodes[nodes.len() - 1]));
+    let heading = (tip - inner).try_normalize()?;
+    let is_before = |lid: &&Lid| {
+        let to = lid.centre - tip;
+        let ahead = to.dot(lid.normal);
+        (0.0..AHEAD * lid.radius).contains(&ahead)
+            && (to - lid.normal * ahead).length() < ASIDE * lid.radius
+            && heading.dot(lid.normal) > FACES
+    };
+    let far = |lid: &Lid| lid.centre.distance_squared(tip);
+    let lid = lids.iter().filter(is_before).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let at = lid.centre - lid.normal * (INSIDE * lid.radius);
+    let from = nodes.iter().copied().find(|&v| point(v).distance(tip) >= lid.radius)?;
+    (room(point(from), at, body) > 0.0).then_some(End { from, at, normal: lid.normal, radius: lid.radius })
+}
+
+/// Where a branch ends.
+pub struct End {
     /// The node from which the axis leads there.
     from: u32,
     at: DVec3,
+    normal: DVec3,
     radius: f64,
 }
 
+impl End {
+    /// Whether a short leaf branch stops before this end, beside the one that leads there: it is no end of its own. Given its tip
+    /// and how far it gets from its branching.
+    ///
+    /// ```text
+    ///   ┌───────────────
+    ///   │  ╭──·
+    ///   •──•──────•─────      of the two branches that stop before the flat end the one that leads there stays
+    ///   └───────────────
+    /// ```
+    pub fn has_beside(&self, tip: DVec3, reach: f64) -> bool {
+        let to = tip - self.at;
+        let ahead = to.dot(self.normal);
+        let beside = (to - self.normal * ahead).length();
+        tip != self.at
+            && ahead.abs() < BEFORE * self.radius
+            && beside < BESIDE * self.radius
+            && reach < SHORT * self.radius
+    }
+}
+
 /// The nodes from a tip to the first branching or beyond the part in which the axis is taken.
-fn inward(net: &CurveNet, around: &Incidence, tip: u32, body: &Body) -> Vec<u32> {
+fn inward(net: &CurveNet, around: &Incidence, tip: u32, far: f64, body: &Body) -> Vec<u32> {
     let mut nodes = vec![tip];
     let start = net.points[tip as usize];
     let mut widest = body.tree.distance(start);
@@ -85,7 +173,7 @@ fn inward(net: &CurveNet, around: &Incidence, tip: u32, body: &Body) -> Vec<u32>
     while let Some(&[id, node]) = edge {
         nodes.push(node);
         widest = widest.max(net.radii[node as usize]);
-        if around.valence(node) != 2 || net.points[node as usize].distance(start) > AXIS[1] * widest {
+        if around.valence(node) != 2 || net.points[node as usize].distance(start) > far * widest {
             break;
         }
         edge = around.of(node).iter().find(|e| e[0] != id);
@@ -93,11 +181,11 @@ fn inward(net: &CurveNet, around: &Incidence, tip: u32, body: &Body) -> Vec<u32>
     nodes
 }
 
-fn end(net: &CurveNet, nodes: &[u32], body: &Body) -> Option<End> {
+fn end(net: &CurveNet, nodes: &[u32], near: f64, body: &Body) -> Option<End> {
     let point = |v: u32| net.points[v as usize];
     let start = point(nodes[0]);
     let radius = nodes.iter().map(|&v| net.radii[v as usize]).fold(0.0, f64::max);
-    let at = nodes.iter().position(|&v| point(v).distance(start) >= AXIS[0] * radius)?;
+    let at = nodes.iter().position(|&v| point(v).distance(start) >= near * radius)?;
     let (from, inner) = (nodes[at], nodes[nodes.len() - 1]);
     let axis = (point(from) - point(inner)).try_normalize()?;
     let radius = Some(section(point(from), axis, body)).filter(|r| r.is_finite() && *r > 0.0)?;
@@ -113,5 +201,5 @@ fn end(net: &CurveNet, nodes: &[u32], body: &Body) -> Option<End> {
         let off = body.tree.first_hit(from, axis).map(|hit| (from + axis * hit.t - centre).dot(normal).abs());
         off.is_some_and(|off| off < FLAT * radius)
     });
-    is_flat.then(|| End { from, at: centre - axis * (INSIDE * radius), radius })
+    is_flat.then(|| End { from, at: centre - axis * (INSIDE * radius), normal, radius })
 }

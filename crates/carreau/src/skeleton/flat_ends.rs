@@ -48,6 +48,12 @@ pub fn candidates(closed: &Closed) -> Vec<(Lid, Vec<u32>)> {
     found
 }
 
+/// Where branches of a closed surface may be led to, but for ends with a rounded rim: plane pieces, and lids of open ends.
+pub fn sharp(closed: &Closed) -> Vec<Lid> {
+    let plane = candidates(closed).into_iter().map(|(lid, _)| lid);
+    plane.chain(closed.lids.iter().cloned()).collect()
+}
+
 /// The triangles about a seed that face as it does, ascending.
 fn grow(mesh: &SurfaceMesh, normals: &[DVec3], seed: u32, piece: u32, piece_of: &mut [u32]) -> Vec<u32> {
     let (normal, least) = (normals[seed as usize], PLANE_DEGREES.to_radians().cos());

@@ -10,7 +10,10 @@
 //!    ──────╯  ╰─────     the balls that touch it
 //!    ═══════╧════════    skeleton
 //! ```
+//!
+//! The rim of a flat end is far from a branch that stops before it, but no limb: the branch will be led to the end.
 
+use super::ends::{Known, reach_ends};
 use super::tidy::Body;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CurveNet, NONE, SurfaceMesh};
@@ -45,10 +48,12 @@ const SMOOTHING: usize = 10;
 const SAMPLES: usize = 8;
 
 /// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii.
-pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known) -> usize {
     let &Body { surface, poles, .. } = body;
     let neighbours = Neighbours::of(surface);
-    let mut given_up = vec![false; poles.len()];
+    let mut led = net.clone();
+    reach_ends(&mut led, body, known);
+    let mut given_up: Vec<bool> = distances(&led, surface.points()).into_iter().map(|far| far.0 < LOST).collect();
     let mut grown = 0;
     let mut far = distances(net, surface.points());
     for _ in 0..LIMBS {
@@ -217,7 +222,7 @@ fn root(net: &CurveNet, limb: &[DVec3], body: &Body) -> Option<(u32, usize)> {
 }
 
 /// The least room on the way between two points; zero where it leaves the body.
-fn room(from: DVec3, to: DVec3, body: &Body) -> f64 {
+pub fn room(from: DVec3, to: DVec3, body: &Body) -> f64 {
     let at = |k: usize| from.lerp(to, k as f64 / SAMPLES as f64);
     let room = |p: DVec3| if body.inside.contains(p) { body.tree.distance(p) } else { 0.0 };
     (0..=SAMPLES).map(|k| room(at(k))).fold(f64::INFINITY, f64::min)
@@ -321,7 +326,7 @@ mod tests {
         let inside = WindingTree::new(&tree);
         let normals = face_normals(&surface);
         let body = Body { surface: &surface, poles: &centres, tree: &tree, normals: &normals, inside: &inside };
-        let count = grow_limbs(&mut net, &mut preimage, &body);
+        let count = grow_limbs(&mut net, &mut preimage, &body, &Known { lids: &[], alone: false });
         assert!(net.points.iter().all(|&p| inside.contains(p)));
         assert!(preimage.iter().all(|&v| (v as usize) < net.points.len()));
         (net, preimage, surface, count)

@@ -196,7 +196,9 @@ pub(crate) fn extract_with(
             let (mut net, mut preimage) = (curves.net, curves.preimage);
             let inside = WindingTree::new(&tree);
             let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
-            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, options.prune);
+            let sharp = flat_ends::sharp(&closed);
+            let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
+            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
             if brought_in > 0 {
                 warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
             }
@@ -207,11 +209,8 @@ pub(crate) fn extract_with(
             if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
                 return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
             }
-            let sharp = || flat_ends::candidates(&closed).into_iter().map(|(lid, _)| lid).collect::<Vec<_>>();
-            match reach {
-                Reach::All => ends::reach_ends(&mut net, &body, None),
-                Reach::Sharp => ends::reach_ends(&mut net, &body, Some(&sharp())),
-            }
+            let ends = ends::reach_ends(&mut net, &body, &known);
+            tidy::drop_beside(&mut net, &mut preimage, &ends);
             preimage.truncate(closed.mesh.vertex_count());
             let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
             return Ok(Skeleton { net, preimage, closed, figures, warnings });

@@ -85,6 +85,44 @@ fn an_open_tube_gets_two_lids_and_an_axis() {
     assert!(!s.warnings.is_empty());
 }
 
+/// A tube that is short, or bends up to its flat ends, closed or open: the branch leads from the middle of one end to that of the other,
+/// in the middle of the tube, with its radius, and the rims of the ends are no limbs.
+#[test]
+fn a_branch_leads_to_the_flat_ends_of_a_short_tube_and_of_a_bent_one() {
+    let bent = |p: DVec3| {
+        let (sin, cos) = (p.z / 4.0).sin_cos();
+        DVec3::new(4.0 - (4.0 - p.x) * cos, p.y, (4.0 - p.x) * sin)
+    };
+    for (length, is_bent, is_closed) in [(3.0, false, true), (8.0, true, true), (8.0, true, false)] {
+        let straight = tube(3 * length as u32, 16, length);
+        let open = if is_bent { moved(&straight, bent) } else { straight };
+        let mesh = if is_closed { closed(&open).unwrap().mesh } else { open };
+        let s = skeleton(&mesh);
+        assert_eq!((s.figures.extremities, s.figures.branchings), (2, 0), "{length} {:?}", s.warnings);
+        assert!(!s.warnings.iter().any(|w| w.contains("limb")), "{:?}", s.warnings);
+        for (p, r) in s.net.points.iter().zip(&s.net.radii) {
+            let off = if is_bent { DVec3::new(4.0 - p.x, 0.0, p.z).length() - 4.0 } else { p.x };
+            assert!(off.hypot(p.y) < 0.05 && (0.95..1.01).contains(r), "{length} {p} {r}");
+        }
+        let axis = |z: f64| if is_bent { bent(DVec3::Z * z) } else { DVec3::Z * z };
+        for end in [axis(0.0), axis(length)] {
+            assert!(s.net.points.iter().any(|p| p.distance(end) < 0.05), "{length} {end}");
+        }
+    }
+}
+
+/// Four tubes that meet at right angles do so in one place.
+#[test]
+fn a_cross_has_one_branching() {
+    let tube = |to: DVec3, radius| crate::sample::Tube { ends: [DVec3::ZERO, to], radii: [radius; 2] };
+    let parts = [tube(DVec3::X, 0.2), tube(-DVec3::X, 0.2), tube(DVec3::Y, 0.15), tube(-DVec3::Y, 0.15)];
+    let mesh = crate::sample::tubes(&parts, 0.04, 0.06, &Context::new()).unwrap().mesh.triangulated().unwrap();
+    let s = skeleton(&mesh);
+    assert_eq!((s.figures.extremities, s.figures.branchings), (4, 1));
+    assert_eq!(s.preimage.len(), mesh.vertex_count());
+    assert!(s.preimage.iter().all(|&node| (node as usize) < s.net.points.len()));
+}
+
 #[test]
 fn components_each_get_theirs_and_the_sense_does_not_matter() {
     let far = moved(&turned(&tube(24, 16, 12.0), |_| true), |p| p + DVec3::X * 9.0);

@@ -1,6 +1,7 @@
 //! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
 //! the ball of their branching are dropped.
 
+use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};
 use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::search_tree::TriangleTree;
@@ -20,8 +21,15 @@ const CLEFT: f64 = 0.5;
 /// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
 const CURLED: f64 = 1.5;
 const FAR: f64 = 8.0;
+/// Branchings nearer to each other than this share of the larger radius are one.
+const MERGED: f64 = 0.9;
 /// A node within this share of the radius of a branch is in its middle.
 const TWIN: f64 = 0.5;
+/// Rays across a branch, rounds of moving to the middle of what they meet, and the longest one over the shortest in a round
+/// section: more than in one with eight sides, less than in a square.
+const RAYS: usize = 24;
+const MIDDLES: usize = 4;
+const ROUND: f64 = 1.2;
 /// Rounds of drawing them to their neighbours.
 const ROUNDS: usize = 20;
 
@@ -38,34 +46,36 @@ pub struct Body<'a> {
 
 /// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
 /// of every vertex of the surface.
-pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, prune: bool) -> (usize, usize) {
+pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known, prune: bool) -> (usize, usize) {
     let brought_in = bring_in(net, body);
     centre(net, body.tree, body.inside);
     let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
-    let grown = regrow(net, preimage, body);
+    let grown = regrow(net, preimage, body, known);
     if grown > 0 {
         centre(net, body.tree, body.inside);
         net.radii = radii(net);
     }
     if prune {
         drop_branches(net, preimage, is_stub);
+        merge_branchings(net, preimage);
+        net.radii = radii(net);
     }
     (brought_in, grown)
 }
 
 /// Gives limbs a branch that have none. What crosses the room between two limbs is in neither: it goes, if what grows
 /// instead is not farther from the surface.
-fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body) -> usize {
+fn regrow(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known) -> usize {
     let (mut other, mut other_preimage) = (net.clone(), preimage.to_vec());
     let before = net.points.len();
-    let grown = grow_limbs(net, preimage, body);
+    let grown = grow_limbs(net, preimage, body, known);
     drop_branches(&mut other, &mut other_preimage, |net, branch, fork| {
         let way: Vec<u32> = branch.iter().copied().chain([fork]).collect();
         leaves(net, &way, body)
     });
     if other.points.len() < before {
-        let regrown = grow_limbs(&mut other, &mut other_preimage, body);
+        let regrown = grow_limbs(&mut other, &mut other_preimage, body, known);
         if farthest(&other, body) <= farthest(net, body) {
             *net = other;
             preimage.copy_from_slice(&other_preimage);
@@ -120,6 +130,36 @@ pub fn centre(net: &mut CurveNet, tree: &TriangleTree, inside: &WindingTree) {
     }
     net.points = (0..net.points.len()).into_par_iter().map(|v| centred(net, &around, v, tree)).collect();
     align(net, &around, inside);
+    let in_middle = |v: usize| match *around.of(v as u32) {
+        [[_, a], [_, b]] => {
+            let along = net.points[b as usize] - net.points[a as usize];
+            along.try_normalize().map_or(net.points[v], |along| middle_of_section(net.points[v], along, tree))
+        }
+        _ => net.points[v],
+    };
+    net.points = (0..net.points.len()).into_par_iter().map(in_middle).collect();
+}
+
+/// The middle of the section across a direction, where that is round: seen from beside the middle of a circle, by d, rays in a
+/// direction e are about e · d shorter. Elsewhere the point itself.
+pub fn middle_of_section(p: DVec3, along: DVec3, tree: &TriangleTree) -> DVec3 {
+    let (u, v) = along.any_orthonormal_pair();
+    let mut middle = p;
+    for round in 0..=MIDDLES {
+        let (mut sum, mut least, mut most) = (DVec3::ZERO, f64::INFINITY, 0f64);
+        for k in 0..RAYS {
+            let (sin, cos) = (k as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos();
+            let ray = u * cos + v * sin;
+            let Some(hit) = tree.first_hit(middle, ray) else { return p };
+            sum += ray * hit.t;
+            (least, most) = (least.min(hit.t), most.max(hit.t));
+        }
+        if round == MIDDLES {
+            return if most < ROUND * least { middle } else { p };
+        }
+        middle += sum * (2.0 / RAYS as f64);
+    }
+    p
 }
 
 /// An articulation farther from the surface, across the direction of its branch; a branching in any direction, but not
@@ -227,6 +267,14 @@ fn is_stub(net: &CurveNet, branch: &[u32], fork: u32) -> bool {
     reach(net, branch, fork) < net.radii[fork as usize] || is_twin(net, branch)
 }
 
+/// Drops leaf branches that stop beside another before a flat end.
+pub fn drop_beside(net: &mut CurveNet, preimage: &mut [u32], ends: &[End]) {
+    drop_branches(net, preimage, |net, branch, fork| {
+        let (tip, reach) = (net.points[branch[0] as usize], reach(net, branch, fork));
+        ends.iter().any(|end| end.has_beside(tip, reach))
+    });
+}
+
 /// How far a branch gets from its branching.
 fn reach(net: &CurveNet, branch: &[u32], fork: u32) -> f64 {
     let centre = net.points[fork as usize];
@@ -265,6 +313,24 @@ fn drop_branches(net: &mut CurveNet, preimage: &mut [u32], goes: impl Fn(&CurveN
     }
 }
 
+/// Branchings near each other become one, as those of a cross do, whose four tubes the flow lets part in two places.
+fn merge_branchings(net: &mut CurveNet, preimage: &mut [u32]) {
+    let (before, ids) = (net.points.clone(), net.ids.clone());
+    net.ids = (0..before.len() as i64).collect();
+    if net.merge_branchings(|[a, b]| MERGED * a.max(b)) > 0 {
+        let nearest = |p: DVec3| {
+            let off = |v: u32| net.points[v as usize].distance_squared(p);
+            (0..net.points.len() as u32).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
+        };
+        let mut number = vec![NONE; before.len()];
+        (0..).zip(&net.ids).for_each(|(k, &old)| number[old as usize] = k);
+        let number: Vec<u32> =
+            number.iter().zip(&before).map(|(&k, &p)| if k == NONE { nearest(p) } else { k }).collect();
+        preimage.iter_mut().for_each(|node| *node = number[*node as usize]);
+    }
+    net.ids = net.ids.iter().map(|&old| ids[old as usize]).collect();
+}
+
 /// The nodes from a tip to before the first branching, and that branching; none on a curve without branching.
 fn branch_to_fork(around: &Incidence, tip: u32) -> Option<(Vec<u32>, u32)> {
     let mut branch = vec![tip];
@@ -283,6 +349,21 @@ fn branch_to_fork(around: &Incidence, tip: u32) -> Option<(Vec<u32>, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Beside the axis of a tube with nine sides, and in a square one, which has no round section.
+    #[test]
+    fn in_a_round_section_a_node_goes_to_the_middle() {
+        let tube = |sides: u32| {
+            let mesh = crate::sample::open_cylinder(1.0, 4.0, sides, 1).unwrap().mesh.triangulated().unwrap();
+            TriangleTree::new(mesh.points(), &mesh.faces().fan().0)
+        };
+        let beside = DVec3::new(0.2, -0.1, 2.0);
+        let tilted = DVec3::new(0.05, 0.0, 1.0).normalize();
+        let middle = middle_of_section(beside, tilted, &tube(9));
+        assert!(middle.truncate().length() < 0.01, "{middle}");
+        assert_eq!(middle_of_section(beside, tilted, &tube(4)), beside);
+        assert_eq!(middle_of_section(beside + DVec3::X, tilted, &tube(9)), beside + DVec3::X);
+    }
 
     /// A trunk along x, and a leaf branch of its middle that runs back beside it, or away from it.
     #[test]

@@ -1,11 +1,13 @@
 //! Ways to fit cells onto a surface that are tried where the first one is not good. The result that misses what is wanted by
 //! least counts.
 
-use super::{COARSELY, Coarse, MANY_TRIED, Ready, skin_of};
+use super::MANY_TRIED;
+use super::coarse::{COARSELY, Coarse, REACHED, skin_of};
+use super::ready::Ready;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::compare;
-use crate::hex::least_scaled_jacobian;
+use crate::hex::cells::least_scaled_jacobian;
 use crate::hex::refine::TubeMesh;
 use crate::hex::target::Target;
 use crate::mesh::boundary_faces;
@@ -172,23 +174,24 @@ impl<'a> Fitted<'a> {
         Ok(fitted)
     }
 
-    /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
+    /// The same where the boundary reaches what of the surface is far from it, as a crease between tubes is, if there is any and that is
+    /// better.
     fn reaching(self, context: &Context) -> Result<Self> {
         // Of a size asked for cells are as coarse as that.
-        if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
+        if self.far[0] <= REACHED || !self.cells.ready.freely {
             return Ok(self);
         }
         let target = self.target;
         self.changed(|cells| cells.reach(target, context), context)
     }
 
-    /// The same after a change, if that is better.
+    /// The same after a change, if that is better: it misses less of what is wanted, or nothing and is nearer.
     fn changed(mut self, change: impl FnOnce(&mut Coarse) -> Result<()>, context: &Context) -> Result<Self> {
         let (before, far, least) = (self.lacks(), self.far, self.least);
         let (points, free, left) = (self.cells.tube.points.clone(), self.cells.free.clone(), self.cells.left);
         change(&mut self.cells)?;
         let mut changed = Fitted::measured(self.cells, self.target, context)?;
-        if changed.lacks() >= before {
+        if (changed.lacks(), changed.far[0]) >= (before, far[0]) {
             (changed.far, changed.least) = (far, least);
             (changed.cells.tube.points, changed.cells.free, changed.cells.left) = (points, free, left);
         }

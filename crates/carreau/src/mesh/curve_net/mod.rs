@@ -4,10 +4,12 @@
 //! |---|---|
 //! | `branches` | chains of segments between branchings and extremities |
 //! | `builder` | nodes and links by the ids of a file, refused or noted |
+//! | `merge` | branchings near each other become one |
 //! | `repair` | what a method needs: no coincident nodes, no empty edges, radii everywhere |
 
 mod branches;
 mod builder;
+mod merge;
 mod repair;
 
 pub use branches::{Branch, Chains, branches};

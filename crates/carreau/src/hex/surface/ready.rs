@@ -1,0 +1,177 @@
+//! The skeleton of a surface made ready for cells: extracted or given, cleaned, led to the ends, with nodes for the size asked for.
+
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::hex::options::{HexOptions, Stage, check_size, check_steps};
+use crate::hex::resample::{self, Step};
+use crate::hex::size::finest;
+use crate::hex::target::Target;
+use crate::hex::{limit, meet, tips, web, zip};
+use crate::mesh::{CurveNet, SurfaceMesh};
+use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
+const STEP: f64 = 1.2;
+const ACROSS: u32 = 2;
+const ALONG: u32 = 1;
+/// There is less halving where it would make more hexes than these.
+const MOST_UNASKED: f64 = 300_000.0;
+/// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
+const LONGEST: f64 = 1.6;
+/// None becomes shorter than this, in radii.
+const SHORTEST: f64 = 0.3;
+/// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
+const LEAST: f64 = 0.6;
+/// The first cells take this share of the room about the skeleton.
+pub(super) const INSIDE: f64 = 0.85;
+
+/// The skeleton made ready for cells.
+#[derive(Clone)]
+pub(super) struct Ready {
+    pub(super) net: CurveNet,
+    /// The options with the levels of halving that the size asks for.
+    pub(super) options: HexOptions,
+    /// The lid of every end, from 1; zero for a round tip.
+    pub(super) lid_of: Vec<u32>,
+    /// Whether no size is asked for.
+    pub(super) freely: bool,
+    /// Whether long segments are halved.
+    pub(super) evenly: bool,
+    /// Segments at which the surface is far do not become shorter than this, in radii.
+    pub(super) shortest: f64,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Ready {
+    pub(super) fn new(
+        net: &CurveNet,
+        forks: [f64; 2],
+        target: &Target,
+        options: &HexOptions,
+        context: &Context,
+    ) -> Result<Self> {
+        let _stage = context.stage("skeleton");
+        let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
+        let freely = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
+        let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
+        check_size(&net, &options)?;
+        let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
+        Ok(Ready { net, options, lid_of, freely, evenly: freely, shortest: SHORTEST, warnings })
+    }
+}
+
+/// The surface closed, and a skeleton.
+pub(super) fn skeleton_of(
+    mesh: &SurfaceMesh,
+    given: Option<&CurveNet>,
+    context: &Context,
+) -> Result<(Closed, CurveNet, Vec<String>)> {
+    match given {
+        None => {
+            // Round and open ends are met by the cells themselves.
+            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), Reach::Sharp, context)?;
+            Ok((found.closed, found.net, found.warnings))
+        }
+        Some(net) => {
+            let (closed, mut warnings) = skeleton::prepared(mesh, context)?;
+            let repaired = net.repaired(None)?;
+            warnings.extend(repaired.warnings);
+            Ok((closed, repaired.net, warnings))
+        }
+    }
+}
+
+/// Clean-up with the shares of branchings that become one and the angle of forks that get a trunk, resampling and the size
+/// asked for; the answer says in which lid (from 1) a node lies, zero for none.
+fn prepare(
+    net: &mut CurveNet,
+    [merge, narrow]: [f64; 2],
+    target: &Target,
+    options: &mut HexOptions,
+    warnings: &mut Vec<String>,
+) -> Result<impl Fn(&CurveNet, u32) -> u32 + use<>> {
+    net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
+    if options.stage == Stage::Full {
+        resample::prune(net, &FxHashSet::default());
+        net.merge_branchings(|[a, b]| merge * (a + b));
+        web::merge_webs(net, target);
+    }
+    let lids = tips::ready(net, target);
+    let in_lids: Vec<(DVec3, u32)> = net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
+    let missed = target.lids().len() - in_lids.len();
+    if missed > 0 {
+        warnings.push(format!("{missed} open ends have no branch of the skeleton and were taken as wall"));
+    }
+    if options.stage == Stage::Full {
+        meet::meet(net, target);
+        meet::straighten_in_balls(net, target);
+        zip::zip(net, narrow, zip::APART_DEGREES);
+        check_steps(net, options)?;
+        let round = tips_of(net).saturating_sub(in_lids.len());
+        *net = sized(net, round, options);
+        let around = net.incidence();
+        for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
+            net.radii[v] = target.room(net.points[v]).max(LEAST * net.radii[v]);
+        }
+    } else {
+        options.refine_across.get_or_insert(ACROSS);
+    }
+    net.radii.iter_mut().for_each(|r| *r *= INSIDE);
+    limit::limit_radii(net);
+    if net.edges.is_empty() {
+        return Err(Error::input("the skeleton has no segment", "", "give a skeleton"));
+    }
+    Ok(move |net: &CurveNet, v: u32| in_lids.iter().find(|l| l.0 == net.points[v as usize]).map_or(0, |l| l.1))
+}
+
+fn tips_of(net: &CurveNet) -> usize {
+    net.incidence().tips().count()
+}
+
+/// The net resampled to the size asked for, and the levels of halving that go with it; so many of its ends are `round`, with a
+/// layer of cells.
+fn sized(net: &CurveNet, round: usize, options: &mut HexOptions) -> CurveNet {
+    if options.hexes.is_none() && options.edge_length.is_none() {
+        let sized = resample::resample(net, Step::Eased(STEP, mean_radius(net)));
+        if options.refine_across.is_none() && options.refine_along == 0 {
+            let segments = sized.edges.len();
+            for [across, along] in [[ACROSS, ALONG], [ACROSS, 0], [1, 0], [0, 0]] {
+                (options.refine_across, options.refine_along) = (Some(across), along);
+                if options.hexes_of(segments, round) <= MOST_UNASKED {
+                    break;
+                }
+            }
+        }
+        options.refine_across.get_or_insert(ACROSS);
+        return sized;
+    }
+    if let Some(length) = options.edge_length {
+        let radius = mean_radius(net);
+        let fits = (std::f64::consts::TAU * radius / (8.0 * length)).log2().round().clamp(0.0, 4.0) as u32;
+        options.refine_across.get_or_insert(fits);
+        let step = length * f64::from(1 << options.refine_along.min(6));
+        return resample::resample(net, Step::Length(step));
+    }
+    let usual = mean_radius(net);
+    let eased = |k: f64| Step::Eased(k, usual);
+    let wanted = options.hexes.unwrap_or(usize::MAX) as f64;
+    let levels: Vec<u32> = options.refine_across.map_or((0..=3).rev().collect(), |a| vec![a]);
+    for across in levels {
+        options.refine_across = Some(across);
+        let fits = |n: &CurveNet| options.hexes_of(n.edges.len(), round) <= wanted;
+        let longest = resample::resample(net, eased(LONGEST / f64::from(1 << across.min(2)) * 2.0));
+        if fits(&longest) {
+            return finest(net, eased, fits);
+        }
+    }
+    finest(net, eased, |n| options.hexes_of(n.edges.len(), round) <= wanted)
+}
+
+/// Weighted by length.
+fn mean_radius(net: &CurveNet) -> f64 {
+    let sum = |f: &dyn Fn(usize) -> f64| (0..net.edges.len()).map(|e| f(e) * net.length(e)).sum::<f64>();
+    let radius = |e: usize| net.edges[e].iter().map(|&v| 0.5 * net.radii[v as usize]).sum::<f64>();
+    sum(&radius) / sum(&|_| 1.0)
+}
