@@ -4,8 +4,8 @@
 //!
 //! | rung | file | method |
 //! |---|---|---|
-//! | 1 | `mapped`, `map` | on surfaces without features and with creases that fade out first, on others where the graph's first quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
-//! | 1 | `attempts`, `tried`, `regular` | on surfaces with features first, on others where the map is refused: the field's motorcycle graph, grids and patterns in its patches |
+//! | 1 | `mapped`, `map` | on surfaces without features, or with creases that fade out, first, on others where the graph's first quads are no good: global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities |
+//! | 1 | `attempts`, `tried`, `regular` | on other surfaces with features first, and where the map is refused: the field's motorcycle graph, grids and patterns in its patches |
 //! | 2 | `attempts`, `regular` | the same, with triangles of twice the size, paired and halved, in patches that take neither |
 //! | 3 | `third`, `pair` | triangles of twice the size that keep the features, paired along the frame field, halved, smoothed |
 //! | 4 | `halve` | every triangle of the input becomes three quads; features stay to the bit |
