@@ -390,12 +390,13 @@ fn short_steps_before_a_flat_end_have_the_radius_of_the_tube() {
     let by_count = HexOptions { hexes: Some(400), ..HexOptions::default() };
     let by_length =
         HexOptions { edge_length: Some(0.2), refine_across: Some(0), padding: Padding::Sides, ..HexOptions::default() };
-    for options in [by_count, by_length] {
+    // By length the section is an octagon, which has .90 of the area of its circle and is .076 inside of it.
+    for (options, far, least) in [(by_count, 0.015, 0.96), (by_length, 0.02, 0.9)] {
         let result = from_surface(&cylinder, Some(&net), &options, &Context::new()).unwrap();
         let f = &result.figures;
         assert_eq!(result.flat_caps, [2, 3]);
         assert!(f.quality.certified && f.quality.scaled_jacobian_min > 0.5 && f.quality.overlap == 0.0, "{f:?}");
-        assert!(f.distance_max.unwrap() < 0.015 && (0.96..1.01).contains(&f.volume_ratio.unwrap()), "{f:?}");
+        assert!(f.distance_max.unwrap() < far && (least..1.01).contains(&f.volume_ratio.unwrap()), "{f:?}");
         assert!(options.hexes.is_none_or(|n| (0.7..=1.0).contains(&(f.hexes as f64 / n as f64))), "{}", f.hexes);
     }
 }

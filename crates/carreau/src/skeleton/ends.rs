@@ -101,17 +101,22 @@ fn lead(net: &mut CurveNet, nodes: &[u32], end: &End, body: &Body) {
     let axis = (b - a).normalize_or_zero();
     // A section across a tilted axis would cut the end.
     let across = |share: f64| end.normal.lerp(axis, share).normalize_or(axis);
+    for (k, &v) in nodes[..last].iter().enumerate() {
+        let share = k as f64 / last as f64;
+        net.points[v as usize] = middle_of_section(b.lerp(a, share), across(share), body.tree);
+    }
+    // The end may be nearer than the wall; one that is tilted would make a section too large.
     for (k, &v) in nodes.iter().enumerate() {
-        let v = v as usize;
-        let share = (k as f64 / last.max(1) as f64).min(1.0);
-        if k < last {
-            net.points[v] = middle_of_section(b.lerp(a, share), across(share), body.tree);
-        } else if (end.at - net.points[v]).dot(end.normal) > end.radius {
+        let p = net.points[v as usize];
+        if k >= last && (end.at - p).dot(end.normal) > end.radius {
             break;
         }
-        // The end may be nearer than the wall.
-        let radius = section(net.points[v], across(share), body);
-        net.radii[v] = if radius.is_finite() { radius } else { end.radius };
+        let along = match (k, nodes.get(k + 1)) {
+            (0, _) | (_, None) => end.normal,
+            (_, Some(&next)) => net.points[nodes[k - 1] as usize] - net.points[next as usize],
+        };
+        let radius = section(p, along, body);
+        net.radii[v as usize] = if radius.is_finite() { radius } else { end.radius };
     }
 }
 
