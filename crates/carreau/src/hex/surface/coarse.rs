@@ -32,7 +32,7 @@ const STUCK: f64 = 1.5;
 /// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
 const KEPT: [f64; 2] = [0.4, 0.2];
 /// Where the surface is farther than wanted the boundary reaches what is farther than this.
-pub(super) const REACHED: f64 = 0.01;
+const REACHED: f64 = 0.01;
 /// How the boundary of the coarsest cells is compared with the surface.
 pub(super) const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements: 0, normals: false };
 /// How the springs to the surface grow stiff: for the coarsest cells, after each halving, for vertices left behind, at last.

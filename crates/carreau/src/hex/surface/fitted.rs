@@ -2,7 +2,7 @@
 //! least counts.
 
 use super::MANY_TRIED;
-use super::coarse::{COARSELY, Coarse, REACHED, skin_of};
+use super::coarse::{COARSELY, Coarse, skin_of};
 use super::ready::Ready;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -174,24 +174,23 @@ impl<'a> Fitted<'a> {
         Ok(fitted)
     }
 
-    /// The same where the boundary reaches what of the surface is far from it, as a crease between tubes is, if there is any and that is
-    /// better.
+    /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
     fn reaching(self, context: &Context) -> Result<Self> {
         // Of a size asked for cells are as coarse as that.
-        if self.far[0] <= REACHED || !self.cells.ready.freely {
+        if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
             return Ok(self);
         }
         let target = self.target;
         self.changed(|cells| cells.reach(target, context), context)
     }
 
-    /// The same after a change, if that is better: it misses less of what is wanted, or nothing and is nearer.
+    /// The same after a change, if that is better.
     fn changed(mut self, change: impl FnOnce(&mut Coarse) -> Result<()>, context: &Context) -> Result<Self> {
         let (before, far, least) = (self.lacks(), self.far, self.least);
         let (points, free, left) = (self.cells.tube.points.clone(), self.cells.free.clone(), self.cells.left);
         change(&mut self.cells)?;
         let mut changed = Fitted::measured(self.cells, self.target, context)?;
-        if (changed.lacks(), changed.far[0]) >= (before, far[0]) {
+        if changed.lacks() >= before {
             (changed.far, changed.least) = (far, least);
             (changed.cells.tube.points, changed.cells.free, changed.cells.left) = (points, free, left);
         }
