@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn long_edges_are_divided_and_the_shape_stays() {
         let context = Context::new();
-        for (sides, height) in [(12, 30.0), (48, 60.0), (7, 9.0)] {
+        for (sides, height) in [(12, 20.0), (24, 16.0), (7, 9.0)] {
             let before = pipe(sides, 1.0, height);
             let after = divided(&before, &context).unwrap().unwrap();
             let [a, b] = [&before, &after].map(Topology::of);
