@@ -109,7 +109,9 @@ impl<'a> Collapses<'a> {
                 worth(a).total_cmp(&worth(b)).then(a.cmp(&b))
             });
             beside.dedup();
-            if let Some((at, [from, to])) = [q].into_iter().chain(beside).find_map(|q| Some((q, self.diagonal(q)?))) {
+            let near_by: Vec<u32> = [q].into_iter().chain(beside).collect();
+            let best = |may_flatten| near_by.iter().find_map(|&q| Some((q, self.diagonal(q, may_flatten)?)));
+            if let Some((at, [from, to])) = best(false).or_else(|| best(true)) {
                 near.extend(self.faces[at as usize].iter().filter(|&&v| v != from));
                 self.merge(at, from, to);
             }
@@ -118,8 +120,9 @@ impl<'a> Collapses<'a> {
         near
     }
 
-    /// The diagonal along which a quad may be collapsed: which vertex becomes which.
-    fn diagonal(&self, q: u32) -> Option<[u32; 2]> {
+    /// The diagonal along which a quad may be collapsed: which vertex becomes which. A vertex on a feature that has a quad fewer is
+    /// mostly a straight corner of the next one, which is flat then: only where nothing else is left.
+    fn diagonal(&self, q: u32, may_flatten: bool) -> Option<[u32; 2]> {
         let [a, b, c, d] = self.faces[q as usize];
         let is_free = |v: u32| !self.touched.contains(&v);
         if self.is_gone[q as usize] || ![a, b, c, d].into_iter().all(is_free) {
@@ -129,12 +132,12 @@ impl<'a> Collapses<'a> {
             let length = self.work.points[from as usize].distance(self.work.points[to as usize]);
             length * LONGER.powi(self.worse([from, to], q) as i32)
         };
-        let ways = [[a, c], [b, d]].into_iter().filter_map(|ends| self.directed(q, ends));
+        let ways = [[a, c], [b, d]].into_iter().filter_map(|ends| self.directed(q, ends, may_flatten));
         ways.min_by(|&x, &y| cost(x).total_cmp(&cost(y)))
     }
 
     /// The same diagonal with the vertex first that gives way to the other, if the surface stays one.
-    fn directed(&self, q: u32, [a, c]: [u32; 2]) -> Option<[u32; 2]> {
+    fn directed(&self, q: u32, [a, c]: [u32; 2], may_flatten: bool) -> Option<[u32; 2]> {
         let ends = match (self.is_inner(a), self.is_inner(c)) {
             (true, _) => [a, c],
             (false, true) => [c, a],
@@ -148,8 +151,10 @@ impl<'a> Collapses<'a> {
             && others.clone().all(|v| common.contains(v))
             && !of_a.contains(&c)
             && self.quads[a as usize].iter().filter(|&&o| self.faces[o as usize].contains(&c)).count() == 1;
-        // A vertex on a feature that has a quad fewer would be a straight corner of the next one.
-        let may_lose = |&v: &u32| self.is_inner(v) && (self.quads[v as usize].len() > 3 || self.may_go(v, a, c));
+        let may_lose = |&v: &u32| match self.is_inner(v) {
+            true => self.quads[v as usize].len() > 3 || self.may_go(v, a, c),
+            false => may_flatten,
+        };
         (is_sound && others.clone().all(may_lose)).then_some(ends)
     }
 
