@@ -23,7 +23,7 @@ impl Attempts<'_> {
     /// Working mesh after working mesh, until the quads of one are useful. Features that are whole are the same on all of them:
     /// where the first one's come to nothing, so do the others'.
     pub fn map(&self, tried: &mut Tried, context: &Context) -> Result<()> {
-        let is_whole = !self.source.edges.is_empty() && !self.source.has_loose_ends;
+        let is_whole = !self.source.edges.is_empty() && !self.source.fades;
         let count = if is_whole { 1 } else { WORKING_EDGES.len() };
         for &working in &WORKING_EDGES[..count] {
             match self.of_working_mesh(working, context)? {
@@ -62,7 +62,7 @@ impl Attempts<'_> {
         }
         let gap = lifted(&mut work, source, context)?;
         // Creases that fade out may be too short, or bend too much, for an edge of the quads.
-        let refusal = if source.has_loose_ends { validate::unsound } else { validate::refusal };
+        let refusal = if source.fades { validate::unsound } else { validate::refusal };
         if let Some(why) = refusal(&work, &work.to_mesh()?, source)? {
             return Ok(Err(why));
         }

@@ -80,7 +80,7 @@ pub use quality::QuadQuality;
 use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::features::{FeatureOptions, FoundFeatures};
+use crate::geometry::features::{Creases, FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use attempts::Attempts;
 use gaps::Gap;
@@ -90,7 +90,7 @@ use lift::lift;
 use regular::Made;
 use serde::{Deserialize, Serialize};
 use source::Source;
-use tried::STRAYS;
+use tried::{STRAYS, Tried};
 use work::{Place, Work};
 
 /// Options of [`quads`].
@@ -184,10 +184,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         return Ok(Quads { mesh, features: made.features.moved(scale.back()), ..made });
     }
     let source = Source::new(mesh, &sized(&options.features, mesh, options.quads, options.edge_length), context)?;
-    let (made, mut warnings) = match sewn_and_cut(&source, options, context)? {
-        Some(found) => found,
-        None => made(&source, options, context)?,
-    };
+    let (source, made, mut warnings) = best(source, mesh, options, context)?;
     let count = made.work.faces.len();
     if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
         let rung = made.rung.iter().max().copied().unwrap_or(0);
@@ -221,17 +218,73 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     finish(&source, made, quality, warnings)
 }
 
-/// The best that the rungs give, and what they could not reach.
-fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Made, Vec<String>)> {
+/// The best quads, with the surface whose features they keep, and what could not be reached.
+fn best(
+    source: Source,
+    mesh: &SurfaceMesh,
+    options: &QuadOptions,
+    context: &Context,
+) -> Result<(Source, Made, Vec<String>)> {
+    if let Some((made, warnings)) = sewn_and_cut(&source, options, context)? {
+        return Ok((source, made, warnings));
+    }
+    let tried = first_of_map(&source, options, context)?;
+    let may_leave_out = options.rung == 1 && source.fades && options.features.creases == Creases::Auto;
+    if may_leave_out
+        && !tried.is_useful()
+        && let Some(found) = without_creases(mesh, options, context)?
+    {
+        return Ok(found);
+    }
+    let (made, warnings) = made(&source, tried, options, context)?;
+    Ok((source, made, warnings))
+}
+
+/// Creases that fade out may leave no room for so few quads: those of the map without any, if it has as many as were asked
+/// for.
+fn without_creases(
+    mesh: &SurfaceMesh,
+    options: &QuadOptions,
+    context: &Context,
+) -> Result<Option<(Source, Made, Vec<String>)>> {
+    let features = FeatureOptions { angle_deg: None, ..options.features.clone() };
+    let source = Source::new(mesh, &features, context)?;
+    let attempts = Attempts::new(&source, options, context);
+    let mut tried = attempts.none();
+    attempts.map(&mut tried, context)?;
+    if !tried.meets_number() {
+        return Ok(None);
+    }
+    let Some(made) = tried.best().0 else { return Ok(None) };
     let mut warnings = source.surface.repaired.clone();
+    warnings.push(
+        "the creases of the surface, which fade out, leave no room for so few quads and are not kept; more quads keep them, or an angle \
+         from which on edges are features"
+            .into(),
+    );
+    Ok(Some((source, made, warnings)))
+}
+
+/// What comes of the map where it is tried first. Between features the graph's grids are straighter; without any it has nothing to
+/// start from, and between creases that fade out it does worse than the map, after minutes.
+fn first_of_map(source: &Source, options: &QuadOptions, context: &Context) -> Result<Tried> {
     let attempts = Attempts::new(source, options, context);
     let mut tried = attempts.none();
-    // Between features the graph's grids are straighter; without any it has nothing to start from, and between creases that fade
-    // out it does worse than the map, after minutes.
-    let map_first = source.edges.is_empty() || source.has_loose_ends;
-    if options.rung == 1 && map_first {
+    if options.rung == 1 && is_map_first(source) {
         attempts.map(&mut tried, context)?;
     }
+    Ok(tried)
+}
+
+fn is_map_first(source: &Source) -> bool {
+    source.edges.is_empty() || source.fades
+}
+
+/// The best that the rungs give after a first try of the map, and what they could not reach.
+fn made(source: &Source, mut tried: Tried, options: &QuadOptions, context: &Context) -> Result<(Made, Vec<String>)> {
+    let mut warnings = source.surface.repaired.clone();
+    let attempts = Attempts::new(source, options, context);
+    let map_first = is_map_first(source);
     let is_done = map_first && tried.is_useful();
     if options.rung <= 2 && !is_done {
         let goes_on = attempts.first(&mut tried)?;
@@ -267,7 +320,7 @@ fn made(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Ma
 /// where there is nothing to sew, or the quads are not those of the surface after it.
 fn sewn_and_cut(source: &Source, options: &QuadOptions, context: &Context) -> Result<Option<(Made, Vec<String>)>> {
     let Some(sewn) = source.sewn(context)? else { return Ok(None) };
-    let (mut made, mut warnings) = made(&sewn, options, context)?;
+    let (mut made, mut warnings) = made(&sewn, first_of_map(&sewn, options, context)?, options, context)?;
     sew::cut_open(&mut made.work, &mut made.tracks, |curve| sewn.is_sewn[curve as usize]);
     let refusal = validate::topology_refusal(&made.work.to_mesh()?, source);
     tracing::debug!(target: "carreau::quad", refusal, "cut open");

@@ -18,6 +18,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Places of a chord where it is compared with its curve.
 const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
 
+/// Features fade out where more loose ends than this share of the curves are among them: on a part a crease or two run out in a
+/// fillet, and all others end in corners.
+const FADING: f64 = 0.1;
+
 /// The features that are marked already.
 const AS_MARKED: FeatureOptions =
     FeatureOptions { angle_deg: None, creases: Creases::Every, borders: true, tags: true, edges: Vec::new() };
@@ -56,8 +60,8 @@ pub struct Source {
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
-    /// Some features end inside a surface: creases that fade out, as on scans.
-    pub has_loose_ends: bool,
+    /// Many features end inside a surface: creases that fade out, as on scans.
+    pub fades: bool,
 }
 
 impl Source {
@@ -156,7 +160,7 @@ impl Source {
         let every: Vec<u32> = (0..edges.len() as u32).collect();
         Ok(Source {
             diagonal: mesh.diagonal(),
-            has_loose_ends: has_loose_ends(mesh.vertex_count(), &edges),
+            fades: loose_ends(mesh.vertex_count(), &edges) as f64 > FADING * curve_count as f64,
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
@@ -269,11 +273,11 @@ fn ends_of_sewn(mesh: &SurfaceMesh, edges: &[[u32; 2]], sewn: &[bool]) -> Vec<bo
     arms.into_iter().map(|arms| arms == [1, 1]).collect()
 }
 
-/// Whether a vertex has one feature edge.
-fn has_loose_ends(vertices: usize, edges: &[[u32; 2]]) -> bool {
+/// The number of vertices with one feature edge.
+fn loose_ends(vertices: usize, edges: &[[u32; 2]]) -> usize {
     let mut arms = vec![0u32; vertices];
     edges.iter().flatten().for_each(|&v| arms[v as usize] += 1);
-    arms.contains(&1)
+    arms.iter().filter(|&&n| n == 1).count()
 }
 
 /// The vertices where feature curves end, branch or bend, and others that are known.
