@@ -299,10 +299,8 @@ fn made(source: &Source, mut tried: Tried, options: &QuadOptions, context: &Cont
         }
     }
     // What keeps to the number and leaves a part out is better than many times as many quads.
-    if !tried.is_useful()
-        && !(map_first && tried.meets_number())
-        && let Some((work, gap)) = third::third(source, options, &mut warnings, context)?
-    {
+    let will_have_to_do = tried.is_useful() || map_first && tried.meets_number();
+    if !will_have_to_do && let Some((work, gap)) = third::third(source, options, &mut warnings, context)? {
         attempts.graft(work, gap, &mut tried)?;
     }
     let (made, refused) = tried.best();
