@@ -100,8 +100,8 @@ use crate::mesh::{CurveNet, HexMesh};
 /// ```
 ///
 /// # Errors
-/// [`Error::Input`] for a net without any segment of positive length, [`Error::Options`] for options that make no sense,
-/// [`Error::Numeric`] when a cell cannot be certified and `allow_invalid` is not set.
+/// [`Error::Input`](crate::Error::Input) for a net without any segment of positive length, [`Error::Options`](crate::Error::Options) for options that make no sense,
+/// [`Error::Numeric`](crate::Error::Numeric) when a cell cannot be certified and `allow_invalid` is not set.
 pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
     options.validate()?;
     let mut result = tubes::meshed(net, options, context)?;

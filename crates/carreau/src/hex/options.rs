@@ -77,7 +77,7 @@ impl From<Order> for u8 {
     }
 }
 
-/// Options of [`from_net`].
+/// Options of [`from_net`](super::from_net).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct HexOptions {
@@ -105,7 +105,7 @@ pub struct HexOptions {
     pub order: Order,
     /// Cells without a certificate are delivered.
     pub allow_invalid: bool,
-    /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`] of the diagonal.
+    /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`](super::MAX_DISTANCE) of the diagonal.
     pub max_distance: Option<f64>,
     /// Cells farther than that from the surface, or where others are, are delivered.
     pub allow_far: bool,

@@ -27,7 +27,7 @@ const WELL: f64 = 0.02;
 /// Meshes a surface; its skeleton is extracted where none is given.
 ///
 /// # Errors
-/// Those of [`skeleton::extract`] and [`super::from_net`]; [`Error::Input`] for a skeleton that lies outside; [`Error::Numeric`]
+/// Those of [`skeleton::extract`](crate::skeleton::extract) and [`super::from_net`]; [`Error::Input`](crate::Error::Input) for a skeleton that lies outside; [`Error::Numeric`](crate::Error::Numeric)
 /// for cells that are farther from the surface than allowed, or lie where others are, unless `allow_far` is set.
 pub fn from_surface(
     mesh: &SurfaceMesh,
