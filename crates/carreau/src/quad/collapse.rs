@@ -35,9 +35,9 @@ const LONGER: f64 = 1.3;
 /// Rings of quads around a collapse that are smoothed after it.
 const RINGS: usize = 3;
 
-/// Collapses quads until all are good. Returns whether they are, and whether any went.
-pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<(bool, bool)> {
-    let mut best: Option<(usize, usize, Work)> = None;
+/// Collapses quads until all are good. Returns whether they are.
+pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<bool> {
+    let mut best: Option<(usize, usize, bool, Work)> = None;
     for round in 0..ROUNDS {
         let no_good: Vec<u32> = faults(work, source).map(|(q, _)| q as u32).collect();
         let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < POOR).map(|(_, q)| q);
@@ -46,7 +46,7 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<(
         tracing::debug!(target: "carreau::quad", round, no_good = no_good.len(), bad = bad.len(), "to be collapsed");
         let is_best = best.as_ref().is_none_or(|b| count < b.0);
         if is_best {
-            best = Some((count, round, work.clone()));
+            best = Some((count, round, no_good.is_empty(), work.clone()));
         }
         let since = best.as_ref().map_or(0, |b| round - b.1);
         if bad.is_empty() || since > PATIENCE || bad.len() as f64 > MOST * work.faces.len() as f64 {
@@ -61,9 +61,9 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<(
         let near = rings(work, &around, near);
         smooth_near(work, &around, source, &near, context)?;
     }
-    let Some((_, round, found)) = best else { return Ok((false, false)) };
+    let Some((_, _, is_good, found)) = best else { return Ok(false) };
     *work = found;
-    Ok((faults(work, source).next().is_none(), round > 0))
+    Ok(is_good)
 }
 
 /// The vertices within some rings of quads around others.

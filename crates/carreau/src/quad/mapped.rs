@@ -20,6 +20,15 @@ const REFINEMENTS: usize = 5;
 const PROGRESS: f64 = 0.9;
 
 impl Attempts<'_> {
+    /// What comes of the map alone, if it is to be tried.
+    pub fn of_map(&self, is_tried: bool, context: &Context) -> Result<Tried> {
+        let mut tried = self.none();
+        if is_tried {
+            self.map(&mut tried, context)?;
+        }
+        Ok(tried)
+    }
+
     /// Working mesh after working mesh, until the quads of one are useful. Features that are whole are the same on all of them:
     /// where the first one's come to nothing, so do the others'.
     pub fn map(&self, tried: &mut Tried, context: &Context) -> Result<()> {
@@ -55,8 +64,8 @@ impl Attempts<'_> {
             Ok(work) => work,
             Err(why) => return Ok(Err(why)),
         };
-        let (is_good, has_changed) = collapse(&mut work, source, context)?;
-        tracing::debug!(target: "carreau::quad", is_good, has_changed, quads = work.faces.len(), "collapsed");
+        let is_good = collapse(&mut work, source, context)?;
+        tracing::debug!(target: "carreau::quad", is_good, quads = work.faces.len(), "collapsed");
         if is_good {
             fitted(&mut work, source, context)?;
         }

@@ -191,7 +191,8 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
         warnings.push(format!("{} quads were asked for, the features and rung {rung} allow {count}", options.quads));
     }
     let mut quality = quality::measure(&made.work, &source);
-    if let (true, (kept, Some(p))) = (quality.feature_recall < validate::RECALL, validate::recall(&made.work, &source))
+    if quality.feature_recall < validate::RECALL
+        && let (kept, Some(p)) = validate::recall(&made.work, &source)
     {
         warnings.push(format!(
             "{:.1} % of the features are kept, the first one is lost near {:.4} {:.4} {:.4}: it is too short or bends too much for the edges of the quads; more quads keep it",
@@ -249,9 +250,7 @@ fn without_creases(
 ) -> Result<Option<(Source, Made, Vec<String>)>> {
     let features = FeatureOptions { angle_deg: None, ..options.features.clone() };
     let source = Source::new(mesh, &features, context)?;
-    let attempts = Attempts::new(&source, options, context);
-    let mut tried = attempts.none();
-    attempts.map(&mut tried, context)?;
+    let tried = Attempts::new(&source, options, context).of_map(true, context)?;
     if !tried.meets_number() {
         return Ok(None);
     }
@@ -268,12 +267,7 @@ fn without_creases(
 /// What comes of the map where it is tried first. Between features the graph's grids are straighter; without any it has nothing to
 /// start from, and between creases that fade out it does worse than the map, after minutes.
 fn first_of_map(source: &Source, options: &QuadOptions, context: &Context) -> Result<Tried> {
-    let attempts = Attempts::new(source, options, context);
-    let mut tried = attempts.none();
-    if options.rung == 1 && is_map_first(source) {
-        attempts.map(&mut tried, context)?;
-    }
-    Ok(tried)
+    Attempts::new(source, options, context).of_map(options.rung == 1 && is_map_first(source), context)
 }
 
 fn is_map_first(source: &Source) -> bool {

@@ -91,11 +91,7 @@ impl Smoothing {
             let mut moved = 0usize;
             for v in 0..work.points.len() as u32 {
                 context.check_every(v as usize)?;
-                let has_moved = match work.place[v as usize] {
-                    Place::Region(_) => relax(work, around, source, v),
-                    Place::Curve(_) => slide(work, around, source, v),
-                    Place::Fixed => false,
-                };
+                let has_moved = even_out(work, around, source, v);
                 moved += usize::from(has_moved);
             }
             if moved * 100 < work.points.len() {
@@ -147,11 +143,7 @@ pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u3
         let mut has_moved = false;
         for &v in near {
             context.check_every(v as usize)?;
-            has_moved |= match work.place[v as usize] {
-                Place::Region(_) => relax(work, around, source, v),
-                Place::Curve(_) => slide(work, around, source, v),
-                Place::Fixed => false,
-            };
+            has_moved |= even_out(work, around, source, v);
         }
         if !has_moved {
             break;
@@ -221,6 +213,15 @@ fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context
         }
     }
     Ok(false)
+}
+
+/// Moves a vertex towards its neighbours, in its region or along its curve.
+fn even_out(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
+    match work.place[v as usize] {
+        Place::Region(_) => relax(work, around, source, v),
+        Place::Curve(_) => slide(work, around, source, v),
+        Place::Fixed => false,
+    }
 }
 
 /// Moves a vertex inside a region towards the mean of its neighbours.
