@@ -105,8 +105,8 @@ impl Demo {
         };
         let mut graphs = Section {
             title: "Motorcycle graphs",
-            about: "Tracks along the frames, from every singular vertex and every corner with room for more than one quad: they divide \
-                    a part into the patches that quads are made in.",
+            about: "Tracks along the frames, from every singular vertex and every corner with room for more than two quads: they \
+                    divide a part into the patches that quads are made in.",
             figures: Vec::new(),
         };
         let mut quads = Section {
