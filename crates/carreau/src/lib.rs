@@ -21,7 +21,7 @@
 //! use std::time::{Duration, Instant};
 //!
 //! let context = Context::new().with_threads(2)?.with_deadline(Instant::now() + Duration::from_secs(60));
-//! let mesh = sample::make("torus", Some(24), &context)?;
+//! let mesh = sample::make("torus", None, &context)?;
 //! let options = remesh::RemeshOptions { deviation: 25.0, ..Default::default() };
 //! let coarse = remesh::simplify(&mesh, &options, &context)?;
 //! assert!(coarse.mesh.face_count() < mesh.face_count());
