@@ -147,7 +147,8 @@ impl Session {
         }
         let mut record = Record::new(verb);
         if values.threads > MOST_THREADS {
-            let what = format!("{} threads were asked for, {MOST_THREADS} are used: that is the most", values.threads);
+            let what =
+                format!("{} threads were asked for, {MOST_THREADS} are used, which is the limit", values.threads);
             tracing::warn!("{what}");
             record.warnings.push(what);
         }

@@ -1,4 +1,4 @@
-//! What a run carries with it: threads, seed, deadline, cancellation, progress.
+//! How a run is done: threads, seed, deadline, cancellation, progress.
 //!
 //! Algorithms receive a `&Context`, call [`Context::check`] at least every 50 ms, and open a [`Stage`] for each step of
 //! the method. A stage is a tracing span, so that log, progress bar and the timings of the record come from one source.

@@ -127,7 +127,7 @@ const BEFORE_VERB: usize = 6;
 ///
 /// ```
 /// use carreau::words::agreed;
-/// assert_eq!(agreed("1 tagged edges are no edges of the mesh"), "1 tagged edge is no edges of the mesh");
+/// assert_eq!(agreed("1 tagged edges do not exist in the mesh"), "1 tagged edge does not exist in the mesh");
 /// assert_eq!(agreed("21 edges are left"), "21 edges are left");
 /// ```
 pub fn agreed(text: &str) -> String {

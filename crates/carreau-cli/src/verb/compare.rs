@@ -25,7 +25,7 @@ pub struct Compare {
     a: PathBuf,
     /// The second surface
     b: PathBuf,
-    /// Samples on each surface, besides its vertices [default: 200000]
+    /// Samples on each surface, in addition to its vertices [default: 200000]
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     #[command(flatten)]

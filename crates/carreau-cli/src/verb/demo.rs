@@ -43,7 +43,7 @@ type Drawn = (Figure, Scene);
 /// The name of a page and its scenes.
 type Shown = (String, Vec<Scene>);
 
-/// Makes built-in models, runs the methods on them and writes a folder with index.html
+/// Runs every method on built-in models and writes a folder with index.html
 #[derive(Args)]
 #[command(after_help = "Example:\n  carreau demo -o shown")]
 pub struct Demo {
@@ -89,12 +89,12 @@ impl Demo {
         };
         let mut graded = Section {
             title: "Graded meshes",
-            about: "Within an angle of the surface, small where it bends; ridges and corners stay.",
+            about: "Triangles within an angle of the surface: small where it bends, large elsewhere. Ridges and corners are kept.",
             figures: Vec::new(),
         };
         let mut patches = Section {
             title: "Quad patches",
-            about: "Grids of quads on the same vertices; each patch is one B-spline face of the STEP file.",
+            about: "Grids of quads on the same vertices. In the STEP file they are B-spline faces.",
             figures: Vec::new(),
         };
         let mut fields = Section {

@@ -33,11 +33,11 @@ const TIE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DistanceOptions {
-    /// Samples on each surface, besides its vertices.
+    /// Number of samples on each surface, in addition to its vertices.
     pub samples: usize,
-    /// Most triangles to divide per direction, to narrow the bounds of the maximum; 0: do not.
+    /// Most triangles to divide per direction in order to narrow the bounds of the maximum; 0: none.
     pub refinements: usize,
-    /// Compare normals, too.
+    /// Whether to compare normals as well.
     pub normals: bool,
 }
 
@@ -82,7 +82,7 @@ pub struct Comparison {
 /// Mean and maximum of a distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Distance {
-    /// Over the area.
+    /// Mean over the area.
     pub mean: f64,
     /// Root mean square, over the area.
     pub rms: f64,
@@ -91,7 +91,7 @@ pub struct Distance {
     pub rms_upper: f64,
     /// The largest distance found; the true maximum (the Hausdorff distance) is not smaller.
     pub max: f64,
-    /// The true maximum is not larger.
+    /// Upper bound of the true maximum.
     pub max_upper: f64,
 }
 
@@ -105,7 +105,7 @@ pub struct OneSided {
     pub max_at: [f64; 3],
     /// Angle between the normals, in degrees.
     pub normal_deg: Option<Summary>,
-    /// Points that were looked at.
+    /// Number of points that were measured.
     pub points: usize,
 }
 
@@ -309,7 +309,7 @@ struct Bracket {
     lower: f64,
     /// Where; the first of several.
     at: DVec3,
-    /// The true maximum is not larger.
+    /// Upper bound of the true maximum.
     upper: f64,
     /// Points seen.
     points: usize,

@@ -48,13 +48,13 @@ pub enum Creases {
 pub struct FeatureOptions {
     /// Edges whose face normals differ by more than this, in degrees; `None`: no edge is sharp.
     pub angle_deg: Option<f64>,
-    /// Which of these.
+    /// Whether every such edge is a feature, or only creases at the size of the result.
     pub creases: Creases,
-    /// Borders.
+    /// Whether borders are features.
     pub borders: bool,
-    /// Edges tagged in the file.
+    /// Whether edges tagged in the file are features.
     pub tags: bool,
-    /// Further edges, by their end points.
+    /// Further features, by their end vertices.
     pub edges: Vec<[VertexId; 2]>,
 }
 

@@ -25,7 +25,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The largest distance that is allowed where nothing else is said, as a share of the surface's diagonal.
+/// Default of the largest distance that is allowed, as a share of the surface's diagonal.
 pub const MAX_DISTANCE: f64 = 0.02;
 /// The user is told of a volume that differs from the surface's by more than this share.
 const VOLUME: f64 = 0.05;
@@ -167,7 +167,7 @@ fn flaws(result: &HexResult, options: &HexOptions, diagonal: f64) -> Vec<String>
             n => format!(" ({} of the surface not covered)", counted(n, "part", "parts")),
         };
         found.push(format!(
-            "the cells and the surface are up to {} of the diagonal apart, near {}, where {} is allowed{parts}",
+            "the cells and the surface are up to {} of the diagonal apart, near {}, but only {} is allowed{parts}",
             percent(far),
             place(at),
             percent(limit)

@@ -36,17 +36,17 @@ use wall::Wall;
 /// Boundary layers that are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Layers {
-    /// Their number.
+    /// Number of layers.
     pub count: u32,
     /// Thickness of the first one, on the wall, in the unit of the file.
     pub first: f64,
-    /// Every layer is so many times as thick as the one before it.
+    /// Thickness of a layer divided by that of the one before it.
     pub growth: f64,
 }
 
-/// Growth where nothing else is said: what solvers for turbulent flow take as a rule.
+/// Default growth: the usual value for solvers of turbulent flow.
 pub const GROWTH: f64 = 1.2;
-/// More layers, and steeper growth, are refused: the last layer would be thicker than any room.
+/// Most layers: with more of them, or a steeper growth, the last layer would be thicker than any tube.
 pub const MOST_LAYERS: u32 = 50;
 pub const STEEPEST: f64 = 3.0;
 /// Cells inside keep this share of their scaled Jacobian when they shrink.
@@ -65,13 +65,13 @@ pub struct LayerFigures {
     /// What was asked for.
     #[serde(flatten)]
     pub asked: Layers,
-    /// The thickness of all together that was asked for.
+    /// Total thickness asked for.
     pub thickness: f64,
-    /// The share of the wall, by area, where they are that thick within a tenth, along the wall's normal.
+    /// Share of the wall's area where the layers have that thickness within 10 %, measured along the normal.
     pub as_asked: f64,
-    /// The least thickness as a share of that asked for, and where it is.
+    /// Smallest thickness, as a share of the one asked for.
     pub least: f64,
-    /// Where that is.
+    /// The place of the smallest thickness.
     pub least_at: [f64; 3],
 }
 
@@ -81,7 +81,7 @@ impl Layers {
         Layers { first: scale.length(self.first), ..self }
     }
 
-    /// The thickness of all layers together.
+    /// Total thickness of all layers.
     pub fn thickness(&self) -> f64 {
         self.first * self.heights().iter().sum::<f64>()
     }

@@ -95,7 +95,7 @@ fn meshed(
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
     if coarse.is_hopeless {
-        warnings.push("the surface is not that of tubes about its skeleton".into());
+        warnings.push("the surface is not tubular: part of it cannot be reached by tubes around its skeleton".into());
     }
     tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
     let mut result = deliver::with_boundary(tube, net, warnings, &options, context)?;

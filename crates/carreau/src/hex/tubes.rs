@@ -110,7 +110,7 @@ fn prepare(
     if options.stage == Stage::Full {
         let dropped = turns::drop_turns(&mut net);
         if dropped > 0 {
-            warnings.push(format!("{dropped} nodes where a branch turns back within its radius were dropped"));
+            warnings.push(format!("{dropped} nodes at which a branch turns back within its radius were dropped"));
         }
     }
     check_steps(&net, options)?;

@@ -441,7 +441,7 @@ mod tests {
         let byte = end + 12 + 16 + 8;
         assert_eq!(index, format!("test: byte {byte}: Triangles, row 2: vertex 5 does not exist, there are 4"));
         let zero = error_of(|b| b.rows(6, &[&[1, 0, 3, 0]]));
-        assert!(zero.contains("Triangles: 0 is no index"), "{zero}");
+        assert!(zero.contains("Triangles: 0 is not an index"), "{zero}");
         let twice = error_of(|b| b.vertices(3, &SQUARE));
         assert!(twice.contains("second section Vertices"), "{twice}");
     }

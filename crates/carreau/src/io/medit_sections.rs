@@ -171,7 +171,9 @@ impl Contents {
                 match u32::try_from(index.saturating_sub(1)) {
                     Ok(k) if k < u32::MAX => indices.push(k),
                     _ => {
-                        return Err(numbers.error(format!("{}: {index} is no index (they start at 1)", keyword.name())));
+                        return Err(
+                            numbers.error(format!("{}: {index} is not an index (indices start at 1)", keyword.name()))
+                        );
                     }
                 }
             }

@@ -1,8 +1,18 @@
-//! Reading and writing mesh files: one file per format, one table of formats.
+//! Reading and writing files: one file per format, one table of formats ([`FORMATS`]).
 //!
-//! Readers take the bytes of a file and return a [`RawMesh`]; they never panic, never allocate by a number they have
-//! not checked against the size of the file, and say at which line or byte they stopped. Writers fill a buffer, which
-//! [`write()`] puts in place in one step.
+//! A reader turns the bytes of a file into a [`RawMesh`]. It never panics, never allocates by a number that it has not checked
+//! against the size of the file, and says at which line or byte it stopped. A writer fills a buffer, which [`write()`] puts in
+//! place in one step: the file appears whole or not at all.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `obj`, `off`, `ply`, `stl`, `gltf`, `threemf` | formats of surfaces |
+//! | `medit`, `gmf`, `gmsh`, `vtk_legacy`, `vtk_xml` | formats of surfaces and volumes |
+//! | `fem` | input of finite element programs, which is only written |
+//! | `skeleton` | formats of skeletons |
+//! | `cad`, `step`, `iges` | CAD models, which are only written |
+//! | `text`, `binary`, `limits`, `names`, `percent` | what readers and writers share |
+//! | `outputs`, `atomic` | checks of an output before any work; writing in one step |
 
 mod atomic;
 mod binary;

@@ -35,7 +35,7 @@ impl RawMesh {
     pub fn boundary(&self) -> Result<RawMesh> {
         if self.cells.is_empty() {
             return Err(Error::input(
-                "this is no volume mesh: there are no cells whose boundary could be taken",
+                "this is not a volume mesh: it has no cells whose boundary could be taken",
                 "",
                 "",
             ));

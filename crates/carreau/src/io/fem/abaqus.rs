@@ -204,7 +204,7 @@ fn write_surfaces(mesh: &RawMesh, faces: &SmallFaces, sets: &[Set], out: &mut Ve
         push_set(out, "*NSET, NSET", &Set { name: set.name.clone(), members: nodes }, |node| node + 1);
     }
     if missing > 0 {
-        warnings.push(format!("{FORMAT}: {missing} faces that are no sides of cells were left out"));
+        warnings.push(format!("{FORMAT}: {missing} faces that are not sides of cells were left out"));
     } else if sets.is_empty() && !mesh.faces.is_empty() {
         warnings.push(format!("{FORMAT}: the faces have no labels and were left out, they are sides of the cells"));
     }

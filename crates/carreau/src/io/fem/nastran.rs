@@ -54,7 +54,7 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
     let mut warnings = Vec::new();
     let faces = SmallFaces::of(mesh, FORMAT, &mut warnings);
     if mesh.points.len().max(faces.faces.len() + mesh.cells.len()) > MOST {
-        return Err(Error::input("Nastran's fields count to 99,999,999", "", "write another format"));
+        return Err(Error::input("Nastran's fields cannot count beyond 99,999,999", "", "write another format"));
     }
     let mut names = Names::default();
     let mut properties = Properties::default();

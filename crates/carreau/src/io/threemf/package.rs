@@ -31,7 +31,7 @@ pub struct Package<'a> {
 impl<'a> Package<'a> {
     pub fn open(source: &'a Source<'a>) -> Result<Self> {
         let wrong = |e: zip::result::ZipError| {
-            source.error(Place::File, format!("this is no 3MF package (a ZIP archive): {e}"))
+            source.error(Place::File, format!("this is not a 3MF package (a ZIP archive): {e}"))
         };
         let archive = ZipArchive::new(Cursor::new(source.bytes)).map_err(wrong)?;
         let left = (source.bytes.len() as u64).saturating_mul(EXPANSION).clamp(ALWAYS, LARGEST);
@@ -56,7 +56,7 @@ impl<'a> Package<'a> {
             return Err(self.error(name, "it unpacks to more than a model of this size can have"));
         }
         self.left -= bytes.len() as u64;
-        String::from_utf8(bytes).map_err(|_| self.error(name, "it is no UTF-8 text"))
+        String::from_utf8(bytes).map_err(|_| self.error(name, "it is not UTF-8 text"))
     }
 
     /// The name of the part with the model.

@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
         let text = self.package.part(part)?;
         let document = parsed(&text).map_err(|e| {
             let what = e.to_string().replace(char::is_control, "?");
-            self.error(format!("part '{}' is no well-formed XML: {what}", shown(part.as_bytes())))
+            self.error(format!("part '{}' is not well-formed XML: {what}", shown(part.as_bytes())))
         })?;
         let mut model = Model::of(self.source, part, &document)?;
         self.unread += model.unread_groups;

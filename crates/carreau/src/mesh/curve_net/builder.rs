@@ -28,15 +28,15 @@ impl NetBuilder {
             return Err(Error::input(
                 format!("the radius is negative: {r}"),
                 place(),
-                "give a positive radius, or none",
+                "give a positive radius, or leave it out",
             ));
         }
         if let Some(&first) = self.at.get(&id) {
             let first = self.lines[first as usize];
-            return Err(Error::input(format!("the id {id} is there twice, on line {first} too"), place(), "renumber"));
+            return Err(Error::input(format!("id {id} is used twice, first on line {first}"), place(), "renumber"));
         }
         if self.net.points.len() >= u32::MAX as usize {
-            return Err(Error::input("the net has too many nodes", place(), ""));
+            return Err(Error::input("the skeleton has too many nodes", place(), ""));
         }
         self.at.insert(id, self.net.points.len() as u32);
         self.net.points.push(point);
@@ -66,7 +66,7 @@ impl NetBuilder {
         for &([a, b], line) in &self.links {
             let place = || format!("line {line}, edge {a}-{b}");
             if a == b {
-                return Err(Error::input("an edge joins a node with itself", place(), "remove it"));
+                return Err(Error::input("an edge joins a node with itself", place(), "remove the edge"));
             }
             match (self.at.get(&a), self.at.get(&b)) {
                 (Some(&a), Some(&b)) => self.net.edges.push([a, b]),
@@ -87,7 +87,7 @@ impl NetBuilder {
         }
         let twice = self.net.drop_multiple_edges();
         if twice > 0 {
-            self.net.notes.push(format!("{twice} edges are there twice: one of each was kept"));
+            self.net.notes.push(format!("{twice} edges are listed twice: one of each was kept"));
         }
         Ok(self.net)
     }

@@ -78,7 +78,7 @@ pub enum Fit {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BrepOptions {
-    /// What the faces of patches are to be.
+    /// What kind of surface each patch becomes.
     pub fit: Fit,
     /// Largest distance of a vertex from a bicubic surface.
     pub tolerance: Length,
@@ -118,11 +118,11 @@ pub struct Faces {
 pub struct CadModel {
     /// The model; `brep.faces.len()` is the number of faces of the file.
     pub brep: Brep,
-    /// How many faces are what.
+    /// Number of faces by kind.
     pub faces: Faces,
     /// Relative errors of area and volume when they are integrated by the default rule of OpenCASCADE.
     pub mass_error: [f64; 2],
-    /// What a user should know: stray voids, degenerate triangles.
+    /// Warnings for the user, one sentence each: stray voids, degenerate triangles.
     pub warnings: Vec<String>,
 }
 
