@@ -4,7 +4,7 @@ use super::{Brep, Curve, Surface};
 use crate::error::{Error, Result};
 
 /// How far the end of a curve may be from its vertex beyond the tolerances: rounding, as a share of the coordinates.
-const ROUNDING: f64 = 1e-12;
+const END_ROUNDING: f64 = 1e-12;
 
 impl Brep {
     /// Proves that the model is consistent: references exist, numbers are in range, loops close, curves begin and end at
@@ -44,7 +44,7 @@ impl Brep {
             for (end, t) in edge.ends.iter().zip(edge.range) {
                 let vertex = self.vertices[*end as usize];
                 let off = edge.curve.point(t).distance(vertex.point);
-                let allowed = vertex.tolerance + ROUNDING * (vertex.point.abs().max_element() + (b - a).abs());
+                let allowed = vertex.tolerance + END_ROUNDING * (vertex.point.abs().max_element() + (b - a).abs());
                 if !(off <= allowed) {
                     return defect("the curve does not end at the vertices of edge", k);
                 }

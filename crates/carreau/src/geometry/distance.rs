@@ -21,9 +21,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Queries between two looks at the clock.
-const CHUNK: usize = 1024;
+const QUERIES_PER_CHECK: usize = 1024;
 /// Triangles divided in one round.
-const ROUND: usize = 1024;
+const TRIANGLES_PER_ROUND: usize = 1024;
 /// The bounds have met when they differ by less than this share of the diagonal.
 const MET: f64 = 1e-5;
 /// Closest points within this share of the diagonal of the true distance count as equally close.
@@ -375,7 +375,7 @@ fn of_chunks<T: Sync, R: Send>(items: &[T], context: &Context, of: impl Fn(&[T])
         context.check()?;
         Ok(of(chunk))
     };
-    items.par_chunks(CHUNK).map(of).collect()
+    items.par_chunks(QUERIES_PER_CHECK).map(of).collect()
 }
 
 /// Maps in parallel, in order, looking at the clock between chunks; the items of a chunk hand on something.
@@ -513,7 +513,7 @@ fn narrow(
         }
         // The largest bounds first; the sort is stable, so of equal ones the first.
         open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
-        let rest = open.split_off(open.len().min(ROUND).min(left));
+        let rest = open.split_off(open.len().min(TRIANGLES_PER_ROUND).min(left));
         left -= open.len();
         let divided = map_chunks(&open, context, |part, ()| part.quarters(to))?;
         open = rest;
@@ -540,20 +540,20 @@ fn first_parts(
     let limit = bracket.lower + slack;
     // Of most triangles no more than the largest bound is kept: there may be millions.
     let chunks = of_chunks(&from.triangles, context, |triangles| {
-        let (mut settled, mut open) = (0.0f64, Vec::new());
+        let (mut decided, mut open) = (0.0f64, Vec::new());
         for t in triangles {
             let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
             if part.bound <= limit {
-                settled = settled.max(part.bound);
+                decided = decided.max(part.bound);
             } else {
                 open.push(part.with_centre(to));
             }
         }
-        (settled, open)
+        (decided, open)
     })?;
     let mut parts = Vec::new();
-    for (settled, open) in chunks {
-        bracket.upper = bracket.upper.max(settled);
+    for (decided, open) in chunks {
+        bracket.upper = bracket.upper.max(decided);
         for (part, distance) in open {
             bracket.see(part.centre(), distance);
             parts.push(part);

@@ -46,16 +46,18 @@ pub struct Layers {
 
 /// Default growth: the usual value for solvers of turbulent flow.
 pub const GROWTH: f64 = 1.2;
-/// Most layers: with more of them, or a steeper growth, the last layer would be thicker than any tube.
+/// Most layers: more of them would be thicker than any tube.
 pub const MOST_LAYERS: u32 = 50;
+/// Largest growth: the third layer would be nine times as thick as the first.
 pub const STEEPEST: f64 = 3.0;
 /// Cells inside keep this share of their scaled Jacobian when they shrink.
-const KEPT: f64 = 0.4;
-const ROUNDS: usize = 16;
+const KEPT_WHEN_SHRINKING: f64 = 0.4;
+/// Rounds in which layers are thinned around weak cells; after these all of them are halved.
+const THINNING_ROUNDS: usize = 16;
 /// Where that is not enough all of the wall's are halved, so often at most.
 const HALVINGS: usize = 6;
 /// Rings of cells around a weak one whose wall vertices are thinned at first.
-const RINGS: usize = 2;
+const THINNED_RINGS: usize = 2;
 /// The user is told where they are on less than this share of the wall.
 const MOST_OF_THE_WALL: f64 = 0.95;
 
@@ -124,10 +126,11 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
     let mut wall = Wall::of(&result.mesh, layers.thickness());
     let inside = Inside::of(&result.mesh, &wall);
     let optimiser = Optimiser::new(&result.mesh.points, &result.mesh.hexes);
-    let floors: Vec<f64> = optimiser.qualities(&result.mesh.points).into_iter().map(|q| KEPT * q).collect();
+    let floors: Vec<f64> =
+        optimiser.qualities(&result.mesh.points).into_iter().map(|q| KEPT_WHEN_SHRINKING * q).collect();
     let mut moves = vec![DVec3::ZERO; result.mesh.points.len()];
     let mut points = result.mesh.points.clone();
-    for round in 0..ROUNDS + HALVINGS {
+    for round in 0..THINNING_ROUNDS + HALVINGS {
         context.check()?;
         inside.follow(&wall, &mut moves, context)?;
         points = result.mesh.points.iter().zip(&moves).map(|(p, m)| *p + *m).collect();
@@ -139,9 +142,9 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
         }
         weak.sort_unstable();
         weak.dedup();
-        if round < ROUNDS {
+        if round < THINNING_ROUNDS {
             // What stays weak has its reason farther away.
-            wall.thin(&inside.wall_near(&result.mesh, &wall, &weak, RINGS + round / 4));
+            wall.thin(&inside.wall_near(&result.mesh, &wall, &weak, THINNED_RINGS + round / 4));
         } else {
             wall.thickness.iter_mut().for_each(|t| *t *= 0.5);
             moves.iter_mut().for_each(|m| *m *= 0.5);

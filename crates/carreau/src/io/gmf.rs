@@ -25,8 +25,11 @@ use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 
+/// Code of the keyword `Dimension`.
 const DIMENSION: i32 = 3;
+/// Code of the keyword `Vertices`.
 const VERTICES: i32 = 4;
+/// Code of the keyword `End`.
 const END: i32 = 54;
 
 /// Names of sections that are skipped.

@@ -67,6 +67,7 @@ const fn list(kind: Kind, names: &'static [&'static str], code: i32) -> Keyword 
     Keyword { kind, names, code, indices: 1, reference: false }
 }
 
+/// The sections that are read, with their names and codes.
 const KEYWORDS: [Keyword; 11] = [
     element(Kind::Edges, &["Edges"], 5, 2),
     element(Kind::Triangles, &["Triangles"], 6, 3),

@@ -6,10 +6,13 @@ use super::raw::RawMesh;
 use super::triangles::NONE;
 use crate::error::{Error, Result};
 
-/// Faces of the cells, outward for cells of positive volume, in VTK corner order; see [`super::Cells`].
+/// Faces of tetrahedra, outward for cells of positive volume, in VTK corner order; see [`super::Cells`].
 const TET: &[&[usize]] = &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
+/// The same for pyramids.
 const PYRAMID: &[&[usize]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
+/// The same for wedges.
 const WEDGE: &[&[usize]] = &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
+/// The same for hexahedra.
 const HEX: &[&[usize]] = &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 
 /// A face with its vertices sorted, padded with [`NONE`]: equal for the two sides of an inner face.

@@ -58,7 +58,7 @@ pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, BODIES, Column, Columns, LengthUnit, MaterialLibrary, blend_columns, gather_columns};
 pub use curve_net::{Branch, Chains, CurveNet, Incidence, NetBuilder, RepairedNet, branches};
 pub(crate) use disjoint_sets::DisjointSets;
-pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
+pub use edit::{CollapseError, Compact, Corner, EditMesh, Keep, OutgoingHalfEdges, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_edges};
 pub use id::{CornerId, FaceId, VertexId};

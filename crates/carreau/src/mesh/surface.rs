@@ -21,8 +21,11 @@ pub enum Side {
     NonManifold,
 }
 
+/// Opposite of a corner whose edge has one face only.
 const BORDER: u32 = u32::MAX;
+/// Opposite of a corner whose neighbour is oriented against it.
 const INCONSISTENT: u32 = u32::MAX - 1;
+/// Opposite of a corner whose edge has more than two faces; all marks are at least this.
 const NON_MANIFOLD: u32 = u32::MAX - 2;
 /// Corner ids stay below the marks above.
 const MAX_ELEMENTS: usize = (u32::MAX - 3) as usize;

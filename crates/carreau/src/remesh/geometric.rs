@@ -25,7 +25,7 @@ use std::collections::BinaryHeap;
 /// Shapes below this are refused, unless they were there before.
 const LEAST_SHAPE: f64 = 0.055;
 /// Errors count in full from this shape on, below they are divided by its share.
-const GOOD_SHAPE: f64 = 0.3;
+const FULL_SHAPE: f64 = 0.3;
 /// Cosine of the largest turn of a triangle.
 const LEAST_TURN: f64 = 0.3;
 /// Weight of the planes across curves, beside those of faces.
@@ -112,7 +112,7 @@ impl<'a> Geometric<'a> {
             }
             let Some(plan) = self.plan(h).filter(|plan| plan.error <= goal.error) else { continue };
             let Some(shape) = self.shape_after(h, &plan, goal) else { continue };
-            let cost = plan.cost * (GOOD_SHAPE / shape).max(1.0);
+            let cost = plan.cost * (FULL_SHAPE / shape).max(1.0);
             // Shapes are looked at only when an edge's turn comes: entries in the queue are lower bounds.
             if cost > f64::from_bits(key) {
                 queue.push(Reverse((cost.to_bits(), h, then)));

@@ -366,11 +366,11 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
 }
 
 /// Faces with less area, relative to the squared diagonal, count as flat.
-const FLAT: f64 = 1e-12;
+const FLAT_FACE: f64 = 1e-12;
 
 /// Repairs degenerate and repeated faces and inconsistent senses. A sound mesh is returned as it is.
 fn repaired_if_needed(mesh: SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
-    if !is_flawed(&mesh, FLAT) {
+    if !is_flawed(&mesh, FLAT_FACE) {
         return Ok((mesh, Vec::new()));
     }
     let options = RepairOptions { weld: None, split: false, outward: false, ..RepairOptions::default() };

@@ -66,6 +66,7 @@ fn measure(radius: f64) -> Option<Measure> {
 /// Half the longer side of the three golden rectangles whose corners are the icosahedron's; the shorter half is 1.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 
+/// Corners of an icosahedron.
 const CORNERS: [[f64; 3]; 12] = [
     [-1.0, GOLDEN, 0.0],
     [1.0, GOLDEN, 0.0],
@@ -81,6 +82,7 @@ const CORNERS: [[f64; 3]; 12] = [
     [-GOLDEN, 0.0, 1.0],
 ];
 
+/// Faces of an icosahedron, counter-clockwise from outside.
 const ICOSAHEDRON: [[u32; 3]; 20] = [
     [0, 11, 5],
     [0, 5, 1],

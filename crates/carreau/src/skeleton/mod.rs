@@ -131,7 +131,7 @@ pub struct SkeletonFigures {
 /// # Errors
 /// As [`extract`].
 pub fn prepared(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, Vec<String>)> {
-    prepare(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
+    close_and_check(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
 }
 
 /// Steps whose time grows faster than the number of vertices use about this many of them.
@@ -174,7 +174,7 @@ pub(crate) fn extract_with(
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
     context.install(|| {
-        let (closed, genus, components, mut warnings) = prepare(mesh, context)?;
+        let (closed, genus, components, mut warnings) = close_and_check(mesh, context)?;
         let divided = divide::divided(&closed.mesh, context)?;
         let surface = divided.as_ref().unwrap_or(&closed.mesh);
         let triangles = surface.faces().fan().0;
@@ -236,7 +236,7 @@ fn no_room(place: String) -> Error {
 }
 
 /// Checks the surface and closes its open ends; also its handles and components.
-fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usize, Vec<String>)> {
+fn close_and_check(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usize, Vec<String>)> {
     let _stage = context.stage("surface");
     if mesh.face_count() == 0 {
         return Err(Error::input("the surface has no faces", "", "give a surface of triangles"));

@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Where it is less than so many times V / A across half of the area the surface is a sheet.
 const SHEET: f64 = 2.6;
 /// Rays that are sent, about.
-const RAYS: usize = 2000;
+const WALL_RAYS: usize = 2000;
 
 /// How thick the wall is, where a closed surface is one.
 pub fn thickness(surface: &SurfaceMesh, topology: &Topology) -> Option<f64> {
@@ -30,7 +30,7 @@ pub fn thickness(surface: &SurfaceMesh, topology: &Topology) -> Option<f64> {
     let tree = TriangleTree::new(surface.points(), &triangles);
     let normals = face_normals(surface);
     let mut across: Vec<(f64, f64)> = Vec::new();
-    for t in tree.ids().step_by((triangles.len() / RAYS).max(1)) {
+    for t in tree.ids().step_by((triangles.len() / WALL_RAYS).max(1)) {
         let own = &triangles[t as usize];
         let from = at(own).into_iter().sum::<DVec3>() / 3.0;
         let mut nearest = f64::INFINITY;

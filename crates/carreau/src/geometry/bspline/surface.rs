@@ -140,8 +140,9 @@ impl BSplineSurface {
     }
 }
 
-/// Limits of Newton's method.
+/// Most steps of Newton's method.
 pub(super) const MAX_STEPS: usize = 20;
+/// Most halvings of such a step.
 pub(super) const MAX_HALVINGS: i32 = 16;
 /// Steps that matter no more, as a share of the domain: their effect on the distance is of second order.
 pub(super) const TINY: f64 = 1e-8;

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// How deep components may be nested.
 const DEEPEST: usize = 32;
 /// Vertices and corners for each byte of the file: a file may use one object many times.
-const EXPANSION: usize = 64;
+const USE_EXPANSION: usize = 64;
 
 pub fn read(source: &Source) -> Result<RawMesh> {
     let mut package = Package::open(source)?;
@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
     }
 
     fn check_size(&self) -> Result<()> {
-        let most = self.source.bytes.len().saturating_mul(EXPANSION).min(u32::MAX as usize / 3);
+        let most = self.source.bytes.len().saturating_mul(USE_EXPANSION).min(u32::MAX as usize / 3);
         if self.size <= most {
             return Ok(());
         }

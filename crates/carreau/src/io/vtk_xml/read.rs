@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts of polydata in the order of their cell data, and the attribute with the number of their cells.
-const POLYDATA: [(&str, &str, u8); 4] = [
+const POLYDATA_PARTS: [(&str, &str, u8); 4] = [
     ("Verts", "NumberOfVerts", kind::POLY_VERTEX),
     ("Lines", "NumberOfLines", kind::POLY_LINE),
     ("Polys", "NumberOfPolys", kind::POLYGON),
@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
             let shift = points.len();
             self.points(piece, &mut points)?;
             if self.polydata {
-                for (name, count, kind) in POLYDATA {
+                for (name, count, kind) in POLYDATA_PARTS {
                     if let Some(part) = element(piece, name) {
                         self.cells(piece, part, Some(kind), count, (shift, points.len() - shift), &mut cells)?;
                     }

@@ -23,7 +23,7 @@ use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::bspline::{BSplineSurface, Knots};
-use crate::mesh::{FaceId, SurfaceMesh, VertexId};
+use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -49,7 +49,6 @@ pub struct QuadCell {
     pub next: [u32; 4],
 }
 
-const NONE: u32 = u32::MAX;
 /// Largest area of the bounding rectangle for each cell.
 const SPREAD: u64 = 16;
 /// Most lines that are tried in each direction for a cut.

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// Reach of the coupling: the largest degree.
 const REACH: usize = 3;
+/// Entries of a row of the coupling.
 const WIDTH: usize = 2 * REACH + 1;
 type Row = [f64; WIDTH * WIDTH];
 
