@@ -22,7 +22,7 @@ use carreau::remesh::{RemeshOptions, simplify};
 use carreau::report::page::{Page, Role, Scene};
 use carreau::report::{field_figure, figure, graph_figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
-use carreau::words::counted;
+use carreau::words::{agreed, counted};
 use carreau::{Error, sample};
 use clap::Args;
 use page::{Figure, Section};
@@ -361,6 +361,7 @@ impl Demo {
         picture: String,
         files: &[(&'static str, &str)],
     ) -> Result<Figure, Error> {
+        let caption = agreed(&caption);
         session.say(format!("{name}: {caption}"));
         let files = files.iter().map(|&(what, file)| (what, file.to_string())).collect();
         let page = page_of(name, scene);

@@ -21,7 +21,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Traces the motorcycle graph of a frame field, which divides a part into patches for quads
+/// Traces the motorcycle graph of a frame field: the patches of a part for quads
 ///
 /// Tracks leave the singular vertices of the field and the corners of the features, all at the same speed, and stop at
 /// features and at tracks across their way. The output is a triangle mesh in which tracks are paths of edges, with the face

@@ -112,7 +112,7 @@ fn clean_up(
     if options.stage == Stage::Full {
         let dropped = turns::drop_turns(&mut net);
         if dropped > 0 {
-            warnings.push(format!("{dropped} nodes at which a branch turns back within its radius were dropped"));
+            warnings.push(format!("{dropped} nodes were dropped, because a branch turns back there within its radius"));
         }
     }
     check_steps(&net, options)?;

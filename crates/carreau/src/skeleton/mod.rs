@@ -203,7 +203,7 @@ pub(crate) fn extract_with(
             let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
             let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
             if brought_in > 0 {
-                warnings.push(format!("{brought_in} nodes lay outside of the surface and were moved inside"));
+                warnings.push(format!("{brought_in} nodes lay outside and were moved inside"));
             }
             if grown > 0 {
                 warnings.push(format!("{grown} limbs had no branch and were given one"));

@@ -59,12 +59,12 @@ impl CurveNet {
         self.edges.iter_mut().for_each(|e| *e = e.map(|v| leader[v as usize]));
         let gone = self.drop_multiple_edges() - no_length;
         warnings.push(format!(
-            "{} nodes lie at the place of another node and were merged, first {}; {no_length} edges had no length",
+            "{} nodes were merged with another at the same place, first {}; {no_length} edges had no length",
             merged.len(),
             self.ids[example]
         ));
         if gone > 0 {
-            warnings.push(format!("{gone} edges join the same places as other edges and were dropped"));
+            warnings.push(format!("{gone} edges were dropped, because they join the same places as others"));
         }
         let keep: Vec<bool> = leader.iter().zip(0..).map(|(&l, v)| l == v).collect();
         self.retain_nodes(&keep);
