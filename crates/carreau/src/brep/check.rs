@@ -10,6 +10,9 @@ impl Brep {
     /// Proves that the model is consistent: references exist, numbers are in range, loops close, curves begin and end at
     /// their vertices, no edge is used twice in the same sense, closed shells have no free edge, solids consist of closed
     /// shells. Fails with [`Error::Bug`].
+    ///
+    /// # Errors
+    /// [`Error::Bug`] with the first part that does not fit.
     pub fn check(&self) -> Result<()> {
         self.check_references()?;
         self.check_curves()?;

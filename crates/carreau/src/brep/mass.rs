@@ -78,6 +78,9 @@ impl Mass {
 
 impl Brep {
     /// Area, volume and moments of every face.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn face_masses(&self, context: &Context) -> Result<Vec<Mass>> {
         let [low, high] = self.bounds();
         let about = 0.5 * (low + high);
@@ -95,6 +98,9 @@ impl Brep {
     }
 
     /// Area, volume and moments of the whole model: of all its faces.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn mass(&self, context: &Context) -> Result<Mass> {
         Ok(self.face_masses(context)?.iter().fold(Mass::default(), Mass::plus))
     }

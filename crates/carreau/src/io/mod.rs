@@ -158,6 +158,10 @@ fn known_format(path: &Path) -> Result<&'static Format> {
 }
 
 /// Reads a mesh file; the extension decides the format.
+///
+/// # Errors
+/// [`Error::Read`] for a file that cannot be read or whose format is unknown,
+/// [`Error::Input`] for a mesh that makes no sense.
 pub fn read(path: &Path) -> Result<RawMesh> {
     let format = known_format(path)?;
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, Place::File, e.to_string()))?;
@@ -171,6 +175,10 @@ pub fn read(path: &Path) -> Result<RawMesh> {
 
 /// Writes a mesh file, whole or not at all; the extension decides the format. Returns warnings about what the format
 /// cannot hold.
+///
+/// # Errors
+/// [`Error::Write`] for a file that cannot be written or whose format is unknown,
+/// [`Error::Input`] for a mesh that the format cannot hold.
 pub fn write(path: &Path, mesh: &RawMesh, options: &WriteOptions) -> Result<Vec<String>> {
     let Some(format) = format_of(path) else {
         check_format(path, ResultKind::Any)?;

@@ -35,6 +35,9 @@ struct CellFace {
 impl RawMesh {
     /// The faces that only one cell has, outward, as a surface on the vertices they use. Columns of the file's own faces
     /// are kept when the file lists every boundary face.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a mesh without volume cells.
     pub fn boundary(&self) -> Result<RawMesh> {
         if self.cells.is_empty() {
             return Err(Error::input(

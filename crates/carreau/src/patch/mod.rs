@@ -259,6 +259,11 @@ pub struct PolygonLayout {
 /// assert!(result.figures.coverage > 0.95);
 /// # Ok::<(), carreau::Error>(())
 /// ```
+///
+/// # Errors
+/// [`Error::Options`] for options out of range, [`Error::Input`] for a
+/// mesh without faces or with polygons, [`Error::Cancelled`],
+/// [`Error::Deadline`].
 pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) -> Result<PatchResult> {
     options.validate()?;
     let Some(triangles) = Triangles::of(mesh) else {

@@ -29,6 +29,9 @@ pub struct Jet {
 
 impl BSplineSurface {
     /// A surface with one control point per pair of basis functions.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if points and knots do not fit.
     pub fn new(u: Knots, v: Knots, points: Vec<DVec3>) -> Result<Self> {
         if u.count() * v.count() != points.len() {
             return Err(Error::Bug(format!(
@@ -99,6 +102,9 @@ impl BSplineSurface {
     }
 
     /// The border curves: v = min, u = max, v = max, u = min; each in the sense of growing parameters.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if points and knots of a side do not fit.
     pub fn sides(&self) -> Result<[BSplineCurve; 4]> {
         let (m, n) = (self.u.count(), self.v.count());
         let row = |j: usize| (0..m).map(|i| self.control(i, j)).collect();

@@ -38,6 +38,9 @@ use global::{ascii, global_fields, push_lines};
 use records::Writer;
 
 /// Appends the file's bytes.
+///
+/// # Errors
+/// [`Error::Options`] for options that make no sense, [`Error::Input`] for a model of more records than IGES can number.
 pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()> {
     options.check()?;
     let mut writer = Writer::default();

@@ -19,6 +19,10 @@ pub struct NetBuilder {
 
 impl NetBuilder {
     /// Adds a node; `line` is where the file has it. A missing radius is no error here.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a coordinate or radius that is not finite, a negative radius, or an id
+    /// that is used twice.
     pub fn node(&mut self, id: i64, point: DVec3, radius: Option<f64>, line: u64) -> Result<()> {
         let place = || format!("line {line}, node {id}");
         if !point.is_finite() || radius.is_some_and(|r| !r.is_finite()) {
@@ -62,6 +66,10 @@ impl NetBuilder {
     }
 
     /// The net.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for an empty skeleton, an edge to a node that does not exist, or of a node
+    /// with itself.
     pub fn finish(mut self) -> Result<CurveNet> {
         for &([a, b], line) in &self.links {
             let place = || format!("line {line}, edge {a}-{b}");

@@ -55,6 +55,10 @@ const SPREAD: u64 = 16;
 const TRIALS: usize = 12;
 
 /// Builds the model of all polygons and leftover triangles; see [`super::to_brep`].
+///
+/// # Errors
+/// [`Error::Input`] if polygons and leftovers do not fit the mesh,
+/// [`Error::Cancelled`], [`Error::Deadline`].
 pub fn to_trimmed_brep(
     mesh: &SurfaceMesh,
     polygons: &[QuadPolygon],
