@@ -105,7 +105,7 @@ impl Curvature {
         all.common = self.common.over(all.common);
         if all.radius.is_some() && all.estimator != Estimator::NormalCycleBall {
             return Err(Error::Options(
-                "--radius goes with --estimator normal-cycle-ball; the others have none".into(),
+                "--radius needs --estimator normal-cycle-ball; the other estimators have no radius".into(),
             ));
         }
         angle("feature-angle", all.feature_angle)?;

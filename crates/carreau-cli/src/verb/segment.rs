@@ -184,7 +184,7 @@ impl Segment {
         let result = of_file(&prepared, context.install(|| segment::segment(mesh, &wanted, &context))?);
         tell(session, &result);
         for name in ["region", "primitive", "fit_error"].into_iter().filter(|n| mesh.attributes.face.contains_key(*n)) {
-            session.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+            session.warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
         }
         let mut out = labelled(prepared.into_input(), &result);
         session.draw(&out)?;
@@ -195,7 +195,7 @@ impl Segment {
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
                 if out.attributes.face.contains_key("group") {
-                    session.warn("the method: the face values 'group' of the input give way to the regions, as groups of the OBJ file");
+                    session.warn("the method: the face property 'group' of the input is replaced by the regions, which are groups in OBJ files");
                 }
                 group(&mut out, &result);
             }

@@ -92,7 +92,7 @@ impl FeatureOptions {
     }
 }
 
-/// Length of the edges of so many squares that cover a surface.
+/// Edge length of squares, given their number, that cover a surface.
 pub fn length_of_squares(mesh: &SurfaceMesh, count: f64) -> f64 {
     let area: f64 = mesh.faces().iter().map(|face| area_vector(mesh.points(), face).length()).sum();
     (area / count.max(1.0)).sqrt()

@@ -1,5 +1,5 @@
-//! Where the surface is far from the boundary, though the vertices of the boundary are on it, the cells are too long: the
-//! segments there are halved along.
+//! Halves segments along where the surface is far from the boundary although the boundary's vertices lie on it: the
+//! cells there are too long.
 //!
 //! ```text
 //!       ╭───────╮             ╭───·───╮
@@ -35,8 +35,8 @@ impl Lengths {
         self.halve(tube, |_, length| length > limit)
     }
 
-    /// Halves the segments at which the surface is far from the boundary, and so many halvings across will not change that, but
-    /// makes none shorter than so many radii; whether there are any.
+    /// Halves segments whose boundary is far from the surface and would remain so after `across` refinements. Segments shorter
+    /// than `shortest` radii are kept. Returns whether anything changed.
     pub fn follow(&mut self, tube: &mut TubeMesh, target: &Target, across: u32, shortest: f64) -> bool {
         let mut is_far = vec![false; self.0.len()];
         far_segments(tube, target, across).into_iter().for_each(|e| is_far[e as usize] = true);

@@ -1,4 +1,4 @@
-//! The cells about a net: the base mesh without folds, padded, halved and optimised.
+//! The cells about a net: an untangled base mesh, padded, halved and optimised.
 
 use super::insert;
 use super::optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};

@@ -1,4 +1,5 @@
-//! Flat ends of closed tubes are told from other plane pieces of the surface: a branch of the skeleton ends there.
+//! Finds the flat ends of closed tubes among the plane pieces of the surface: those at which a branch of the skeleton
+//! ends.
 //!
 //! ```text
 //!   ┌─────────────┐

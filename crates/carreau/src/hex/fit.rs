@@ -1,4 +1,4 @@
-//! The boundary of the mesh goes to the surface.
+//! Pulls the boundary of the mesh to the surface.
 //!
 //! Every boundary vertex is cast along the mean normal of its boundary faces, forward and backward, on the side of the
 //! surface that faces the same way; where nothing is met within reach, its closest such point counts. Springs pull it there,

@@ -1,5 +1,5 @@
-//! The verdict on a mesh before it is called done: how far surface and cells are apart and where, which parts of the surface
-//! no cell comes near to, the volume, and cells that lie where others are.
+//! The verdict on a mesh before it is returned: how far surface and cells are apart and where, which parts of the
+//! surface no cell comes near, the volume, and cells that overlap others.
 //!
 //! ```text
 //!   ╭────╮   uncovered: the surface is        ┌──┬──┐

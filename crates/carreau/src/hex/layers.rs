@@ -1,4 +1,5 @@
-//! Boundary layers: thin cells on the wall, whose thickness grows inwards in proportion, as flow solvers want them.
+//! Boundary layers: thin cells on the wall whose thickness grows inwards by a constant factor, as flow solvers need
+//! them.
 //!
 //! Padding (section 4 of the paper) graded: the whole mesh shrinks by the thickness of all layers, and these fill the gap.
 //!

@@ -1,5 +1,5 @@
-//! Where branches meet. In the ball of a branching they run straight: there is room for any way, and a curl of the curves in
-//! there would be taken for their direction.
+//! Finds the point where branches meet. Within the ball of a branching all branches run straight, because there is room
+//! for any way, and a curl of a curve in there would be taken for its direction.
 //!
 //! Where many meet, their common point is where their lines come closest to each other.
 //!

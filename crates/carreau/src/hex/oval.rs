@@ -1,4 +1,4 @@
-//! Flat parts: the first cells about a branch are as flat as the sections of the surface, where these are.
+//! Stretches the first cells about a branch to ellipses where the sections of the surface are flat.
 //!
 //! ```text
 //!     ╭──────────────────╮         ╭──────────────────╮
@@ -18,9 +18,9 @@ use rustc_hash::FxHashMap;
 
 /// Rays from a node across its branch.
 const RAYS: usize = 32;
-/// Sections so many times as wide as thick are flat.
+/// Width of a section over its thickness from which on it is flat.
 const FLAT: f64 = 2.0;
-/// Cells are made so many times as wide at most.
+/// Largest factor by which cells are made wider.
 const WIDEST: f64 = 8.0;
 /// They take this share of the room.
 const SHARE_OF_ROOM: f64 = 0.8;

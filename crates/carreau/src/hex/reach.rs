@@ -1,5 +1,5 @@
-//! Where the surface is far from the boundary, though all vertices of the boundary are on it, vertices go there: down into a
-//! groove that faces span, or out to the tip of what has no branch. The cells around follow, the boundary slides along the
+//! Sends boundary vertices to where the surface is far although all of them lie on it: down into a groove that faces
+//! span, or out to the tip of a part that has no branch. The cells around follow, and the boundary slides along the
 //! surface.
 //!
 //! ```text

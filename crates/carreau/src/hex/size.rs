@@ -1,4 +1,5 @@
-//! The steps along the branches of a net: those that are asked for, or the shortest that give no more cells than that.
+//! Chooses the step length along the branches: the one asked for, or the shortest that gives no more cells than asked
+//! for.
 
 use super::options::HexOptions;
 use super::resample::{self, Step};

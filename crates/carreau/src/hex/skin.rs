@@ -1,4 +1,4 @@
-//! The boundary of a mesh: what its vertices belong to, and where they all go at once.
+//! The boundary of a mesh: what each of its vertices belongs to, and moves of all of them at once.
 
 use super::target::{AGREES, Part, Seen, Target};
 use crate::mesh::boundary_faces;

@@ -1,4 +1,4 @@
-//! The skeleton of a surface made ready for cells: branches are centred, extremities go on to the surface.
+//! Prepares the skeleton of a surface for meshing: centres its branches, and extends extremities to the surface.
 //!
 //! Skeletons stop short of the surface. The branch is prolonged along its direction to where it leaves the surface:
 //!

@@ -1,4 +1,4 @@
-//! The driver of nets: made ready, meshed, and again in other ways where nodes are lost or cells are poor.
+//! The driver of skeletons: clean-up, cells, and other attempts where nodes are lost or cells are poor.
 
 use super::cells::{least_scaled_jacobian, refined, valid_base};
 use super::options::{HexOptions, Stage, check_size, check_steps};

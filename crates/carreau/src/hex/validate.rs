@@ -1,4 +1,4 @@
-//! A look at any hexahedral mesh: conformity, quality, certificate.
+//! Checks any hexahedral mesh: conformity, quality, certificate.
 
 use super::figures::HexQuality;
 use crate::context::Context;

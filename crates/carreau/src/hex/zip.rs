@@ -1,4 +1,4 @@
-//! Branches that leave a branching side by side are zipped: they share a trunk up to where they can be told apart.
+//! Gives branches that leave a branching side by side a common trunk, up to where they can be told apart.
 //!
 //! ```text
 //!       ╱╱ j            │ ╱ j

@@ -1,4 +1,4 @@
-//! What a mesh file holds, before any judgement: the common ground of all readers and writers.
+//! The content of a mesh file, before any judgement: the common ground of all readers and writers.
 
 use super::attributes::Attributes;
 use super::id::VertexId;

@@ -1,4 +1,4 @@
-//! Which vertices are at the same place: exactly, or within a tolerance.
+//! Finds vertices at the same place: exactly, or within a tolerance.
 
 use super::triangles::NONE;
 use glam::DVec3;

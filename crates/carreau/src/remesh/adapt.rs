@@ -1,4 +1,4 @@
-//! The order of the operations.
+//! The order of the local operations: the method at a glance.
 
 use super::decimate::Demand;
 use super::relocate::Accept;

@@ -1,4 +1,4 @@
-//! Edges that are too short are collapsed, shortest first, under the paper's three constraints:
+//! Collapses edges that are too short, shortest first, under the paper's three constraints:
 //!
 //! (1) ⟨ν(K), νᵢ(K)⟩ ≥ τ for every new triangle K and each of its corners,
 //! (2) Q_l(AC′) > Q_l(BC′) for every edge BC′ that is replaced by AC′,

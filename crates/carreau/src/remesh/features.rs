@@ -1,4 +1,5 @@
-//! Which edges stay: borders, ridges by angle, tagged edges, edges between labels, seams of what is not manifold.
+//! Decides which edges are kept: borders, ridges by angle, tagged edges, edges between labels, seams of what is not
+//! manifold.
 
 use super::curves::{Kind, Marks};
 use super::{RemeshOptions, fading, warped};

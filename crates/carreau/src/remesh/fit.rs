@@ -1,4 +1,4 @@
-//! Vertices where the mesh as a whole is nearest to the surface.
+//! Moves vertices to where the mesh as a whole is nearest to the surface.
 //!
 //! With its vertices on the surface a mesh lies on one side of it wherever that is convex: inside by half of the largest
 //! sag in the mean. Free vertices therefore move along their normals by the piecewise linear function t that is nearest

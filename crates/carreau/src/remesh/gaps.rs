@@ -1,4 +1,4 @@
-//! Vertices where the surface is farthest from the mesh.
+//! Moves vertices to where the surface is farthest from the mesh.
 //!
 //! The size map knows how large triangles may be, not where their vertices lie: on a soft edge, bent by less than the
 //! feature angle, a vertex beside it leaves a gap that one upon it closes.

@@ -1,4 +1,5 @@
-//! Purely geometric simplification: as near to the source as a number of triangles allows, shapes left aside.
+//! Purely geometric simplification: as close to the source as a number of triangles allows, without regard to their
+//! shape.
 //!
 //! Edges are collapsed in the order of the error they cause, into the point that causes the least (Garland, Heckbert,
 //! "Surface simplification using quadric error metrics", SIGGRAPH 1997). Every vertex carries the sum of squared distances
@@ -36,7 +37,7 @@ const STEADY: f64 = 1e-6;
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
 pub struct Goal {
-    /// No more than so many triangles.
+    /// The largest number of triangles.
     pub triangles: usize,
     /// No collapse with a larger error than this, as a distance.
     pub error: f64,

@@ -19,7 +19,7 @@ use glam::DVec3;
 
 /// Buckets per octave of size, as a power of two: fewer go back to a vertex more often.
 const SIZE_BITS: u32 = 5;
-/// Sizes lie within so many octaves of the largest.
+/// Number of octaves below the largest size within which all sizes lie.
 const SIZE_OCTAVES: u16 = 24;
 
 /// Length of an edge of Euclidean length `d` between two sizes.

@@ -32,7 +32,7 @@ fn value(face: Face) -> f32 {
 }
 
 impl Work<'_> {
-    /// Flips edges until nothing gets better, at most so many sweeps. Returns how many.
+    /// Flips edges until nothing gets better, or for the given number of sweeps. Returns the number of flips.
     pub fn swap(&mut self, sweeps: usize, context: &Context) -> Result<usize> {
         let mut done = 0;
         let mut pending: Vec<u32> = self.mesh.edges().collect();

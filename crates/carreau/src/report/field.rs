@@ -37,7 +37,7 @@ pub fn field_figure(field: &Field) -> Image {
     render(&picture)
 }
 
-/// Crosses that follow the frames, about so many along the diagonal; `None` where a face is no triangle.
+/// Crosses that follow the frames, with their number along the diagonal, about; `None` if a face is not a triangle.
 pub(super) fn arms(field: &Field, crosses: f64) -> Option<Vec<[DVec3; 2]>> {
     let t = Triangles::of(&field.mesh)?;
     let walker = Walker::new(field, t);

@@ -1,4 +1,4 @@
-//! Branches are led to flat ends.
+//! Extends branches to flat ends.
 //!
 //! The flow draws the end of a tube inwards by about its radius, and the last nodes may leave the axis. Where the axis, seen
 //! from a radius and more inside, meets a flat end, the last nodes go onto it, up to the end:
@@ -19,10 +19,10 @@ use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The axis is taken between so many radii and so many from the tip: nearer to it the flow bends it. Where the tube itself bends so
-/// near to its end, a shorter piece of it may still lead there.
+/// Distances from the tip, in radii, between which the axis is taken, because nearer to the tip the flow bends it. Where the tube
+/// itself bends close to its end, a shorter piece, the second one, may still lead there.
 const AXES: [[f64; 2]; 2] = [[1.0, 3.0], [0.7, 1.7]];
-/// An end is looked for within so many radii of where the axis is taken.
+/// Distance, in radii, from where the axis is taken, within which an end is looked for.
 const END_REACH: f64 = 4.0;
 /// Distance from the axis, in radii, of the rays by which an end is told to be flat.
 const RING: f64 = 0.6;

@@ -1,4 +1,4 @@
-//! Limbs that the flow has lost: short ones may be drawn into their branching before they are thin.
+//! Gives limbs that the flow has lost a branch: short ones may be drawn into their branching before they are thin.
 //!
 //! A vertex of the surface that is far from the skeleton, in radii of the skeleton there, belongs to a limb without a
 //! branch. The way along the surface from the farthest such vertex to where the skeleton is near again leads along the

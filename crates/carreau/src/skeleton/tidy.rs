@@ -1,5 +1,5 @@
-//! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
-//! the ball of their branching are dropped.
+//! Turns the curves into a skeleton: nodes outside are brought in, nodes get radii, branches within the ball of their
+//! branching are dropped.
 
 use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};

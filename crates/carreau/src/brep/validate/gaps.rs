@@ -1,4 +1,5 @@
-//! How far edges are from their surfaces and vertices from their edges, against the tolerances that the model states.
+//! Measures how far edges are from their surfaces and vertices from their edges, against the tolerances that the model
+//! states.
 
 use super::{Fault, Finding, Limits};
 use crate::brep::{Brep, Curve, Edge};

@@ -1,4 +1,4 @@
-//! The best of many partitions; memory is kept from one branching to the next.
+//! Chooses the best of many partitions for a branching. Memory is kept from one branching to the next.
 
 use super::{Connection, QuadsAtVertices, dual, orange};
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! How the inside of a mesh follows its wall.
+//! Moves the inside of a mesh along with its wall.
 
 use super::wall::{Wall, within};
 use crate::context::Context;

@@ -1,4 +1,4 @@
-//! The wall of a mesh, how thick the layers are on it, and their cells.
+//! The wall of a mesh: the thickness of the layers on it, and their cells.
 
 use super::{LayerFigures, Layers, THINNING_ROUNDS};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 const MOST_OF_WAY: f64 = 0.35;
 /// The thickness changes by at most this share of the way along the wall.
 const SLOPE: f64 = 0.5;
-/// Layers are thinned to this share around weak cells, in so many rounds at most.
+/// Share of their thickness to which layers are thinned around weak cells, round by round.
 const THINNED: f64 = 0.75;
 /// Where normals of faces at a vertex differ much the way is not made longer than this for the thickness to hold.
 const LONGEST_WAY: f64 = 1.5;

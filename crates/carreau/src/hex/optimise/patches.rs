@@ -1,7 +1,7 @@
-//! Patches: a cell with its surroundings, improved alone.
+//! Patches: a cell with its surroundings, optimised on its own.
 //!
-//! A few hundred cells take so many iterations as they need, and no step is cut short by what happens elsewhere. Patches
-//! without a common cell are worked on side by side; what does no cell good is not taken.
+//! A few hundred cells get as many iterations as they need, and nothing that happens elsewhere cuts a step short. Patches
+//! without a common cell are optimised side by side; a patch that improves no cell is not taken.
 //!
 //! ```text
 //! ┌──┬──┬──┬──┬──┐
@@ -162,9 +162,9 @@ impl Patch {
         (0..self.hexes.len()).map(|h| self.quality(places, h)).sum::<f64>() / self.of as f64
     }
 
-    /// The least quality of the first cell, which the patch is about, and of those that have become worse. What was and stays
-    /// worse than the first cell keeps nothing from being better. It is not bought with the others': where a patch is most of
-    /// the mesh, that may cost more than it gives.
+    /// The least quality of the centre cell and of all cells that got worse. Cells that were already worse than the centre cell,
+    /// and did not get worse, are ignored. An improvement is rejected if other cells pay for it, because where a patch is most
+    /// of the mesh that may cost more than it gains.
     pub fn worth(&self, places: &[DVec3]) -> f64 {
         let worse = (1..self.hexes.len()).filter_map(|h| {
             let now = self.quality(places, h);

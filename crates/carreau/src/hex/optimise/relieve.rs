@@ -1,4 +1,4 @@
-//! The worst cells, each with its surroundings alone, and the mean quality of all.
+//! Improves the worst cells, each with its surroundings only, and then the mean quality of all cells.
 
 use super::patches::{Descent, Mesh, Patch, Ties, descended};
 use crate::context::Context;

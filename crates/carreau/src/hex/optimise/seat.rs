@@ -1,4 +1,4 @@
-//! Vertices that are not on what they are tied to are put there, each with its surroundings alone.
+//! Moves vertices onto what they are tied to (the surface, a rim), each with its surroundings only.
 
 use super::patches::{Descent, Mesh, Patch, Ties, descended};
 use crate::context::Context;

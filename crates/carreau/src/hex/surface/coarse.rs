@@ -1,4 +1,4 @@
-//! The coarsest cells about a skeleton, drawn to the surface; then halved, level by level, and put onto it.
+//! The coarsest cells about a skeleton, pulled to the surface; then halved level by level and put onto it.
 
 use super::ready::{INSIDE, Ready};
 use crate::context::Context;
@@ -56,7 +56,7 @@ pub(super) struct Coarse {
     pub(super) warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
     pub(super) left: usize,
-    /// These are so many that the shape is not made of tubes: nothing else is tried.
+    /// Whether these are so numerous that the shape is not made of tubes; then nothing else is tried.
     pub(super) is_hopeless: bool,
     /// The largest distance of the boundary from the surface: what spans the room between two branches shows here. Infinite
     /// where a cell is folded.

@@ -1,5 +1,4 @@
-//! Ways to fit cells onto a surface that are tried where the first one is not good. The result that misses what is wanted by
-//! least counts.
+//! Fallbacks for fitting hexes to the surface. The attempt with the smallest shortfall is returned.
 
 use super::MANY_TRIED;
 use super::coarse::{COARSELY, Coarse, skin_of};

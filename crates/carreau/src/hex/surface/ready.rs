@@ -1,4 +1,5 @@
-//! The skeleton of a surface made ready for cells: extracted or given, cleaned, led to the ends, with nodes for the size asked for.
+//! Prepares the skeleton of a surface for meshing: extracted or given, cleaned up, led to the ends, resampled for the
+//! size asked for.
 
 use crate::context::Context;
 use crate::error::{Error, Result};

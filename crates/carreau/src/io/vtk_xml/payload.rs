@@ -15,7 +15,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose};
 use std::borrow::Cow;
 use std::io::Read;
 
-/// All arrays of a file together may expand to so many bytes for each byte of the file: the most that zlib can reach.
+/// Most bytes that all arrays of a file may expand to, for each byte of the file: the most that zlib can reach.
 const ZLIB_EXPANSION: usize = 1100;
 /// Memory that an lzma decoder may ask for, in KiB: enough for the dictionary of its highest preset.
 const LZMA_MEMORY_KIB: u32 = 80 << 10;

@@ -1,4 +1,4 @@
-//! Triangles that methods can rely on: repaired only where that is needed.
+//! Repairs triangles only where methods could not rely on them.
 
 use super::{RepairOptions, repair};
 use crate::context::Context;

@@ -18,7 +18,7 @@ const THIN: f64 = 1e-5;
 const SINGLE: f64 = 2.4e-7;
 /// Largest angle between the normals of a triangle and its region, by its cosine (20°), unless rounding explains it.
 const TURN: f64 = 0.94;
-/// A region is a lid beside another one if it is so many times as wide.
+/// Width over that of a neighbour from which on a region is a lid beside it.
 const LID: f64 = 2.0;
 
 /// Which triangles lie in a plane with neighbours.
@@ -164,7 +164,7 @@ impl Grower<'_> {
         plane.normal()
     }
 
-    /// Whether a triangle lies in the plane, within so many times the flatness.
+    /// Whether a triangle lies in the plane, within a multiple of the flatness.
     fn joins(&self, from: u32, t: u32, plane: &Plane, slack: f64) -> bool {
         if self.labels.get(from as usize) != self.labels.get(t as usize) {
             return false;

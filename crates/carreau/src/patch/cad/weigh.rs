@@ -242,7 +242,7 @@ fn integral_of([a, b]: [f64; 2], count: usize, f: impl Fn(f64) -> [f64; 2]) -> [
     terms.fold([0.0; 2], |s, y| [s[0] + y[0], s[1] + y[1]])
 }
 
-/// Points in −1..=1 and weights of the Gauss–Legendre rule of so many points, 1 to 61.
+/// Points in −1..=1 and weights of the Gauss–Legendre rule with 1 to 61 points.
 fn gauss(count: usize) -> &'static [(f64, f64)] {
     static RULES: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (1..=MOST_POINTS).map(legendre).collect());
     &RULES[count.clamp(1, MOST_POINTS) - 1]

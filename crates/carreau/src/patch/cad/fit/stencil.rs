@@ -17,7 +17,7 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// A zero matrix over a net of so many columns and rows, border included.
+    /// A zero matrix over a net of columns and rows, border included.
     pub fn new(columns: usize, rows: usize) -> Self {
         Stencil { columns, rows, entries: vec![[0.0; WIDTH * WIDTH]; columns * rows] }
     }
