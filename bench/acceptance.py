@@ -251,6 +251,14 @@ def report(rows, files, options):
     return "\n".join([head, table(rows, files), "", *notes]).rstrip()
 
 
+def summary(rows):
+    """The outcome in one sentence."""
+    counts = {o: sum(r["outcome"] == o for r in rows) for o in OUTCOMES}
+    files = len({r["file"] for r in rows})
+    return (f"{len(rows):,} runs on {files:,} files: {counts['accepted']:,} results accepted, {counts['refused']:,} inputs refused with a message that "
+            f"holds, {counts['unreached']} runs that told that they could not reach what was asked, {counts['failed']} failed, {counts['timeout']} out of time.")
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     p.add_argument("--carreau", default="target/release/carreau")
@@ -302,6 +310,8 @@ def main():
     (out / "acceptance.json").write_text(json.dumps({"commit": built, "rows": rows}, indent=1) + "\n")
     if options.docs:
         write_between(options.docs, options.marker, text)
+        if f"<!-- generated: {options.marker}-summary -->" in Path(options.docs).read_text():
+            write_between(options.docs, f"{options.marker}-summary", summary(rows))
     print(text)
     return int(options.strict and any(r["outcome"] in ("failed", "timeout") for r in rows))
 

@@ -20,28 +20,28 @@ pub struct Common {
     /// Draws the result (PNG)
     #[arg(long, value_name = "FILE.png", help_heading = "Common options")]
     pub picture: Option<PathBuf>,
-    /// Writes a page (HTML) to look at: input and result with their layers, quality, options, timings and warnings
+    /// Writes an HTML page that shows input and result with their layers, quality, options, timings and warnings
     #[arg(long, value_name = "FILE.html", help_heading = "Common options")]
     pub report: Option<PathBuf>,
-    /// Takes options from a JSON file; the record of an earlier run replays that run. Flags win over the file
+    /// Takes options from a JSON file, or replays the run of a record. Flags override the file
     #[arg(long, value_name = "FILE", help_heading = "Common options")]
     pub options: Option<PathBuf>,
-    /// Number of threads (0: all processors); results do not depend on it
+    /// Number of threads (0: one per processor); results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Common options")]
     pub threads: Option<usize>,
     /// Seed of pseudo-random choices
     #[arg(long, value_name = "N", help_heading = "Common options")]
     pub seed: Option<u64>,
-    /// Gives up after this many seconds (exit code 124); nothing is written then
+    /// Gives up after this many seconds (exit code 124) and writes nothing
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Common options")]
     pub deadline: Option<f64>,
     /// Unit of the input's lengths, written into CAD files
     #[arg(long, value_name = "UNIT", value_parser = choice::<Unit>(&["mm", "cm", "m", "in"]), help_heading = "Common options")]
     pub unit: Option<Unit>,
-    /// Says nothing but errors
+    /// Prints only errors
     #[arg(short, long, conflicts_with = "verbose", help_heading = "Common options")]
     pub quiet: bool,
-    /// Tells what is going on (-vv: in detail)
+    /// Prints the stages of the run (-vv: in detail)
     #[arg(short, long, action = clap::ArgAction::Count, help_heading = "Common options")]
     pub verbose: u8,
     /// The program that runs the verb, if it is not a terminal

@@ -158,7 +158,8 @@ pub fn arguments(verb: &str, inputs: &[String], options: &[(String, Value)]) -> 
                 return Err(Error::Options(format!("--{name} is true or false, not '{text}'")));
             }
             (ArgAction::Count, Value::Text(text)) => {
-                let count: u8 = text.parse().map_err(|_| Error::Options(format!("--{name} '{text}' is no count")))?;
+                let count: u8 =
+                    text.parse().map_err(|_| Error::Options(format!("--{name} '{text}' is not a count")))?;
                 all.extend((0..count).map(|_| format!("--{name}")));
             }
             (_, Value::Bool(value)) => all.push(format!("--{name}={value}")),

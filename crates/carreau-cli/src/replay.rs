@@ -11,7 +11,7 @@ pub fn options_from<T: Serialize + DeserializeOwned>(file: Option<&Path>, verb: 
     let Some(file) = file else { return Ok(base) };
     let wrong = |what: String| Error::Options(format!("{}: {what}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, carreau::Place::File, e.to_string()))?;
-    let json: Value = serde_json::from_str(&text).map_err(|e| wrong(format!("this is no JSON: {e}")))?;
+    let json: Value = serde_json::from_str(&text).map_err(|e| wrong(format!("this is not JSON: {e}")))?;
     let Value::Object(mut given) = json else { return Err(wrong("a JSON object of options is expected".into())) };
     if let Some(Value::Object(options)) = given.remove("options") {
         if let Some(other) = given.get("verb").and_then(Value::as_str).filter(|&v| v != verb) {

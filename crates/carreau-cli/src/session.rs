@@ -147,7 +147,8 @@ impl Session {
         }
         let mut record = Record::new(verb);
         if values.threads > MOST_THREADS {
-            let what = format!("{} threads were asked for, {MOST_THREADS} are used: that is the most", values.threads);
+            let what =
+                format!("{} threads were asked for, {MOST_THREADS} are used, which is the limit", values.threads);
             tracing::warn!("{what}");
             record.warnings.push(what);
         }
@@ -271,7 +272,7 @@ impl Session {
             for name in
                 ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name))
             {
-                self.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+                self.warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
             }
         }
         Ok(())

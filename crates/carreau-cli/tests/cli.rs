@@ -607,7 +607,7 @@ fn hex_refuses_what_is_no_skeleton() {
     }
     let (_folder, surface) = with_model("torus", "m.ply");
     let line = ["hex", text(&path), "--skeleton", text(&surface)];
-    carreau().args(line).assert().code(2).stderr(contains("goes with a surface"));
+    carreau().args(line).assert().code(2).stderr(contains("belongs to a surface"));
 }
 
 #[test]

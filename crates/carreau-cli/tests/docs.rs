@@ -1,5 +1,6 @@
 //! Every command that the documentation shows does what it shows: those in the code blocks and in the text of README,
-//! CONTRIBUTING and `docs/`, and the examples of `--help`. Each page has a folder with the files that it speaks of.
+//! CONTRIBUTING and `docs/`, and the examples of `--help`. Each page has a folder with the files that it speaks of. Links lead
+//! somewhere, and pictures are small.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)] // a test fails by panicking
@@ -176,12 +177,8 @@ fn run_all(shown: &[Shown]) {
 
 #[test]
 fn commands_of_the_pages() {
-    let docs = fs::read_dir(root().join("docs")).unwrap().map(|e| e.unwrap().path());
-    let mut pages: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
-    pages.extend(["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)));
-    pages.sort();
     let mut count = 0;
-    for page in pages {
+    for page in pages() {
         let shown = commands(&page);
         count += shown.len();
         if !shown.is_empty() {
@@ -202,6 +199,62 @@ fn examples_of_the_help() {
         assert!(!shown.is_empty(), "{verb} --help shows no example");
         // Each stands for itself.
         shown.chunks(1).for_each(run_all);
+    }
+}
+
+/// All pages: those of `docs/`, README and CONTRIBUTING.
+fn pages() -> Vec<PathBuf> {
+    let docs = fs::read_dir(root().join("docs")).unwrap().map(|e| e.unwrap().path());
+    let mut pages: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+    pages.extend(["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)));
+    pages.sort();
+    pages
+}
+
+/// The anchor that a heading gets on a page.
+fn anchor(heading: &str) -> String {
+    let shown = heading.trim().to_lowercase();
+    let kept = shown.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+/// Where the links of a text lead, those to other hosts left out.
+fn links(text: &str) -> Vec<&str> {
+    let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    targets.filter(|target| !target.starts_with("http") && !target.contains(' ')).collect()
+}
+
+/// Links between the pages lead to files and headings that exist.
+#[test]
+fn links_of_the_pages() {
+    let mut count = 0;
+    for page in pages() {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in links(&text) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if path.is_empty() { page.clone() } else { page.parent().unwrap().join(path) };
+            assert!(target.exists(), "{}: {link} leads nowhere", page.display());
+            if !heading.is_empty() && target.extension().is_some_and(|e| e == "md") {
+                let text = fs::read_to_string(&target).unwrap();
+                let mut headings = text.lines().filter(|l| l.starts_with('#')).map(|l| l.trim_start_matches('#'));
+                assert!(headings.any(|h| anchor(h) == heading), "{}: {link} leads to no heading", page.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 100, "only {count} links were found in the pages");
+}
+
+/// Pictures are small: a clone carries them all, through its whole history.
+#[test]
+fn pictures_of_the_pages() {
+    for folder in ["docs", "docs/gallery"] {
+        for file in fs::read_dir(root().join(folder)).unwrap().map(|e| e.unwrap().path()) {
+            if file.extension().is_some_and(|e| e == "png") {
+                let bytes = fs::metadata(&file).unwrap().len();
+                assert!(bytes < 150_000, "{} has {bytes} bytes: fewer colours or pixels will do", file.display());
+            }
+        }
     }
 }
 

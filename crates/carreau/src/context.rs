@@ -1,4 +1,4 @@
-//! What a run carries with it: threads, seed, deadline, cancellation, progress.
+//! How a run is done: threads, seed, deadline, cancellation, progress.
 //!
 //! Algorithms receive a `&Context`, call [`Context::check`] at least every 50 ms, and open a [`Stage`] for each step of
 //! the method. A stage is a tracing span, so that log, progress bar and the timings of the record come from one source.
@@ -69,6 +69,9 @@ impl Context {
     }
 
     /// Fails when the run was cancelled or its deadline has passed.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], [`Error::Deadline`].
     pub fn check(&self) -> Result<()> {
         if self.cancel.load(Ordering::Relaxed) || self.needless.iter().any(|n| n.load(Ordering::Relaxed)) {
             return Err(Error::Cancelled);
@@ -80,6 +83,9 @@ impl Context {
     }
 
     /// [`Context::check`] for tight loops: looks only when `step` is a multiple of 1024.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], [`Error::Deadline`].
     pub fn check_every(&self, step: usize) -> Result<()> {
         if step.is_multiple_of(1024) { self.check() } else { Ok(()) }
     }
@@ -114,6 +120,9 @@ pub struct Stage<'a> {
 
 impl Stage<'_> {
     /// Reports `done` of `total` steps and checks deadline and cancellation.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], [`Error::Deadline`].
     pub fn step(&self, done: usize, total: usize) -> Result<()> {
         if let Some(progress) = &self.context.progress {
             progress.share(done as f64 / total.max(1) as f64);

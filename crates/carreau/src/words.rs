@@ -123,18 +123,18 @@ const BETWEEN: usize = 3;
 const BEFORE_VERB: usize = 6;
 
 /// A message in which what is counted agrees with its number: "1 limbs had no branch and were given one" becomes "1 limb
-/// had no branch and was given one". Only a number 1 that begins the text, or follows one of `:;,(`, counts something.
+/// had no branch and was given one". Only a number 1 that begins the text, or follows one of `:;,(→`, counts something.
 ///
 /// ```
 /// use carreau::words::agreed;
-/// assert_eq!(agreed("1 tagged edges are no edges of the mesh"), "1 tagged edge is no edges of the mesh");
+/// assert_eq!(agreed("1 tagged edges do not exist in the mesh"), "1 tagged edge does not exist in the mesh");
 /// assert_eq!(agreed("21 edges are left"), "21 edges are left");
 /// ```
 pub fn agreed(text: &str) -> String {
     let mut words: Vec<String> = text.split(' ').map(str::to_string).collect();
     let bare = |word: &str| word.trim_end_matches([',', ';', ':', '.', ')']).to_string();
     for k in 0..words.len() {
-        let starts = k == 0 || words[k - 1].ends_with([':', ';', ',', '(']) || words[k].starts_with('(');
+        let starts = k == 0 || words[k - 1].ends_with([':', ';', ',', '(', '→']) || words[k].starts_with('(');
         if !starts || words[k].trim_start_matches('(') != "1" {
             continue;
         }
@@ -171,6 +171,7 @@ mod tests {
         for (many, one) in [
             ("1 limbs had no branch and were given one", "1 limb had no branch and was given one"),
             ("1 quads, 1 regions, rung 1", "1 quad, 1 region, rung 1"),
+            ("torus: 6 triangles → 1 regions", "torus: 6 triangles → 1 region"),
             (
                 "the file: 1 faces of fewer than 3 corners were left out",
                 "the file: 1 face of fewer than 3 corners was left out",

@@ -25,9 +25,9 @@ use std::path::{Path, PathBuf};
 
 /// Makes a CAD model of a mesh: closed bodies become solids
 ///
-/// A bore is one cylinder with its radius, a fillet one cylinder or torus, a plate a plane with its holes. What lies on no
-/// such surface becomes a swept or spline face, and plane facets where no such face is valid; the summary says which regions those are.
-/// An open surface becomes a shell. With --style organic a scan becomes few bicubic faces that meet without a crease.
+/// A bore becomes one cylinder with its radius, a fillet one cylinder or torus, a plate one plane with its holes. Regions on no
+/// such surface become swept or spline faces, or plane facets where no such face is valid; the summary lists these regions.
+/// An open surface becomes a shell. With --style organic a scan becomes a few bicubic faces that meet without a crease.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau cad part.stl -o part.step --json part.json\n  \
@@ -35,22 +35,22 @@ use std::path::{Path, PathBuf};
     carreau cad part.stl -o part.igs --unit in\n  \
     carreau cad scan.ply -o scan.step --style organic")]
 pub struct Cad {
-    /// The mesh; polygons are fanned
+    /// The mesh; polygons are cut into fans of triangles
     input: PathBuf,
-    /// The file to write: STEP, IGES, or a mesh format for the triangles with the face property face
+    /// The file to write: STEP, IGES, or a mesh format (the triangles, with the face property face)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// What kind of model is made: the faces of a part, or smooth faces over all of a scan (organic); auto makes these
-    /// where no region has a surface with a name [default: auto]
+    /// The kind of model: the faces of a part, or smooth faces all over a scan (organic); auto chooses organic if no region
+    /// is a plane, cylinder, cone, sphere or torus [default: auto]
     #[arg(long, value_name = "STYLE", value_parser = choice::<Style>(&["auto", "mechanical", "organic"]))]
     style: Option<Style>,
     /// Largest distance of a vertex from its face [default: from the data; organic: .1 % of the diagonal]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
-    /// Faces as given: a face property of the input, or a file with one integer per triangle
+    /// Takes the faces from a face property of the input, or from a file with one integer per triangle
     #[arg(long, value_name = "FILE|PROPERTY")]
     labels: Option<String>,
-    /// Refuses models of more faces
+    /// Refuses models with more faces than this
     #[arg(long, value_name = "N")]
     max_faces: Option<u32>,
     #[command(flatten)]

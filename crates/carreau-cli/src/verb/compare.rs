@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, json};
 use std::path::{Path, PathBuf};
 
-/// Two-sided distance of two surfaces, angle between their normals, and quality of both
+/// Compares two surfaces: two-sided distance, angle between normals, quality of both
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  carreau compare scan.ply simplified.ply\n  carreau compare a.stl b.stl --json - | jq .distance"
@@ -25,7 +25,7 @@ pub struct Compare {
     a: PathBuf,
     /// The second surface
     b: PathBuf,
-    /// Samples on each surface, besides its vertices [default: 200000]
+    /// Samples on each surface, in addition to its vertices [default: 200000]
     #[arg(long, value_name = "N")]
     samples: Option<usize>,
     #[command(flatten)]

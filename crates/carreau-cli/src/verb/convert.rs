@@ -12,7 +12,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Converts a mesh file to another format; the extensions decide
+/// Converts a mesh file to another format, chosen by the extension
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  carreau convert part.stl -o part.ply\n  carreau convert mesh.msh --boundary -o skin.obj"
@@ -23,13 +23,13 @@ pub struct Convert {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Takes the boundary of a volume mesh, as a surface
+    /// Writes only the boundary of a volume mesh, as a surface
     #[arg(long)]
     boundary: bool,
-    /// Writes text instead of binary, in formats that have both
+    /// Writes text instead of binary in formats that have both
     #[arg(long)]
     ascii: bool,
-    /// Cuts polygons into triangles, each fanned from its first corner
+    /// Cuts every polygon into triangles, as a fan from its first corner
     #[arg(long)]
     triangulate: bool,
     #[command(flatten)]

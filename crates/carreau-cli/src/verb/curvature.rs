@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Principal curvatures and directions per vertex
+/// Measures principal curvatures and directions at every vertex
 ///
 /// Writes the mesh with the vertex properties kmin, kmax (1/length, kmin <= kmax, positive where a surface oriented
 /// outwards is convex) and dmin, dmax (unit vectors; in PLY files dmin_x, dmin_y, dmin_z and so on). Nothing is measured
@@ -33,7 +33,7 @@ use std::path::PathBuf;
     carreau curvature scan.ply -o scan.vtu --estimator normal-cycle-ball --radius 1%\n  \
     carreau curvature part.obj --json - | jq .quality.kmax")]
 pub struct Curvature {
-    /// The mesh; polygons are fanned
+    /// The mesh; polygons are cut into fans of triangles
     input: PathBuf,
     /// The file to write; PLY, VTU, VTP and VTK keep the properties
     #[arg(short, long, value_name = "FILE")]
@@ -105,7 +105,7 @@ impl Curvature {
         all.common = self.common.over(all.common);
         if all.radius.is_some() && all.estimator != Estimator::NormalCycleBall {
             return Err(Error::Options(
-                "--radius goes with --estimator normal-cycle-ball; the others have none".into(),
+                "--radius needs --estimator normal-cycle-ball; the other estimators have no radius".into(),
             ));
         }
         angle("feature-angle", all.feature_angle)?;
@@ -163,7 +163,7 @@ fn compute(session: &mut Session, mesh: &SurfaceMesh, options: &Options) -> Resu
         Ok::<_, Error>((curvature(triangles, &features.corners, &wanted, &context)?, features.missing.len()))
     })?;
     if missing > 0 {
-        session.warn(format!("{missing} edges tagged in the file are no edges of the mesh"));
+        session.warn(format!("{missing} edges tagged in the file do not exist in the mesh"));
     }
     Ok(found)
 }

@@ -22,7 +22,7 @@ use carreau::remesh::{RemeshOptions, simplify};
 use carreau::report::page::{Page, Role, Scene};
 use carreau::report::{field_figure, figure, graph_figure, hex_figure};
 use carreau::segment::{SegmentOptions, segment};
-use carreau::words::counted;
+use carreau::words::{agreed, counted};
 use carreau::{Error, sample};
 use clap::Args;
 use page::{Figure, Section};
@@ -43,7 +43,7 @@ type Drawn = (Figure, Scene);
 /// The name of a page and its scenes.
 type Shown = (String, Vec<Scene>);
 
-/// Makes built-in models, runs the methods on them and writes a folder with index.html
+/// Runs every method on built-in models and writes a folder with index.html
 #[derive(Args)]
 #[command(after_help = "Example:\n  carreau demo -o shown")]
 pub struct Demo {
@@ -89,12 +89,12 @@ impl Demo {
         };
         let mut graded = Section {
             title: "Graded meshes",
-            about: "Within an angle of the surface, small where it bends; ridges and corners stay.",
+            about: "Triangles within an angle of the surface: small where it bends, large elsewhere. Ridges and corners are kept.",
             figures: Vec::new(),
         };
         let mut patches = Section {
             title: "Quad patches",
-            about: "Grids of quads on the same vertices; each patch is one B-spline face of the STEP file.",
+            about: "Grids of quads on the same vertices. In the STEP file they are B-spline faces.",
             figures: Vec::new(),
         };
         let mut fields = Section {
@@ -105,8 +105,8 @@ impl Demo {
         };
         let mut graphs = Section {
             title: "Motorcycle graphs",
-            about: "Tracks along the frames, from every singular vertex and every corner with room for more than one quad: they divide \
-                    a part into the patches that quads are made in.",
+            about: "Tracks along the frames, from every singular vertex and every corner with room for more than two quads: they \
+                    divide a part into the patches that quads are made in.",
             figures: Vec::new(),
         };
         let mut quads = Section {
@@ -361,6 +361,7 @@ impl Demo {
         picture: String,
         files: &[(&'static str, &str)],
     ) -> Result<Figure, Error> {
+        let caption = agreed(&caption);
         session.say(format!("{name}: {caption}"));
         let files = files.iter().map(|&(what, file)| (what, file.to_string())).collect();
         let page = page_of(name, scene);

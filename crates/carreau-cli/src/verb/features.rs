@@ -16,13 +16,13 @@ use std::path::{Path, PathBuf};
 /// Which edges are features, as flags.
 #[derive(Args)]
 pub struct FeatureFlags {
-    /// Every edge with a larger angle between its faces is a feature, in degrees; 180: none is [default: creases of 35° alone]
+    /// Makes every edge with a larger angle between its faces a feature, in degrees; 180: none [default: only creases, from 35°]
     #[arg(long, value_name = "DEG")]
     feature_angle: Option<f64>,
-    /// auto: creases at the size of the result; or a file with two vertex ids per line: these besides [default: auto]
+    /// auto: creases at the size of the result; or a file with two vertex ids per line, to add these edges [default: auto]
     #[arg(long, value_name = "auto|FILE", value_parser = auto_or_file)]
     features: Option<AutoOrFile>,
-    /// Edges tagged in the file are not special
+    /// Ignores edges tagged in the file
     #[arg(long)]
     ignore_tags: bool,
 }
@@ -114,7 +114,7 @@ pub fn with_dropped(scene: Scene, found: &FoundFeatures) -> Scene {
 pub fn warn_missing(missing: &[[VertexId; 2]], prepared: &Prepared, session: &mut Session) {
     if let Some([a, b]) = missing.first().map(|ends| ends.map(|v| VertexId(prepared.vertex(v.0)))) {
         let count = missing.len();
-        session.warn(format!("{count} tagged or listed edges are no edges of the mesh, the first is {} {}", a.0, b.0));
+        session.warn(format!("{count} tagged or listed edges do not exist in the mesh, the first is {} {}", a.0, b.0));
     }
 }
 

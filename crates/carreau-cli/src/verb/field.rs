@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Frame field aligned with features, with room for a quad in every corner
+/// Computes a frame field along the features, with room for a quad in every corner
 ///
 /// Writes the mesh that carries the field (the input with a few splits) with the face vectors u and v; PLY, VTU, VTP and
 /// VTK keep them. Features are sharp edges, borders, edges tagged in the file and those of --features.
@@ -30,7 +30,7 @@ use std::path::PathBuf;
     carreau field part.obj --layout field.json --json -\n  \
     carreau field part.obj --pin none --orthogonal --json - | jq .poles")]
 pub struct Field {
-    /// The surface; polygons are divided
+    /// The surface; polygons are cut into triangles
     input: PathBuf,
     /// The file to write; PLY, VTU, VTP and VTK keep the frames
     #[arg(short, long, value_name = "FILE")]
@@ -38,13 +38,13 @@ pub struct Field {
     /// Writes mesh, frames, matchings and the quads of every corner (JSON)
     #[arg(long, value_name = "FILE.json")]
     layout: Option<PathBuf>,
-    /// The two directions stay orthogonal
+    /// Keeps the two directions orthogonal
     #[arg(long)]
     orthogonal: bool,
-    /// Corners below this angle get one quad; none: the classic field, without any repair [default: 90]
+    /// Gives corners below this angle one quad; none: the classic field, without any repair [default: 90]
     #[arg(long, value_name = "ANGLE", value_parser = choice::<Pin>(&["none", "45", "90"]))]
     pin: Option<Pin>,
-    /// How far the turn that pinned corners ask for spreads [default: local]
+    /// How far the rotation that pinned corners need spreads [default: local]
     #[arg(long, value_name = "HOW", value_parser = choice::<Propagation>(&["none", "local", "global"]))]
     propagation: Option<Propagation>,
     /// Largest angle by which the two directions lean towards each other, in degrees [default: 60]
@@ -52,7 +52,7 @@ pub struct Field {
     lean: Option<f64>,
     #[command(flatten)]
     features: FeatureFlags,
-    /// Counts the corners without room and the singularities of the classic field, too
+    /// Also counts the corners without room and the singularities of the classic field
     #[arg(long)]
     classic: bool,
     #[command(flatten)]

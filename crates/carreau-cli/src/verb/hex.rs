@@ -25,9 +25,9 @@ use std::path::{Path, PathBuf};
 ///
 /// The skeleton of a surface is found first (see `carreau skeleton`), or given. A skeleton is a graph with radii: .cgr, .cg, .skel,
 /// .swc, .tgf, or the lines of a .vtp, .vtk or .obj file. The cells follow its branches, and every cell is certified to have
-/// a positive Jacobian everywhere. Boundary faces are tagged: 1 the wall, 2, 3 … the ends, which are open ones and flat ones with a
-/// sharp rim; or after the groups of the surface (face label ref), where its file has some, with other ends above these. What is
-/// far from the surface, or covers a place twice, is not written (exit code 4).
+/// a positive Jacobian everywhere. Boundary faces are tagged: 1 is the wall; 2, 3 … are the ends, which are open, or flat with a sharp
+/// rim. If the file of the surface has groups (face label ref), boundary faces keep them, and other ends get numbers above. A mesh
+/// that is far from the surface, or covers a place twice, is not written (exit code 4).
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau hex vessel.stl -o vessel.vtu --picture vessel.png\n  \
@@ -45,52 +45,52 @@ pub struct Hex {
     /// The surface around the skeleton
     #[arg(long, value_name = "FILE", conflicts_with = "skeleton")]
     surface: Option<PathBuf>,
-    /// Layer of hexes on the boundary [default: all]
+    /// Where a layer of hexes is added on the boundary [default: all]
     #[arg(long, value_name = "WHERE", value_parser = choice::<Padding>(&["none", "sides", "all"]))]
     padding: Option<Padding>,
-    /// Halves every cell across its axis this many times, the layer included [default: 0, for surfaces what their shape needs]
+    /// Halves every cell across its axis this many times, the layer included [default: 0; for surfaces as often as their shape needs]
     #[arg(long, value_name = "N")]
     refine_across: Option<u32>,
     /// Halves every cell along its axis this many times [default: 0]
     #[arg(long, value_name = "N")]
     refine_along: Option<u32>,
-    /// About this many hexes, at most: sets the steps along the branches
+    /// Largest number of hexes, met approximately: sets the steps along the branches
     #[arg(long, value_name = "N", conflicts_with = "edge_length")]
     hexes: Option<usize>,
     /// Length of the steps along the branches
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<Length>,
-    /// One radius for all nodes
+    /// Gives all nodes this radius
     #[arg(long, value_name = "LENGTH")]
     radius: Option<Length>,
     /// Inserts cells where a branch of a skeleton is more than twice as thick as where it is thinnest
     #[arg(long)]
     adapt_radius: bool,
-    /// base: the graph as given, without clean-up and resampling [default: full]
+    /// base takes the graph as given, without clean-up and resampling [default: full]
     #[arg(long, value_name = "STAGE", value_parser = choice::<Stage>(&["base", "full"]))]
     stage: Option<Stage>,
-    /// Puts this many boundary layers on the wall, thin ones for flow
+    /// Adds this many boundary layers on the wall, for flow
     #[arg(long, value_name = "N")]
     layers: Option<u32>,
-    /// Thickness of the first layer, on the wall
+    /// Thickness of the first layer, the one at the wall
     #[arg(long, value_name = "LENGTH")]
     first_layer: Option<Length>,
-    /// Thickness of every layer over that of the one before it [default: 1.2]
+    /// Thickness of a layer divided by that of the one before it [default: 1.2]
     #[arg(long, value_name = "R")]
     growth: Option<f64>,
-    /// Lengthens every end by a straight piece of this many of its radii
+    /// Adds a straight piece of this many radii at every end
     #[arg(long, value_name = "RADII")]
     extend: Option<f64>,
-    /// Order of the cells: 2 for nodes in the middle of edges and faces, those of the boundary on the surface [default: 1]
+    /// Order of the cells: 2 adds nodes in the middle of edges and faces, those of the boundary on the surface [default: 1]
     #[arg(long, value_name = "1|2", value_parser = choice::<Order>(&["1", "2"]))]
     order: Option<Order>,
-    /// Writes cells without a certificate too; the record lists them
+    /// Also writes cells without a certificate; the record lists them
     #[arg(long)]
     allow_invalid: bool,
-    /// Largest distance between cells and surface, either way, that is written [default: 2%]
+    /// Largest two-sided distance between cells and surface that is accepted [default: 2%]
     #[arg(long, value_name = "LENGTH")]
     max_distance: Option<Length>,
-    /// Writes cells that are farther than that from the surface, or lie where others are, too
+    /// Also writes meshes that are farther than that from the surface, or whose cells overlap
     #[arg(long)]
     allow_far: bool,
     #[command(flatten)]
@@ -196,9 +196,11 @@ impl Hex {
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
         match (all.layers, all.first_layer, all.growth) {
-            (Some(_), None, _) => return Err(Error::Options("--layers goes with --first-layer, its thickness".into())),
+            (Some(_), None, _) => {
+                return Err(Error::Options("--layers needs --first-layer, the thickness of the first one".into()));
+            }
             (None, Some(_), _) | (None, _, Some(_)) => {
-                return Err(Error::Options("--first-layer and --growth go with --layers, their number".into()));
+                return Err(Error::Options("--first-layer and --growth need --layers, the number of layers".into()));
             }
             _ => {}
         }
@@ -212,10 +214,10 @@ impl Hex {
         let diagonal = shape.diagonal();
         let wanted = options.resolved(diagonal);
         if wanted.adapt_radius && matches!(shape, Shape::Surface(..)) {
-            return Err(Error::Options("--adapt-radius goes with a skeleton that has no surface".into()));
+            return Err(Error::Options("--adapt-radius works on a skeleton without a surface only".into()));
         }
         if wanted.max_distance.is_some() && matches!(shape, Shape::Graph(..)) {
-            return Err(Error::Options("--max-distance goes with a surface".into()));
+            return Err(Error::Options("--max-distance needs a surface".into()));
         }
         let context = session.context.clone();
         let mut found = context.install(|| match &shape {
@@ -281,7 +283,7 @@ impl Hex {
             }
         }
         if options.skeleton.is_some() {
-            return Err(Error::Options("--skeleton goes with a surface; the input is a skeleton already".into()));
+            return Err(Error::Options("--skeleton belongs to a surface, but the input is a skeleton itself".into()));
         }
         let net = session.read_skeleton(&self.input)?;
         Ok(match &options.surface {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
-/// Counts, topology, defects with their places, and quality of a mesh file
+/// Reports counts, topology, defects with their places, and quality of a mesh file
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  carreau info scan.ply\n  carreau info part.stl --json - | jq .topology\n  carreau info part.stl --walls 2 --gaps 0.5%"
@@ -24,10 +24,10 @@ use std::path::PathBuf;
 pub struct Info {
     /// The file to look at
     input: PathBuf,
-    /// Counts faces whose wall, through the material to the opposite face, is thinner than this
+    /// Counts faces where the wall is thinner than this: through the material to the opposite face
     #[arg(long, value_name = "LENGTH")]
     walls: Option<Length>,
-    /// Counts faces with an opposite one before them that is nearer than this
+    /// Counts faces where the gap is narrower than this: through the air to the opposite face
     #[arg(long, value_name = "LENGTH")]
     gaps: Option<Length>,
     #[command(flatten)]
@@ -118,13 +118,13 @@ fn columns(columns: &Columns) -> Map<String, Value> {
 
 fn describe_content(session: &mut Session, raw: &RawMesh) {
     let cells = &raw.cells;
-    session.say(format!("{} vertices, {} faces, {} marked edges", raw.points.len(), raw.faces.len(), raw.edges.len()));
+    session.say(format!("{} vertices, {} faces, {} tagged edges", raw.points.len(), raw.faces.len(), raw.edges.len()));
     if !cells.is_empty() {
         let counts = json!({
             "tetrahedra": cells.tets.len(), "hexahedra": cells.hexes.len(),
             "wedges": cells.wedges.len(), "pyramids": cells.pyramids.len(),
         });
-        session.say(format!("volume mesh: {counts}; what follows is about its boundary"));
+        session.say(format!("volume mesh: {counts}; the following lines describe its boundary"));
         session.record.set("cells", counts);
     }
     let attributes = &raw.attributes;
@@ -172,7 +172,7 @@ fn describe_hexes(session: &mut Session, raw: &RawMesh) -> Result<(), Error> {
     let edges: Vec<String> =
         quality.irregular_edges.iter().map(|(valence, n)| format!("{n} of {valence} cells")).collect();
     if !edges.is_empty() {
-        session.say(format!("irregular inner edges: {}", edges.join(", ")));
+        session.say(format!("irregular interior edges: {}", edges.join(", ")));
     }
     session.record.set("hexahedra", v);
     Ok(())

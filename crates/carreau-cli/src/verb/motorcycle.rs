@@ -21,19 +21,19 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Motorcycle graph of a frame field: tracks that divide a part into patches for quads
+/// Traces the motorcycle graph of a frame field: the patches of a part for quads
 ///
 /// Tracks leave the singular vertices of the field and the corners of the features, all at the same speed, and stop at
-/// features and at tracks across their way. Writes triangles with the face properties patch and region in which tracks are
-/// paths of edges; tagged edges (1 features, 2 tracks, 3 cuts across patches that would have holes) where the format has
-/// them, else lines. `quad` starts from this graph.
+/// features and at tracks across their way. The output is a triangle mesh in which tracks are paths of edges, with the face
+/// properties patch and region. Edges are tagged (1 features, 2 tracks, 3 cuts through patches that would have holes) if
+/// the format has tags, and written as lines otherwise. `quad` starts from this graph.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau motorcycle part.stl -o graph.vtp --picture graph.png\n  \
     carreau motorcycle part.obj --layout graph.json --json - | jq .patches\n  \
     carreau motorcycle scan.ply -o graph.obj --quads 500 --feature-angle 180")]
 pub struct Motorcycle {
-    /// The surface; polygons are divided
+    /// The surface; polygons are cut into triangles
     input: PathBuf,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
@@ -41,10 +41,10 @@ pub struct Motorcycle {
     /// Writes mesh, nodes, tracks, arcs and the sides of every patch (JSON)
     #[arg(long, value_name = "FILE.json")]
     layout: Option<PathBuf>,
-    /// Number of quads that the graph is for: tracks nearer than half of one are joined [default: 3000]
+    /// Number of quads that the graph is meant for: tracks closer than half a quad are joined [default: 3000]
     #[arg(long, value_name = "N", conflicts_with = "edge_length")]
     quads: Option<usize>,
-    /// Length of their edges instead
+    /// Length of the quads' edges instead
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<Length>,
     #[command(flatten)]

@@ -22,10 +22,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Decomposes a triangle mesh into quad patches, on its own vertices
+/// Decomposes a triangle mesh into quad patches on its own vertices
 ///
-/// The output is a mesh (one quad per cell, then the triangles left over) or, by extension, an IGES or STEP file: flat
-/// regions as planes, the rest as faces without bends, so that every program shows the right area and volume.
+/// The output is a mesh (one quad per cell, then the leftover triangles) or, by extension, an IGES or STEP file. In these, flat
+/// regions are planes and all other faces are free of bends, so that every program computes the right area and volume.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau patch part.stl -o part.step\n  \
@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
     carreau patch part.obj -o part.step --fit bicubic --tolerance 0.1%\n  \
     carreau patch scan.obj -o scan.igs --preset paper")]
 pub struct Patch {
-    /// The triangle mesh; polygons are fanned
+    /// The triangle mesh; polygons are cut into fans of triangles
     input: PathBuf,
     /// The file to write: a mesh, or .igs .iges .step .stp
     #[arg(short, long, value_name = "FILE")]
@@ -41,13 +41,13 @@ pub struct Patch {
     /// Writes the patches as grids of vertex and triangle ids (JSON)
     #[arg(long, value_name = "FILE.json")]
     layout: Option<PathBuf>,
-    /// All options of the paper's pipeline, or the defaults
+    /// Takes all options from the paper's pipeline, or the defaults
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>(&["default", "paper"]))]
     preset: Option<Preset>,
     /// How patches are found [default: grow]
     #[arg(long, value_name = "STRATEGY", value_parser = choice::<Strategy>(&["grow", "zones", "matching", "matching-cardinality"]))]
     strategy: Option<Strategy>,
-    /// What happens where rows and columns contradict each other [default: keep-first]
+    /// How contradictions between rows and columns are resolved [default: keep-first]
     #[arg(long, value_name = "POLICY", value_parser = choice::<Policy>(&["paper", "keep-first"]))]
     policy: Option<Policy>,
     /// Smallest patch, in cells; 1 keeps single quads [default: 2]
@@ -62,7 +62,7 @@ pub struct Patch {
     /// Accepts a larger angle where the surface around bends as much
     #[arg(long)]
     adapt_dihedral: bool,
-    /// Accepts no quad with a corner above 180 degrees
+    /// Rejects quads with a corner above 180 degrees
     #[arg(long)]
     convex_only: bool,
     /// How candidate quads are ranked [default: angles]
@@ -74,10 +74,10 @@ pub struct Patch {
     /// Joins patches along complete common sides [default: true]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
     merge: Option<bool>,
-    /// Rectangles tried through each triangle by strategy grow; 0 tries all [default: 16, fewer on large meshes]
+    /// Rectangles that strategy grow tries through each triangle; 0 tries all [default: 16, fewer on large meshes]
     #[arg(long, value_name = "N")]
     probes: Option<u32>,
-    /// Strategy grow: rectangles end at sharper creases; merging may join them along complete sides [default: 40]
+    /// Strategy grow ends rectangles at creases sharper than this; merging may join them along complete sides [default: 40]
     #[arg(long, value_name = "DEG")]
     crease_angle: Option<f64>,
     /// Never crosses edges with more than this angle between the faces [default: none; 30 for CAD files]
@@ -86,17 +86,17 @@ pub struct Patch {
     /// Never crosses these edges: a file with two vertex ids per line
     #[arg(long, value_name = "FILE")]
     features: Option<PathBuf>,
-    /// Crosses edges tagged in the file, too
+    /// Allows patches to cross edges tagged in the file
     #[arg(long)]
     ignore_tags: bool,
-    /// CAD faces: auto: planes, and patches divided at their bends; bicubic: curved patches as splines within the
-    /// tolerance, too; bilinear: one face a patch, whose area and volume many programs get wrong [default: auto]
+    /// CAD faces: auto makes planes, and divides patches at their bends; bicubic also makes curved patches splines within the
+    /// tolerance; bilinear makes one face per patch, whose area and volume many programs get wrong [default: auto]
     #[arg(long, value_name = "FIT", value_parser = choice::<Fit>(&["auto", "bilinear", "bicubic"]))]
     fit: Option<Fit>,
     /// Largest distance of a vertex from a bicubic face [default: 0.1%]
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<Length>,
-    /// One trimmed CAD face per rectilinear polygon instead of one face per patch; not with strategy grow
+    /// Makes one trimmed CAD face per rectilinear polygon instead of one face per patch; not with strategy grow
     #[arg(long, conflicts_with = "fit")]
     trimmed: bool,
     /// Application protocol of STEP files [default: ap214]
@@ -188,7 +188,8 @@ impl Patch {
         if all.trimmed && all.patch.strategy == Strategy::Grow {
             if self.strategy.is_some() {
                 return Err(Error::Options(
-                    "--trimmed needs polygons, which strategy grow has not: take zones or matching".into(),
+                    "--trimmed needs polygons, which strategy grow does not make: use --strategy zones or matching"
+                        .into(),
                 ));
             }
             all.patch.strategy = Strategy::Matching;

@@ -16,17 +16,17 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// All-quad mesh that keeps every feature
+/// Makes an all-quad mesh that keeps every feature
 ///
-/// Features (sharp edges, borders, edges tagged in the file and those of --features) are paths of edges of the result, and
-/// written as tagged edges where the format has them. The face property region numbers the regions between features.
+/// Features (sharp edges, borders, edges tagged in the file and those of --features) are paths of edges of the result; formats
+/// with tags get them as tagged edges. The face property region numbers the regions between features.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau quad part.stl -o quads.obj\n  \
     carreau quad part.obj -o quads.mesh --quads 2000 --json quads.json --picture quads.png\n  \
     carreau quad scan.ply -o quads.vtu --edge-length 2% --feature-angle 180")]
 pub struct Quad {
-    /// The surface; polygons are divided
+    /// The surface; polygons are cut into triangles
     input: PathBuf,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
@@ -34,12 +34,12 @@ pub struct Quad {
     /// Number of quads, met within 10 % where the features allow it [default: 3000]
     #[arg(long, value_name = "N", conflicts_with = "edge_length")]
     quads: Option<usize>,
-    /// Length of the edges instead
+    /// Length of the quads' edges instead
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<Length>,
     #[command(flatten)]
     features: FeatureFlags,
-    /// The first rung of the ladder that is tried, 1 to 4: the last one always gives a mesh [default: 1]
+    /// The first method to try, 1 (best) to 4 (always gives a mesh) [default: 1]
     #[arg(long, value_name = "N")]
     rung: Option<u32>,
     #[command(flatten)]

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Welds, drops, orients and splits until the surface is sound; says what it did
+/// Welds, drops, orients and splits until the surface is sound, and says what it did
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  carreau repair scan.stl -o clean.ply\n  carreau repair soup.obj --weld 0.001% -o clean.ply\n  carreau repair scan.ply --keep largest --fill-holes -o closed.ply"
@@ -31,31 +31,31 @@ pub struct Repair {
     /// Merges vertices closer than this; 0 merges those at equal positions [default: 0]
     #[arg(long, value_name = "LENGTH", conflicts_with = "no_weld")]
     weld: Option<Length>,
-    /// Merges no vertices
+    /// Merges no vertices at all
     #[arg(long)]
     no_weld: bool,
     /// Keeps faces without area
     #[arg(long)]
     keep_degenerate: bool,
-    /// Keeps all faces on the same vertices
+    /// Keeps duplicate faces (those on the same vertices)
     #[arg(long)]
     keep_duplicates: bool,
-    /// Keeps the sense of every face
+    /// Keeps the orientation of every face
     #[arg(long)]
     no_orient: bool,
-    /// Leaves bodies that touch together, and non-manifold edges and vertices uncut
+    /// Leaves touching bodies connected, and non-manifold edges and vertices uncut
     #[arg(long)]
     no_split: bool,
     /// Keeps vertices that no face uses
     #[arg(long)]
     keep_unreferenced: bool,
-    /// Pieces that stay: all, largest, or those with a share of the largest one's area, such as 1% [default: all]
+    /// Pieces to keep: all, largest, or those with at least a share of the largest one's area, such as 1% [default: all]
     #[arg(long, value_name = "all|largest|SHARE")]
     keep: Option<KeepPieces>,
-    /// Fills holes of up to this many border edges, all without a number: least area, refined and smoothed like the surroundings
+    /// Fills holes with up to this many border edges (all of them without a number), refined and smoothed like the surroundings
     #[arg(long, value_name = "EDGES", num_args = 0..=1, default_missing_value = "all", value_parser = most_edges)]
     fill_holes: Option<u32>,
-    /// Turns faces even where an options file says not to: neighbours agree, closed components look outward
+    /// Orients faces even if an options file says not to: neighbours agree, closed components face outward
     #[arg(long, conflicts_with = "no_orient")]
     orient: bool,
     #[command(flatten)]

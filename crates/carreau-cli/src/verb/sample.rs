@@ -22,7 +22,7 @@ pub struct Sample {
     /// Lists the models
     #[arg(long)]
     list: bool,
-    /// Edges of about 1/N of the bounding-box diagonal; the default is the model's own
+    /// Makes edges of about 1/N of the bounding-box diagonal [default: depends on the model]
     #[arg(long, value_name = "N")]
     resolution: Option<u32>,
     /// The file to write

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Finds the faces of a part and the surface that each lies on
+/// Finds the faces of a part, and the surface that each lies on
 ///
 /// Writes the same triangles with the face properties region (0 is the largest), primitive (0 plane, 1 sphere, 2 cylinder,
 /// 3 cone, 4 torus, 5 freeform) and fit_error (largest distance of the region's vertices from its surface). Parameters of
@@ -32,21 +32,21 @@ use std::path::{Path, PathBuf};
     carreau segment part.ply -o clean.ply --labels face_id\n  \
     carreau segment fandisk.obj -o fandisk.ply --preset paper --clusters 18")]
 pub struct Segment {
-    /// The mesh; polygons are fanned
+    /// The mesh; polygons are cut into fans of triangles
     input: PathBuf,
     /// The file to write; PLY, VTU, VTP and VTK keep the properties, OBJ gets a group per region
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// All options of the paper's pipeline, or the defaults
+    /// Takes all options from the paper's pipeline, or the defaults
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>(&["default", "paper"]))]
     preset: Option<Preset>,
-    /// Recognises planes, spheres, cylinders, cones and tori before curvature is asked [default: true]
+    /// Recognises planes, spheres, cylinders, cones and tori before it uses curvature [default: true]
     #[arg(long, value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
     surfaces: Option<bool>,
     /// Number of clusters of curvature [default: from the data]
     #[arg(long, value_name = "K")]
     clusters: Option<u32>,
-    /// Largest distance of regions that are merged [default: auto]
+    /// Merges regions up to this distance from each other, in the paper's measure [default: auto]
     #[arg(long, value_name = "N|auto", value_parser = threshold)]
     merge_threshold: Option<Threshold>,
     /// Merges regions of near-constant curvature down to this number
@@ -55,13 +55,13 @@ pub struct Segment {
     /// How boundaries are corrected [default: cut]
     #[arg(long, value_name = "METHOD", value_parser = choice::<Rectify>(&["paper", "cut", "none"]))]
     rectify: Option<Rectify>,
-    /// Starts from these labels: a face property of the input, or a file with one integer per triangle
+    /// Starts from labels: a face property of the input, or a file with one integer per triangle
     #[arg(long, value_name = "FILE|PROPERTY")]
     labels: Option<String>,
-    /// Edges that bend by more are sharp, in degrees [default: from the data, near 25]
+    /// Angle from which edges are sharp, in degrees [default: from the data, near 25]
     #[arg(long, value_name = "DEG")]
     sharp_angle: Option<f64>,
-    /// Boundary edges with a lower score are correct, for --rectify paper [default: 0.2]
+    /// Score below which boundary edges count as correct, for --rectify paper [default: 0.2]
     #[arg(long, value_name = "S")]
     score_threshold: Option<f64>,
     /// How curvatures are estimated [default: corrected]
@@ -73,7 +73,7 @@ pub struct Segment {
     /// The length that curvatures are multiplied by [default: root-area; preset paper: largest-side]
     #[arg(long, value_name = "LENGTH", value_parser = choice::<Scale>(&["largest-side", "root-area"]))]
     scale: Option<Scale>,
-    /// Smaller regions are merged first, as a share of the area [default: 0.001]
+    /// Area below which regions are merged first, as a share of the whole [default: 0.001]
     #[arg(long, value_name = "SHARE")]
     min_area: Option<f64>,
     /// Largest distance of a region's vertices from its surface [default: 0.003%]
@@ -184,7 +184,7 @@ impl Segment {
         let result = of_file(&prepared, context.install(|| segment::segment(mesh, &wanted, &context))?);
         tell(session, &result);
         for name in ["region", "primitive", "fit_error"].into_iter().filter(|n| mesh.attributes.face.contains_key(*n)) {
-            session.warn(format!("the method: the face values '{name}' of the input give way to those of the result"));
+            session.warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
         }
         let mut out = labelled(prepared.into_input(), &result);
         session.draw(&out)?;
@@ -195,7 +195,7 @@ impl Segment {
         if let Some(file) = &self.output {
             if extension(file) == "obj" {
                 if out.attributes.face.contains_key("group") {
-                    session.warn("the method: the face values 'group' of the input give way to the regions, as groups of the OBJ file");
+                    session.warn("the method: the face property 'group' of the input is replaced by the regions, which are groups in OBJ files");
                 }
                 group(&mut out, &result);
             }

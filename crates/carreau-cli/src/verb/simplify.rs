@@ -18,8 +18,8 @@ use std::path::PathBuf;
 
 /// Coarsens a surface to an angular deviation, a number of triangles or a distance
 ///
-/// Ridges, corners, borders and tagged edges stay. PLY and VTU output carries the vertex property size: the edge length
-/// that the size map asks for.
+/// Ridges, corners, borders and tagged edges are kept. PLY and VTU files carry the vertex property size: the edge length that
+/// the size map asks for.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau simplify scan.ply -o coarse.ply --deviation 14 --json coarse.json\n  \
@@ -29,27 +29,27 @@ use std::path::PathBuf;
 pub struct Simplify {
     #[command(flatten)]
     pub(super) remesh: Remesh,
-    /// Number of triangles, met within 1 %; the sizes are scaled
+    /// Number of triangles, met within 1 % by scaling the sizes
     #[arg(long, value_name = "N", conflicts_with = "distance")]
     triangles: Option<usize>,
-    /// Largest distance between input and output, both ways; the sizes are scaled
+    /// Largest two-sided distance between input and output, met by scaling the sizes
     #[arg(long, value_name = "LENGTH")]
     distance: Option<Length>,
-    /// Enriches to this angle first; off: not [default: off]
+    /// Enriches to this angle first, in degrees, or off [default: off]
     #[arg(long, value_name = "DEG|off", value_parser = number_or_off)]
     enrich: Option<OrOff>,
-    /// Edges are longer where the surface bends less
+    /// Makes edges longer in the direction in which the surface bends less
     #[arg(long, conflicts_with = "geometric")]
     anisotropic: bool,
-    /// Shapes are left aside: as near to the surface as the number of triangles allows
+    /// Ignores the shape of triangles: stays as close to the surface as their number allows
     #[arg(long, conflicts_with = "enrich")]
     geometric: bool,
 }
 
 /// Refines a surface to an angular deviation
 ///
-/// Long edges are split, with the new vertices on curved patches through the vertex normals. PLY and VTU output carries
-/// the vertex property size: the edge length that the size map asks for.
+/// Long edges are split; new vertices lie on curved patches that follow the vertex normals. PLY and VTU files carry the vertex
+/// property size: the edge length that the size map asks for.
 #[derive(Args)]
 #[command(after_help = "Example:\n  carreau enrich part.stl -o fine.ply --deviation 2 --gradation 1.5")]
 pub struct Enrich {
@@ -60,7 +60,7 @@ pub struct Enrich {
 /// What both verbs have.
 #[derive(Args)]
 pub(super) struct Remesh {
-    /// The surface; polygons are fanned
+    /// The surface; polygons are cut into fans of triangles
     input: PathBuf,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
@@ -73,10 +73,10 @@ pub(super) struct Remesh {
     gradation: Option<OrOff>,
     #[command(flatten)]
     features: FeatureFlags,
-    /// A face property of integers: edges between two values stay
+    /// A face property of integers; edges between two values are kept
     #[arg(long, value_name = "PROPERTY")]
     labels: Option<String>,
-    /// A vertex property of numbers: no edge shall be longer than these, in the unit of the file
+    /// A vertex property of numbers that limits the length of edges, in the unit of the file
     #[arg(long, value_name = "PROPERTY")]
     sizes: Option<String>,
     /// Smallest edge length [default: 0.02%]

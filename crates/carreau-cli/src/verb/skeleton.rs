@@ -19,8 +19,9 @@ use std::path::PathBuf;
 
 /// Finds the curve skeleton of a surface, with radii
 ///
-/// By mean curvature flow drawn to the centres of inner balls. The skeleton has as many cycles as the surface has handles, and
-/// every node is inside. Open ends are closed by lids; branches end at flat ends. The file is a graph: .cgr, .cg, .skel, .swc (no cycles), .tgf, .vtp, .vtk, .obj.
+/// The surface flows along its mean curvature, drawn to the centres of its inner balls, until it is a curve. The skeleton has as
+/// many cycles as the surface has handles, and every node is inside. Open ends are closed by lids; branches end at flat ends.
+/// The file is a graph: .cgr, .cg, .skel, .swc (no cycles), .tgf, .vtp, .vtk, .obj.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau skeleton vessel.stl -o vessel.cgr --picture vessel.png\n  \
@@ -31,16 +32,16 @@ pub struct Skeleton {
     /// The graph to write
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Pull back to where a vertex is: more is slower and closer to the shape [default: 0.1]
+    /// Weight that pulls a vertex back to its place: larger is slower and follows the shape more closely [default: 0.1]
     #[arg(long, value_name = "W")]
     speed: Option<f64>,
-    /// Pull to the centre of the inner ball [default: 0.2]
+    /// Weight that pulls a vertex to the centre of its inner ball [default: 0.2]
     #[arg(long, value_name = "W")]
     medial: Option<f64>,
-    /// Edges shorter than this share of the diagonal are collapsed on the way [default: 0.002]
+    /// Length below which edges are collapsed, as a share of the diagonal [default: 0.002]
     #[arg(long, value_name = "SHARE")]
     detail: Option<f64>,
-    /// Keeps branches that stay within the ball of their branching
+    /// Keeps branches that end within the ball of their branching
     #[arg(long)]
     no_prune: bool,
     #[command(flatten)]

@@ -11,11 +11,11 @@ use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Writes meshes and skeletons into one HTML page that needs neither network nor server
+/// Writes meshes and skeletons into one HTML page that works offline
 ///
-/// The page shows two files side by side, or one: faces and cells coloured by any property, sharp edges, quality with the
-/// worst elements, slices through volume meshes; a click on an element shows its numbers. Curvatures are measured where
-/// a mesh of triangles has none.
+/// The page shows one file, or two side by side: faces and cells coloured by any property, sharp edges, quality with the
+/// worst elements, slices through volume meshes. A click on an element shows its numbers. Curvatures are measured if a
+/// triangle mesh has none.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau view part.ply -o part.html\n  \
@@ -28,7 +28,7 @@ pub struct View {
     /// The page to write
     #[arg(short, long, value_name = "FILE.html")]
     output: PathBuf,
-    /// Measures no curvatures
+    /// Does not measure curvatures
     #[arg(long)]
     no_curvature: bool,
     #[command(flatten)]

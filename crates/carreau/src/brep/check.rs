@@ -4,12 +4,15 @@ use super::{Brep, Curve, Surface};
 use crate::error::{Error, Result};
 
 /// How far the end of a curve may be from its vertex beyond the tolerances: rounding, as a share of the coordinates.
-const ROUNDING: f64 = 1e-12;
+const END_ROUNDING: f64 = 1e-12;
 
 impl Brep {
     /// Proves that the model is consistent: references exist, numbers are in range, loops close, curves begin and end at
     /// their vertices, no edge is used twice in the same sense, closed shells have no free edge, solids consist of closed
     /// shells. Fails with [`Error::Bug`].
+    ///
+    /// # Errors
+    /// [`Error::Bug`] with the first part that does not fit.
     pub fn check(&self) -> Result<()> {
         self.check_references()?;
         self.check_curves()?;
@@ -44,7 +47,7 @@ impl Brep {
             for (end, t) in edge.ends.iter().zip(edge.range) {
                 let vertex = self.vertices[*end as usize];
                 let off = edge.curve.point(t).distance(vertex.point);
-                let allowed = vertex.tolerance + ROUNDING * (vertex.point.abs().max_element() + (b - a).abs());
+                let allowed = vertex.tolerance + END_ROUNDING * (vertex.point.abs().max_element() + (b - a).abs());
                 if !(off <= allowed) {
                     return defect("the curve does not end at the vertices of edge", k);
                 }

@@ -26,18 +26,21 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
-/// Points of the rules: along u, of a plane along u, along an edge.
+/// Points of the rule along u.
 const INNER: usize = 8;
+/// Points of the rule along u on planes, where the integrand is a polynomial.
 const INNER_PLANE: usize = 2;
+/// Points of the rule along an edge.
 const OUTER: usize = 6;
 /// Where two levels of the outer rule agree within this share of the face's extent squared (cubed, to the fourth), it is
 /// not divided further.
 const ENOUGH: f64 = 1e-13;
 /// Most halvings of a piece of an edge.
-const MAX_HALVINGS: u32 = 8;
+const MAX_PIECE_HALVINGS: u32 = 8;
 /// The same for faces on splines, where feet of points are found by Newton's method to 1e-8 of the domain, so that two levels never
 /// agree better than that.
 const ENOUGH_ON_SPLINE: f64 = 1e-10;
+/// Most halvings of a piece of an edge there.
 const MAX_HALVINGS_ON_SPLINE: u32 = 3;
 
 /// Area, volume and first moments.
@@ -75,6 +78,9 @@ impl Mass {
 
 impl Brep {
     /// Area, volume and moments of every face.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn face_masses(&self, context: &Context) -> Result<Vec<Mass>> {
         let [low, high] = self.bounds();
         let about = 0.5 * (low + high);
@@ -92,6 +98,9 @@ impl Brep {
     }
 
     /// Area, volume and moments of the whole model: of all its faces.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn mass(&self, context: &Context) -> Result<Mass> {
         Ok(self.face_masses(context)?.iter().fold(Mass::default(), Mass::plus))
     }
@@ -147,7 +156,7 @@ fn of_face(brep: &Brep, face: &Face, samples: &[EdgeSamples], about: DVec3, rule
     let extent = points().map(|s| surface.point(s.uv.x, s.uv.y).distance(about)).fold(0.0, f64::max);
     let (share, halvings) = match surface {
         Surface::Spline(_) => (ENOUGH_ON_SPLINE, MAX_HALVINGS_ON_SPLINE),
-        _ => (ENOUGH, MAX_HALVINGS),
+        _ => (ENOUGH, MAX_PIECE_HALVINGS),
     };
     let enough = [2, 3, 4, 4, 4].map(|power| share * extent.powi(power));
     let integral = Integral { brep, surface, about, rules, from, breaks: breaks_in_u(surface), enough, halvings };

@@ -398,6 +398,7 @@ fn hermite(n: u32, point: impl Fn(f64) -> [DVec3; 2]) -> BSplineCurve {
     BSplineCurve::new(Knots::from_breaks(3, &breaks, 3).unwrap(), points).unwrap()
 }
 
+/// Radius of the bore through a ball of radius one.
 const BORE: f64 = 0.4;
 
 /// The unit cylinder from z = −2 to 2 with a hole of radius 0.4 along x.

@@ -1,5 +1,5 @@
-//! Jobs done beforehand that may turn out not to be needed: as many at a time as there are threads, with the results of one
-//! after the other.
+//! Speculative execution: runs jobs ahead on idle threads and delivers their results in order, so that the outcome is the same
+//! as if they ran one by one.
 
 use super::Context;
 use crate::error::Result;
@@ -8,12 +8,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 impl Context {
-    /// Does jobs that do not depend on each other, and hands what comes of them to `take` in their order, until it breaks. Jobs
-    /// behind the one at which it breaks are begun where a thread has nothing else to do, and given up then: what is taken is
-    /// the same for any number of threads.
+    /// Runs independent jobs and hands their results to `take` in order, until `take` breaks. Idle threads start later jobs
+    /// ahead of time and abandon them once `take` breaks, so that the results taken are the same for any number of threads.
     ///
     /// # Errors
-    /// That of the first job that failed, if it was needed.
+    /// The error of the first job that failed, if its result was needed.
     pub fn in_order<R: Send>(
         &self,
         jobs: usize,
@@ -50,7 +49,7 @@ impl Context {
     }
 }
 
-/// What came of jobs, and who takes it.
+/// Results that wait for their turn, and the function that takes them.
 struct Queue<R, T> {
     found: Vec<Option<Result<R>>>,
     taken: usize,
@@ -59,7 +58,7 @@ struct Queue<R, T> {
 }
 
 impl<R, T: FnMut(R) -> ControlFlow<()>> Queue<R, T> {
-    /// Hands on what is there now without a gap; breaks where no more is needed.
+    /// Hands on the results that are complete up to the first gap; breaks if no more are needed.
     fn put(&mut self, job: usize, found: Result<R>) -> ControlFlow<()> {
         self.found[job] = Some(found);
         while let Some(found) = self.found.get_mut(self.taken).and_then(Option::take) {

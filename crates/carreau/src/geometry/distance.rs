@@ -21,9 +21,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Queries between two looks at the clock.
-const CHUNK: usize = 1024;
+const QUERIES_PER_CHECK: usize = 1024;
 /// Triangles divided in one round.
-const ROUND: usize = 1024;
+const TRIANGLES_PER_ROUND: usize = 1024;
 /// The bounds have met when they differ by less than this share of the diagonal.
 const MET: f64 = 1e-5;
 /// Closest points within this share of the diagonal of the true distance count as equally close.
@@ -33,11 +33,11 @@ const TIE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DistanceOptions {
-    /// Samples on each surface, besides its vertices.
+    /// Number of samples on each surface, in addition to its vertices.
     pub samples: usize,
-    /// Most triangles to divide per direction, to narrow the bounds of the maximum; 0: do not.
+    /// Most triangles to divide per direction in order to narrow the bounds of the maximum; 0: none.
     pub refinements: usize,
-    /// Compare normals, too.
+    /// Whether to compare normals as well.
     pub normals: bool,
 }
 
@@ -82,7 +82,7 @@ pub struct Comparison {
 /// Mean and maximum of a distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Distance {
-    /// Over the area.
+    /// Mean over the area.
     pub mean: f64,
     /// Root mean square, over the area.
     pub rms: f64,
@@ -91,7 +91,7 @@ pub struct Distance {
     pub rms_upper: f64,
     /// The largest distance found; the true maximum (the Hausdorff distance) is not smaller.
     pub max: f64,
-    /// The true maximum is not larger.
+    /// Upper bound of the true maximum.
     pub max_upper: f64,
 }
 
@@ -105,7 +105,7 @@ pub struct OneSided {
     pub max_at: [f64; 3],
     /// Angle between the normals, in degrees.
     pub normal_deg: Option<Summary>,
-    /// Points that were looked at.
+    /// Number of points that were measured.
     pub points: usize,
 }
 
@@ -309,7 +309,7 @@ struct Bracket {
     lower: f64,
     /// Where; the first of several.
     at: DVec3,
-    /// The true maximum is not larger.
+    /// Upper bound of the true maximum.
     upper: f64,
     /// Points seen.
     points: usize,
@@ -375,7 +375,7 @@ fn of_chunks<T: Sync, R: Send>(items: &[T], context: &Context, of: impl Fn(&[T])
         context.check()?;
         Ok(of(chunk))
     };
-    items.par_chunks(CHUNK).map(of).collect()
+    items.par_chunks(QUERIES_PER_CHECK).map(of).collect()
 }
 
 /// Maps in parallel, in order, looking at the clock between chunks; the items of a chunk hand on something.
@@ -513,7 +513,7 @@ fn narrow(
         }
         // The largest bounds first; the sort is stable, so of equal ones the first.
         open.sort_by(|a, b| b.bound.total_cmp(&a.bound));
-        let rest = open.split_off(open.len().min(ROUND).min(left));
+        let rest = open.split_off(open.len().min(TRIANGLES_PER_ROUND).min(left));
         left -= open.len();
         let divided = map_chunks(&open, context, |part, ()| part.quarters(to))?;
         open = rest;
@@ -540,20 +540,20 @@ fn first_parts(
     let limit = bracket.lower + slack;
     // Of most triangles no more than the largest bound is kept: there may be millions.
     let chunks = of_chunks(&from.triangles, context, |triangles| {
-        let (mut settled, mut open) = (0.0f64, Vec::new());
+        let (mut decided, mut open) = (0.0f64, Vec::new());
         for t in triangles {
             let part = Part::at_corners(t.map(|v| from.points[v as usize]), t.map(|v| closest_of[v as usize]), to);
             if part.bound <= limit {
-                settled = settled.max(part.bound);
+                decided = decided.max(part.bound);
             } else {
                 open.push(part.with_centre(to));
             }
         }
-        (settled, open)
+        (decided, open)
     })?;
     let mut parts = Vec::new();
-    for (settled, open) in chunks {
-        bracket.upper = bracket.upper.max(settled);
+    for (decided, open) in chunks {
+        bracket.upper = bracket.upper.max(decided);
         for (part, distance) in open {
             bracket.see(part.centre(), distance);
             parts.push(part);

@@ -48,13 +48,13 @@ pub enum Creases {
 pub struct FeatureOptions {
     /// Edges whose face normals differ by more than this, in degrees; `None`: no edge is sharp.
     pub angle_deg: Option<f64>,
-    /// Which of these.
+    /// Whether every such edge is a feature, or only creases at the size of the result.
     pub creases: Creases,
-    /// Borders.
+    /// Whether borders are features.
     pub borders: bool,
-    /// Edges tagged in the file.
+    /// Whether edges tagged in the file are features.
     pub tags: bool,
-    /// Further edges, by their end points.
+    /// Further features, by their end vertices.
     pub edges: Vec<[VertexId; 2]>,
 }
 
@@ -92,7 +92,7 @@ impl FeatureOptions {
     }
 }
 
-/// Length of the edges of so many squares that cover a surface.
+/// Edge length of squares, given their number, that cover a surface.
 pub fn length_of_squares(mesh: &SurfaceMesh, count: f64) -> f64 {
     let area: f64 = mesh.faces().iter().map(|face| area_vector(mesh.points(), face).length()).sum();
     (area / count.max(1.0)).sqrt()

@@ -16,9 +16,9 @@ pub type Corners = [DVec3; 8];
 pub const CORNERS: [[usize; 3]; 8] =
     [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
 /// A determinant counts as positive above this share of the cubed longest edge.
-const TINY: f64 = 1e-12;
+const LEAST_DETERMINANT: f64 = 1e-12;
 /// Levels of halving.
-const DEPTH: usize = 6;
+const HALVINGS: usize = 6;
 
 /// Smallest scaled Jacobian of the eight corners.
 pub fn scaled_jacobian(p: &Corners) -> f64 {
@@ -59,7 +59,7 @@ pub fn is_certified(p: &Corners) -> bool {
     let longest = HEX_EDGES.iter().map(|&[a, b]| p[a].distance(p[b])).fold(0.0, f64::max);
     let mut c = determinants(p);
     along_axes(&mut c, |[a, b, d]| [a, 2.0 * b - 0.5 * (a + d), d]);
-    positive(&c, TINY * longest.powi(3), DEPTH)
+    positive(&c, LEAST_DETERMINANT * longest.powi(3), HALVINGS)
 }
 
 /// The cells of a mesh without that proof.

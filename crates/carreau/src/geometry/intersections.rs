@@ -23,9 +23,9 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 use serde::Serialize;
 
 /// How many places are kept.
-const PLACES: usize = 10;
+const PAIRS_KEPT: usize = 10;
 /// Pairs that are counted one by one in a part of the surface: where there are more the number is a lower bound.
-const MOST: usize = 1 << 16;
+const MOST_PAIRS: usize = 1 << 16;
 
 /// The self-intersections of a surface.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -61,19 +61,19 @@ impl Intersections {
                 if stopped.is_ok() && step.is_multiple_of(4096) {
                     stopped = context.check();
                 }
-                if stopped.is_ok() && list.len() <= MOST && meet(p, q) {
+                if stopped.is_ok() && list.len() <= MOST_PAIRS && meet(p, q) {
                     list.push([face[a as usize], face[b as usize]]);
                 }
             });
             stopped.map(|()| list)
         });
         let found: Vec<Vec<[u32; 2]>> = found.collect::<Result<_>>()?;
-        let more = found.iter().any(|list| list.len() > MOST);
+        let more = found.iter().any(|list| list.len() > MOST_PAIRS);
         let mut all: Vec<[u32; 2]> =
             found.into_iter().flatten().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         all.par_sort_unstable();
         all.dedup();
-        Ok(Intersections { pairs: all.len(), more, places: all.into_iter().take(PLACES).collect() })
+        Ok(Intersections { pairs: all.len(), more, places: all.into_iter().take(PAIRS_KEPT).collect() })
     }
 }
 
@@ -264,7 +264,7 @@ mod tests {
             }
             let found = pairs(&triangles(&points, &t));
             prop_assert_eq!(found.pairs, all.len());
-            all.truncate(PLACES);
+            all.truncate(PAIRS_KEPT);
             prop_assert_eq!(found.places, all);
         }
     }

@@ -1,25 +1,25 @@
-//! Geometry that several rooms need: knows meshes, knows no room.
+//! Geometry that several rooms share. It knows meshes, and no room.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `normals` | normals of faces, vertices and corners; angles |
+//! | `normals` | normals of faces, vertices and corners; angles between them |
 //! | `features` | feature edges: sharp, border, tagged, listed; signed dihedral angles |
 //! | `curvature` | principal curvatures and directions |
-//! | `planar` | fills a flat face with nearly equilateral triangles |
+//! | `planar` | filling a flat face with nearly equilateral triangles |
 //! | `bspline` | B-spline curves and surfaces |
 //! | `primitive` | planes, spheres, cylinders, cones, tori: distance and least-squares fit |
-//! | `summary` | minimum, mean, percentiles, histogram |
+//! | `summary` | minimum, mean, percentiles, histogram of a list of numbers |
 //! | `quadric` | sums of squared distances to planes |
 //! | `quality` | mean ratio, aspect ratio, angles, scaled Jacobian |
 //! | `hexes` | scaled Jacobian, volume and certificate of hexahedra |
-//! | `search_tree` | closest point, neighbourhood and rays over triangles |
+//! | `search_tree` | closest points, neighbourhoods and rays over triangles |
 //! | `closest`, `ray` | the same for one triangle |
-//! | `slabs`, `slices` | what a node of the tree holds: slabs across a normal, long triangles in slices |
+//! | `slabs`, `slices` | contents of the tree's nodes: bounds along a normal; long triangles cut into slices |
 //! | `intersections` | triangles of a surface that cut or touch each other, by exact predicates |
-//! | `holes` | holes filled by faces that follow the surroundings |
+//! | `holes` | filling holes with faces that continue the surroundings |
 //! | `thickness` | thin walls and narrow gaps |
-//! | `transfer` | what a mesh has on its elements, carried to another mesh of the same surface |
-//! | `winding` | inside or outside, for broken surfaces too |
+//! | `transfer` | attributes carried to another mesh of the same surface |
+//! | `winding` | inside or outside, also for broken surfaces |
 //! | `distance` | two-sided distance and normal deviation of two surfaces |
 
 pub mod bspline;

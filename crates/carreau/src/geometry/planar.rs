@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 /// Lattice points closer to a border point than this many edges are dropped.
 const CLEARANCE: f64 = 0.75;
 /// Rounds of relaxing and triangulating; the shape hardly changes after these.
-const ROUNDS: usize = 2;
+const RELAXING_ROUNDS: usize = 2;
 /// Moves of every inner point in a round.
 const MOVES: usize = 3;
 
@@ -34,7 +34,7 @@ pub(crate) fn fill(loops: &[Vec<DVec2>], edge: f64, context: &Context) -> Result
     let mut points = border.clone();
     points.extend(lattice(loops, &border, edge));
     let mut triangles = triangulate(&points, &constraints)?;
-    for _ in 0..ROUNDS {
+    for _ in 0..RELAXING_ROUNDS {
         context.check()?;
         (0..MOVES).for_each(|_| relax(&mut points, border.len(), &triangles));
         triangles = triangulate(&points, &constraints)?;

@@ -11,6 +11,7 @@ pub use crate::mesh::mean_ratio;
 use glam::DVec3;
 use serde::Serialize;
 
+/// √3, which has no constant function.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Aspect ratio of a triangle, the longest edge over the inscribed circle's radius, divided by 2√3: 1 equilateral,

@@ -26,13 +26,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Triangles per leaf.
-const LEAF: usize = 4;
+const TRIANGLES_PER_LEAF: usize = 4;
 /// Subtrees with fewer triangles are built by one thread.
 const SERIAL: usize = 8192;
 /// Jobs that pairs of triangles are divided into.
 const JOBS: usize = 2048;
 /// Deeper than any tree over 2³² triangles.
-const DEPTH: usize = 34;
+const DEEPEST: usize = 34;
 
 /// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
 pub struct TriangleTree {
@@ -114,7 +114,7 @@ impl TriangleTree {
             (corners.iter().sum::<DVec3>() / corners.len() as f64, item as u32)
         };
         let mut items: Vec<(DVec3, u32)> = slices.par_iter().enumerate().map(centre).collect();
-        let leaves = slices.len().div_ceil(LEAF);
+        let leaves = slices.len().div_ceil(TRIANGLES_PER_LEAF);
         let mut boxes = vec![Box3::EMPTY; (2 * leaves).saturating_sub(1)];
         if leaves > 0 {
             let outline = |item: u32| slices[item as usize].outline(corners_of(slices[item as usize].id));
@@ -352,7 +352,11 @@ impl TriangleTree {
     }
 
     fn root(&self) -> Option<Node> {
-        (!self.is_empty()).then(|| Node { index: 0, first_leaf: 0, leaves: self.slices.len().div_ceil(LEAF) as u32 })
+        (!self.is_empty()).then(|| Node {
+            index: 0,
+            first_leaf: 0,
+            leaves: self.slices.len().div_ceil(TRIANGLES_PER_LEAF) as u32,
+        })
     }
 
     fn leaf(&self, node: Node) -> std::ops::Range<usize> {
@@ -361,8 +365,8 @@ impl TriangleTree {
 
     /// The triangles of a node, by position.
     fn held(&self, node: Node) -> std::ops::Range<usize> {
-        let first = node.first_leaf as usize * LEAF;
-        first..(first + node.leaves as usize * LEAF).min(self.slices.len())
+        let first = node.first_leaf as usize * TRIANGLES_PER_LEAF;
+        first..(first + node.leaves as usize * TRIANGLES_PER_LEAF).min(self.slices.len())
     }
 
     /// All nodes, in preorder.
@@ -428,9 +432,11 @@ fn build(
     } else {
         let left = leaves.div_ceil(2);
         let axis = longest_axis(items);
-        items.select_nth_unstable_by(left * LEAF, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+        items.select_nth_unstable_by(left * TRIANGLES_PER_LEAF, |a, b| {
+            a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1))
+        });
         let serial = items.len() < SERIAL;
-        let (left_items, right_items) = items.split_at_mut(left * LEAF);
+        let (left_items, right_items) = items.split_at_mut(left * TRIANGLES_PER_LEAF);
         let (left_boxes, right_boxes) = boxes[1..].split_at_mut(2 * left - 1);
         let mut build_left = || build(left_boxes, left_items, left, outline);
         let mut build_right = || build(right_boxes, right_items, leaves - left, outline);
@@ -484,13 +490,13 @@ impl Box3 {
 
 /// Nodes still to visit, with a bound each.
 struct Stack {
-    nodes: [(Node, f64); DEPTH],
+    nodes: [(Node, f64); DEEPEST],
     len: usize,
 }
 
 impl Stack {
     fn new() -> Self {
-        Stack { nodes: [(Node { index: 0, first_leaf: 0, leaves: 0 }, 0.0); DEPTH], len: 0 }
+        Stack { nodes: [(Node { index: 0, first_leaf: 0, leaves: 0 }, 0.0); DEEPEST], len: 0 }
     }
 
     #[inline]

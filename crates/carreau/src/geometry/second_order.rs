@@ -42,9 +42,9 @@ pub const LATTICE: [[usize; 3]; 27] = [
     [1, 1, 1],
 ];
 /// A determinant counts as positive above this share of the cubed extent.
-const TINY: f64 = 1e-12;
+const LEAST_COEFFICIENT: f64 = 1e-12;
 /// Levels of halving.
-const DEPTH: usize = 3;
+const CURVED_HALVINGS: usize = 3;
 /// Coefficients of the determinant along an axis.
 const N: usize = 6;
 
@@ -144,7 +144,7 @@ pub fn is_certified(nodes: &Nodes) -> bool {
     if !extent.is_finite() {
         return false;
     }
-    positive(&determinant(nodes), TINY * extent.powi(3), DEPTH)
+    positive(&determinant(nodes), LEAST_COEFFICIENT * extent.powi(3), CURVED_HALVINGS)
 }
 
 fn positive(c: &[f64], tiny: f64, depth: usize) -> bool {

@@ -11,12 +11,13 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Triangles are cut where they are longer than so many times what a side of as many equal ones would be, and than so many
-/// times their height; slices are as long as the first.
+/// Length from which on triangles are cut, over the side of as many equal ones; slices are that long.
 const LONG: f64 = 2.0;
+/// Length over height from which on triangles are cut.
 const SLIM: f64 = 16.0;
-/// Slices of a triangle at most, and of all over the number of triangles.
-const MOST: f64 = 32.0;
+/// Most slices of a triangle.
+const MOST_SLICES: f64 = 32.0;
+/// Most slices of all triangles, over their number.
 const ALL: f64 = 8.0;
 /// Slices reach into the next ones by this share of their length, for the sake of rounding.
 const SLACK: f64 = 1e-6;
@@ -45,7 +46,7 @@ pub fn slices(count: usize, corners: impl Fn(u32) -> [DVec3; 3] + Sync) -> Vec<S
         let [a, b, c] = from_longest(corners);
         let (along, area) = ((b - a).length(), (b - a).cross(c - a).length());
         let is_long = along > side && along * along > SLIM * area;
-        if is_long { (along / side).ceil().min(MOST) as usize } else { 1 }
+        if is_long { (along / side).ceil().min(MOST_SLICES) as usize } else { 1 }
     };
     let sum: usize = all().map(wanted).sum();
     let share = (ALL * count as f64 / sum as f64).min(1.0);

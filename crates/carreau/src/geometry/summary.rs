@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Numbers summed one by one before their sums are added: the result does not depend on who sums which part.
-const CHUNK: usize = 4096;
+const NUMBERS_PER_SUM: usize = 4096;
 
 /// Extremes, mean and percentiles of a list of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -47,7 +47,7 @@ impl Summary {
 
 /// The sum over fixed chunks: more exact than one by one, and the same however the work is divided.
 pub fn sum(values: &[f64]) -> f64 {
-    values.chunks(CHUNK).map(|chunk| chunk.iter().sum::<f64>()).sum()
+    values.chunks(NUMBERS_PER_SUM).map(|chunk| chunk.iter().sum::<f64>()).sum()
 }
 
 /// How many numbers fall into each of several equal intervals.

@@ -23,7 +23,7 @@ use serde::Serialize;
 /// Cosine of the angle between normals from which faces are opposite: 120°.
 const OPPOSITE: f64 = -0.5;
 /// How many places are kept.
-const PLACES: usize = 10;
+const FACES_KEPT: usize = 10;
 
 /// On which side of a face is looked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub fn thin(mesh: &SurfaceMesh, side: Side, limit: f64, context: &Context) -> Re
         // The triangles of a polygon follow each other.
         if last != Some(face[t]) {
             thin.faces += 1;
-            if thin.places.len() < PLACES {
+            if thin.places.len() < FACES_KEPT {
                 thin.places.push([face[t], face[other as usize]]);
             }
         }

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// Nodes are replaced by their dipole from this many radii on (β of the paper).
 const FAR: f64 = 3.0;
 /// Triangles per leaf.
-const LEAF: usize = 8;
+const TRIANGLES_PER_NODE: usize = 8;
 
 /// A hierarchy of dipoles over the triangles of a surface.
 pub struct WindingTree {
@@ -41,7 +41,7 @@ impl WindingTree {
     /// Builds the hierarchy, in the order of the leaves of a search tree.
     pub fn new(tree: &TriangleTree) -> Self {
         let corners: Vec<_> = tree.in_order().map(|(_, corners)| corners).collect();
-        let mut nodes = Vec::with_capacity(corners.len() / LEAF * 3 + 1);
+        let mut nodes = Vec::with_capacity(corners.len() / TRIANGLES_PER_NODE * 3 + 1);
         if !corners.is_empty() {
             append(&mut nodes, &corners, 0, corners.len());
         }
@@ -88,7 +88,7 @@ fn append(nodes: &mut Vec<Dipole>, corners: &[[DVec3; 3]], first: usize, end: us
     let radius = own.as_flattened().iter().map(|q| q.distance(centre)).fold(0.0, f64::max);
     let index = nodes.len();
     nodes.push(Dipole { centre, radius, moment, first: first as u32, end: end as u32, skip: 0 });
-    if own.len() > LEAF {
+    if own.len() > TRIANGLES_PER_NODE {
         let middle = first + own.len() / 2;
         append(nodes, corners, first, middle);
         append(nodes, corners, middle, end);

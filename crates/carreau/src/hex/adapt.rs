@@ -1,5 +1,5 @@
-//! Where the surface is far from the boundary, though the vertices of the boundary are on it, the cells are too long: the
-//! segments there are halved along.
+//! Halves segments along where the surface is far from the boundary although the boundary's vertices lie on it: the
+//! cells there are too long.
 //!
 //! ```text
 //!       ╭───────╮             ╭───·───╮
@@ -12,9 +12,10 @@ use super::target::Target;
 use crate::mesh::{CurveNet, NONE, boundary_faces};
 use glam::DVec3;
 
-/// The surface is far from the boundary at this share of its diagonal; it is looked at in so many places, about.
-const FAR: f64 = 0.0025;
-const SAMPLES: usize = 20_000;
+/// Distance, as a share of the surface's diagonal, from which the surface counts as far from the boundary.
+const FAR_FROM_SURFACE: f64 = 0.0025;
+/// Number of places at which that is measured, about.
+const FAR_SAMPLES: usize = 20_000;
 
 /// The segments of a net, and what is left of their length in radii after the halvings.
 pub struct Lengths(Vec<f64>);
@@ -34,8 +35,8 @@ impl Lengths {
         self.halve(tube, |_, length| length > limit)
     }
 
-    /// Halves the segments at which the surface is far from the boundary, and so many halvings across will not change that, but
-    /// makes none shorter than so many radii; whether there are any.
+    /// Halves segments whose boundary is far from the surface and would remain so after `across` refinements. Segments shorter
+    /// than `shortest` radii are kept. Returns whether anything changed.
     pub fn follow(&mut self, tube: &mut TubeMesh, target: &Target, across: u32, shortest: f64) -> bool {
         let mut is_far = vec![false; self.0.len()];
         far_segments(tube, target, across).into_iter().for_each(|e| is_far[e as usize] = true);
@@ -53,10 +54,10 @@ impl Lengths {
 /// The segments at whose boundary the surface is far, and will be when cells have been halved across so often.
 fn far_segments(tube: &TubeMesh, target: &Target, across: u32) -> Vec<u32> {
     let (quads, hexes): (Vec<[u32; 4]>, Vec<u32>) = boundary_faces(&tube.hexes).into_iter().unzip();
-    let limit = FAR * target.surface().diagonal();
+    let limit = FAR_FROM_SURFACE * target.surface().diagonal();
     // Half as long a side has a quarter of the sag.
     let cured = 1.0 - 0.25f64.powi(across as i32);
-    target.looking_at(&tube.points, &quads, SAMPLES, |seen| {
+    target.looking_at(&tube.points, &quads, FAR_SAMPLES, |seen| {
         let hex = hexes[seen.quad] as usize;
         let is_far =
             seen.distance > limit && seen.distance - cured * sag_across(tube, hex, quads[seen.quad], target) > limit;

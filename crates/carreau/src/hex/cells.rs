@@ -1,4 +1,4 @@
-//! The cells about a net: the base mesh without folds, padded, halved and optimised.
+//! The cells about a net: an untangled base mesh, padded, halved and optimised.
 
 use super::insert;
 use super::optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
@@ -11,12 +11,17 @@ use crate::geometry::hexes::scaled_jacobian;
 use crate::mesh::CurveNet;
 use glam::DVec3;
 
-/// Thinner and thinner layers, tried where one of the usual thickness folds.
+/// Shares of the radius that stay inside of the layer, tried one after the other where a layer of the usual thickness
+/// folds.
 const CORES: [f64; 4] = [0.75, 0.88, 0.95, 0.98];
-/// Strength of the springs: of ends to their planes, of the wall to its radius and across it, of nodes to their places.
+/// Strength of the springs that hold ends in their planes; those of the wall and of nodes are weaker because ends are
+/// exact.
 const PLANE: f64 = 10.0;
+/// Strength of the springs that hold the wall at its radius.
 const WALL: f64 = 0.3;
+/// Strength of the springs that hold nodes at their places.
 const NODE: f64 = 0.3;
+/// Strength of the springs that hold the wall across its radius: it may slide.
 const WEAK: f64 = 0.02;
 
 /// Places, with a radius, around which the vertices at the nodes of the skeleton stay, as extremities do; others are drawn

@@ -1,4 +1,4 @@
-//! Whether the skeleton that is meshed, and the cells made of it, stand for the one that was given: its nodes lie within.
+//! Checks that the simplified skeleton still represents the input: every input node must lie inside the mesh.
 
 use super::refine::TubeMesh;
 use crate::geometry::search_tree::TriangleTree;

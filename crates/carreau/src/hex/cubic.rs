@@ -14,7 +14,7 @@
 //! No edge inside has more than four cells. A partition of the sphere about the same directions has edges of six, whose
 //! cells cannot be better than an angle of 60° lets them.
 
-use super::connection::Search;
+use super::connection::PartitionSearch;
 use crate::mesh::{CurveNet, Incidence, NONE};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -29,8 +29,8 @@ const MIDDLE: usize = 13;
 const START: f64 = 0.8;
 /// Where two tubes meet, in radii from either axis: a little less than the radius.
 const CREASE: f64 = 0.9;
-/// Branchings looked at by one task.
-const BRANCHINGS: usize = 64;
+/// Branchings that one task looks at: enough work to pay for a task.
+const BRANCHINGS_PER_TASK: usize = 64;
 
 /// A junction; face 2 a + 1 is opposite to face 2 a.
 #[derive(Debug, Clone)]
@@ -173,18 +173,23 @@ impl Cubes {
     /// Every branching that a cube can be put into and whose partition of the sphere has a smaller determinant.
     pub fn new(net: &CurveNet, around: &Incidence) -> Cubes {
         let branchings: Vec<u32> = (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2).collect();
-        let better = |search: &mut Search, v: u32| {
+        let better = |search: &mut PartitionSearch, v: u32| {
             let directions = directions(net, around, v);
             let cube = Cube::of(&directions)?;
             let partition = search.partition(&directions).least_determinant(&directions);
             (cube.least_determinant() > partition).then_some((v, cube))
         };
         let of_chunk = |chunk: &[u32]| {
-            let mut search = Search::default();
+            let mut search = PartitionSearch::default();
             chunk.iter().filter_map(|&v| better(&mut search, v)).collect::<Vec<_>>()
         };
-        let list: Vec<(u32, Cube)> =
-            branchings.par_chunks(BRANCHINGS).map(of_chunk).collect::<Vec<_>>().into_iter().flatten().collect();
+        let list: Vec<(u32, Cube)> = branchings
+            .par_chunks(BRANCHINGS_PER_TASK)
+            .map(of_chunk)
+            .collect::<Vec<_>>()
+            .into_iter()
+            .flatten()
+            .collect();
         let mut of_node = vec![NONE; if list.is_empty() { 0 } else { net.points.len() }];
         list.iter().zip(0..).for_each(|((v, _), k)| of_node[*v as usize] = k);
         Cubes { of_node, list }

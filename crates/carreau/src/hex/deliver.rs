@@ -1,4 +1,4 @@
-//! The cells become a mesh with a tagged boundary, and every cell is certified.
+//! Turns the cells into a mesh with a tagged boundary, and certifies every cell.
 
 use super::extend::extend;
 use super::figures::Figures;

@@ -1,4 +1,5 @@
-//! Flat ends of closed tubes are told from other plane pieces of the surface: a branch of the skeleton ends there.
+//! Finds the flat ends of closed tubes among the plane pieces of the surface: those at which a branch of the skeleton
+//! ends.
 //!
 //! ```text
 //!   ┌─────────────┐
@@ -14,8 +15,9 @@ use crate::skeleton::{Closed, Lid, flat_ends};
 
 /// Least cosine between the heading of a branch and the normal of an end.
 const HEADS: f64 = 0.6;
-/// A branch ends before a flat end by no more than this many radii, and beside its axis by no more than this many.
+/// Largest distance, in radii, by which a branch ends before a flat end: the flow draws tips in.
 const BEFORE: f64 = 4.0;
+/// Largest distance, in radii, by which a branch ends beside the axis of a flat end.
 const BESIDE: f64 = 0.6;
 /// An end is at least this wide, in radii of the branch.
 const WIDE: f64 = 0.6;

@@ -1,4 +1,4 @@
-//! Ends lengthened by straight pieces, as flow solvers want them: what enters there has room to settle.
+//! Lengthens ends by straight pieces, as flow solvers need them, so that the flow can develop before it enters.
 //!
 //! ```text
 //!   ──┬──┬─╮         ──┬──┬─┬──┬──┬──┐

@@ -1,4 +1,4 @@
-//! What a hex mesh achieves.
+//! Counts and quality of a hex mesh.
 
 use super::Padding;
 use super::judge::{Uncovered, overlapping};
@@ -28,20 +28,20 @@ pub struct Figures {
     pub cubic_junctions: usize,
     /// Where a layer was put.
     pub padding: Padding,
-    /// What has become of the boundary layers, where some were asked for.
+    /// Thickness of the boundary layers, if asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<LayerFigures>,
-    /// What of the cells of second order stays straight, where these were asked for.
+    /// Edges of second-order cells that stay straight, if such cells were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub straight_edges: Option<StraightEdges>,
-    /// What the cells are worth.
+    /// Quality of the cells.
     #[serde(flatten)]
     pub quality: HexQuality,
     /// Largest distance between the boundary and the surface, either way, as a share of the surface's diagonal; only where
     /// there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_max: Option<f64>,
-    /// Where that is.
+    /// The place of that distance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_max_at: Option<[f64; 3]>,
     /// The parts of the surface that are farther from the cells than allowed, the farthest first.
@@ -94,7 +94,7 @@ impl Figures {
     }
 }
 
-/// What the cells of a hexahedral mesh are worth.
+/// Quality of the cells of a hexahedral mesh.
 #[derive(Debug, Clone, Serialize)]
 pub struct HexQuality {
     /// Whether the Jacobian of every cell is proven positive.
@@ -105,7 +105,7 @@ pub struct HexQuality {
     pub scaled_jacobian_min: f64,
     /// Mean over the cells of the smallest of their corners.
     pub scaled_jacobian_mean: f64,
-    /// Cells with a corner that is not positive.
+    /// Number of cells with a scaled Jacobian of zero or less at a corner.
     pub inverted: usize,
     /// Sum of the volumes of the cells.
     pub volume: f64,
@@ -113,7 +113,7 @@ pub struct HexQuality {
     pub overlapping: Vec<u32>,
     /// Their share of the volume.
     pub overlap: f64,
-    /// Edges off the boundary with other than four cells, by that number.
+    /// Interior edges without four cells: the number of edges for each number of cells.
     pub irregular_edges: BTreeMap<u32, usize>,
 }
 

@@ -1,4 +1,4 @@
-//! The boundary of the mesh goes to the surface.
+//! Pulls the boundary of the mesh to the surface.
 //!
 //! Every boundary vertex is cast along the mean normal of its boundary faces, forward and backward, on the side of the
 //! surface that faces the same way; where nothing is met within reach, its closest such point counts. Springs pull it there,
@@ -20,18 +20,21 @@ use rustc_hash::FxHashMap;
 
 /// Strength of the springs to the surface along its normal, and across, while poor cells are improved.
 const SLIDING: [f64; 2] = [1000.0, 1e-3];
-/// Cells may be as poor as this when vertices are put onto the surface with their surroundings, or as poor as before; and the
-/// last ones.
+/// Least scaled Jacobian of cells when vertices are put onto the surface together with their surroundings, unless
+/// they were poorer before.
 const SEATED: f64 = 0.1;
+/// The same for the vertices that are left at last.
 const BARELY_SEATED: f64 = 0.01;
-/// Cells with a lower scaled Jacobian than the first keep the second share of it when the boundary swells.
-const POOR: f64 = 0.5;
-const KEPT: f64 = 0.98;
-/// The boundary swells until the mesh has this share of the surface's volume, in so many steps.
+/// Scaled Jacobian up to which the boundary's swelling must not make cells poorer.
+const POOR_BEFORE_SWELLING: f64 = 0.5;
+/// Share of that scaled Jacobian, or of their own, that cells keep when the boundary swells.
+const KEPT_WHEN_SWELLING: f64 = 0.98;
+/// Share of the surface's volume up to which the boundary swells.
 const FULL: f64 = 0.99;
+/// Steps in which the boundary swells to that volume.
 const SWELLINGS: usize = 4;
 /// Rounds of taking back vertices whose cells do not.
-const ROUNDS: usize = 1000;
+const UNDOING_ROUNDS: usize = 1000;
 /// Passes over the vertices that were taken back, in which each is tried alone.
 const PASSES: usize = 20;
 
@@ -168,7 +171,7 @@ impl Ties for Sliding<'_> {
         self.skin.has(vertex as usize) && !self.placed[vertex as usize]
     }
 
-    fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
+    fn tied_place(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
         let v = vertex as usize;
         if let Some((to, _)) = self.pinned.get(&vertex) {
             return Some(*to);
@@ -280,7 +283,7 @@ fn put_together(
     floors: &[f64],
 ) -> Vec<bool> {
     let mut goes = vec![true; points.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..UNDOING_ROUNDS {
         for &(v, to, _) in places {
             points[v as usize] = if goes[v as usize] { to } else { start[v as usize] };
         }
@@ -298,7 +301,8 @@ fn put_together(
 pub fn swell(points: &mut [DVec3], hexes: &[[u32; 8]], skin: &Skin, target: &Target, free: &[bool]) {
     let optimiser = Optimiser::new(points, hexes);
     let start = points.to_vec();
-    let floors: Vec<f64> = optimiser.qualities(points).into_iter().map(|q| KEPT * q.min(POOR)).collect();
+    let floors: Vec<f64> =
+        optimiser.qualities(points).into_iter().map(|q| KEPT_WHEN_SWELLING * q.min(POOR_BEFORE_SWELLING)).collect();
     let on_wall = |v: &usize| skin.parts[*v] == Part::Wall && !free[*v];
     let place = |v: usize| target.closest_wall(start[v]).map(|(to, normal)| (v as u32, to, normal));
     let on_surface: Vec<_> = (0..points.len()).into_par_iter().filter(on_wall).filter_map(place).collect();

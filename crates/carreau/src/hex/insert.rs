@@ -18,7 +18,7 @@
 //! a cell. That conforms whatever the set is; edges inside get three to six cells.
 
 use super::Padding;
-use super::refine::{Place, TubeMesh};
+use super::refine::{CellPlace, TubeMesh};
 use crate::mesh::{Chains, CurveNet, HEX_FACES, NONE};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -75,7 +75,7 @@ fn halvings(level: u32) -> u32 {
 }
 
 /// Inserts the sheets. `places` says where every cell stands.
-pub fn insert(tube: &mut TubeMesh, places: Vec<Place>, levels: &[u32]) {
+pub fn insert(tube: &mut TubeMesh, places: Vec<CellPlace>, levels: &[u32]) {
     let mut sheets = Sheets { tube, places };
     for level in 1..=levels.iter().copied().max().unwrap_or(0) {
         for half in HALVES {
@@ -125,7 +125,7 @@ pub fn count(net: &CurveNet, levels: &[u32], padding: Padding) -> [f64; 2] {
 /// A mesh that sheets are inserted into.
 struct Sheets<'a> {
     tube: &'a mut TubeMesh,
-    places: Vec<Place>,
+    places: Vec<CellPlace>,
 }
 
 impl Sheets<'_> {
@@ -138,7 +138,7 @@ impl Sheets<'_> {
     ///   │  │  │  │         ├──a──┼──┤
     ///   └──┴──┴──┘         └──┴──┴──┘
     /// ```
-    fn pillow(&mut self, is_in: impl Fn(Place) -> bool) {
+    fn pillow(&mut self, is_in: impl Fn(CellPlace) -> bool) {
         let cells: Vec<u32> = (0..self.places.len() as u32).filter(|&c| is_in(self.places[c as usize])).collect();
         let faces = self.frontier(&cells);
         let inner = self.shrink(&cells, &faces);

@@ -1,5 +1,5 @@
-//! The verdict on a mesh before it is called done: how far surface and cells are apart and where, which parts of the surface
-//! no cell comes near to, the volume, and cells that lie where others are.
+//! The verdict on a mesh before it is returned: how far surface and cells are apart and where, which parts of the
+//! surface no cell comes near, the volume, and cells that overlap others.
 //!
 //! ```text
 //!   ╭────╮   uncovered: the surface is        ┌──┬──┐
@@ -25,14 +25,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The largest distance that is allowed where nothing else is said, as a share of the surface's diagonal.
+/// Default of the largest distance that is allowed, as a share of the surface's diagonal.
 pub const MAX_DISTANCE: f64 = 0.02;
 /// The user is told of a volume that differs from the surface's by more than this share.
 const VOLUME: f64 = 0.05;
 /// A cell lies where others are if the boundary winds around its centre more often than this: between one and two times.
 const TWICE: f64 = 1.5;
 /// Queries between two looks at the clock.
-const CHUNK: usize = 1024;
+const QUERIES_PER_CHECK: usize = 1024;
 /// Samples alone miss the largest distance by some per cent.
 const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
 
@@ -57,10 +57,10 @@ pub fn overlapping(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], con
     };
     let of_chunk = |(k, cells): (usize, &[[u32; 8]])| {
         context.check()?;
-        let numbered = ((k * CHUNK) as u32..).zip(cells);
+        let numbered = ((k * QUERIES_PER_CHECK) as u32..).zip(cells);
         Ok(numbered.filter(|(_, h)| is_twice(h)).map(|(id, _)| id).collect())
     };
-    let found: Result<Vec<Vec<u32>>> = hexes.par_chunks(CHUNK).enumerate().map(of_chunk).collect();
+    let found: Result<Vec<Vec<u32>>> = hexes.par_chunks(QUERIES_PER_CHECK).enumerate().map(of_chunk).collect();
     Ok(found?.concat())
 }
 
@@ -113,7 +113,7 @@ fn uncovered(
         context.check()?;
         Ok(chunk.iter().map(farthest).collect())
     };
-    let far: Result<Vec<Vec<(f64, DVec3)>>> = triangles.par_chunks(CHUNK).map(of_chunk).collect();
+    let far: Result<Vec<Vec<(f64, DVec3)>>> = triangles.par_chunks(QUERIES_PER_CHECK).map(of_chunk).collect();
     let far = far?.concat();
     let is_far = |t: &usize| far[*t].0 > limit;
     let mut sets = DisjointSets::new(points.len());
@@ -167,7 +167,7 @@ fn flaws(result: &HexResult, options: &HexOptions, diagonal: f64) -> Vec<String>
             n => format!(" ({} of the surface not covered)", counted(n, "part", "parts")),
         };
         found.push(format!(
-            "the cells and the surface are up to {} of the diagonal apart, near {}, where {} is allowed{parts}",
+            "the cells and the surface are up to {} of the diagonal apart, near {}, but only {} is allowed{parts}",
             percent(far),
             place(at),
             percent(limit)

@@ -1,4 +1,5 @@
-//! Boundary layers: thin cells on the wall, whose thickness grows inwards in proportion, as flow solvers want them.
+//! Boundary layers: thin cells on the wall whose thickness grows inwards by a constant factor, as flow solvers need
+//! them.
 //!
 //! Padding (section 4 of the paper) graded: the whole mesh shrinks by the thickness of all layers, and these fill the gap.
 //!
@@ -36,26 +37,28 @@ use wall::Wall;
 /// Boundary layers that are asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Layers {
-    /// Their number.
+    /// Number of layers.
     pub count: u32,
     /// Thickness of the first one, on the wall, in the unit of the file.
     pub first: f64,
-    /// Every layer is so many times as thick as the one before it.
+    /// Thickness of a layer divided by that of the one before it.
     pub growth: f64,
 }
 
-/// Growth where nothing else is said: what solvers for turbulent flow take as a rule.
+/// Default growth: the usual value for solvers of turbulent flow.
 pub const GROWTH: f64 = 1.2;
-/// More layers, and steeper growth, are refused: the last layer would be thicker than any room.
+/// Most layers: more of them would be thicker than any tube.
 pub const MOST_LAYERS: u32 = 50;
+/// Largest growth: the third layer would be nine times as thick as the first.
 pub const STEEPEST: f64 = 3.0;
 /// Cells inside keep this share of their scaled Jacobian when they shrink.
-const KEPT: f64 = 0.4;
-const ROUNDS: usize = 16;
+const KEPT_WHEN_SHRINKING: f64 = 0.4;
+/// Rounds in which layers are thinned around weak cells; after these all of them are halved.
+const THINNING_ROUNDS: usize = 16;
 /// Where that is not enough all of the wall's are halved, so often at most.
 const HALVINGS: usize = 6;
 /// Rings of cells around a weak one whose wall vertices are thinned at first.
-const RINGS: usize = 2;
+const THINNED_RINGS: usize = 2;
 /// The user is told where they are on less than this share of the wall.
 const MOST_OF_THE_WALL: f64 = 0.95;
 
@@ -65,13 +68,13 @@ pub struct LayerFigures {
     /// What was asked for.
     #[serde(flatten)]
     pub asked: Layers,
-    /// The thickness of all together that was asked for.
+    /// Total thickness asked for.
     pub thickness: f64,
-    /// The share of the wall, by area, where they are that thick within a tenth, along the wall's normal.
+    /// Share of the wall's area where the layers have that thickness within 10 %, measured along the normal.
     pub as_asked: f64,
-    /// The least thickness as a share of that asked for, and where it is.
+    /// Smallest thickness, as a share of the one asked for.
     pub least: f64,
-    /// Where that is.
+    /// The place of the smallest thickness.
     pub least_at: [f64; 3],
 }
 
@@ -81,7 +84,7 @@ impl Layers {
         Layers { first: scale.length(self.first), ..self }
     }
 
-    /// The thickness of all layers together.
+    /// Total thickness of all layers.
     pub fn thickness(&self) -> f64 {
         self.first * self.heights().iter().sum::<f64>()
     }
@@ -124,10 +127,11 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
     let mut wall = Wall::of(&result.mesh, layers.thickness());
     let inside = Inside::of(&result.mesh, &wall);
     let optimiser = Optimiser::new(&result.mesh.points, &result.mesh.hexes);
-    let floors: Vec<f64> = optimiser.qualities(&result.mesh.points).into_iter().map(|q| KEPT * q).collect();
+    let floors: Vec<f64> =
+        optimiser.qualities(&result.mesh.points).into_iter().map(|q| KEPT_WHEN_SHRINKING * q).collect();
     let mut moves = vec![DVec3::ZERO; result.mesh.points.len()];
     let mut points = result.mesh.points.clone();
-    for round in 0..ROUNDS + HALVINGS {
+    for round in 0..THINNING_ROUNDS + HALVINGS {
         context.check()?;
         inside.follow(&wall, &mut moves, context)?;
         points = result.mesh.points.iter().zip(&moves).map(|(p, m)| *p + *m).collect();
@@ -139,9 +143,9 @@ pub fn add(result: &mut HexResult, layers: Layers, context: &Context) -> Result<
         }
         weak.sort_unstable();
         weak.dedup();
-        if round < ROUNDS {
+        if round < THINNING_ROUNDS {
             // What stays weak has its reason farther away.
-            wall.thin(&inside.wall_near(&result.mesh, &wall, &weak, RINGS + round / 4));
+            wall.thin(&inside.wall_near(&result.mesh, &wall, &weak, THINNED_RINGS + round / 4));
         } else {
             wall.thickness.iter_mut().for_each(|t| *t *= 0.5);
             moves.iter_mut().for_each(|m| *m *= 0.5);

@@ -1,4 +1,4 @@
-//! Radii that leave no room for cells are reduced: discs wider than their segments are long cannot be joined without folds.
+//! Reduces radii that leave no room for cells: discs wider than their segments are long cannot be joined without folds.
 //!
 //! ```text
 //!        ╲  θ  ╱            at a branching: the first-ring rule turned round, r ≤ d / max(1.2, 0.7 / tan(θ/2)),

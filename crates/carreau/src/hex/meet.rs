@@ -1,5 +1,5 @@
-//! Where branches meet. In the ball of a branching they run straight: there is room for any way, and a curl of the curves in
-//! there would be taken for their direction.
+//! Finds the point where branches meet. Within the ball of a branching all branches run straight, because there is room
+//! for any way, and a curl of a curve in there would be taken for its direction.
 //!
 //! Where many meet, their common point is where their lines come closest to each other.
 //!
@@ -18,16 +18,16 @@ use crate::mesh::{Branch, CurveNet, branches};
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 
-/// So many branches and more.
+/// Number of branches from which on they meet in the point that their lines aim at.
 const MANY: usize = 4;
-/// The line of a branch is that of its nodes between so many radii of the branching from it; one that ends before says
-/// nothing.
+/// Distance from the branching, in its radii, from which the nodes of a branch make its line.
 const FROM: f64 = 4.0;
+/// Distance, in radii, up to which they do. A branch that ends before [`FROM`] says nothing.
 const TO: f64 = 8.0;
 /// Weight of the place where the branching is, against that of a branch's line.
 const STAY: f64 = 0.05;
 /// The new place has at least this share of the room of the old one.
-const ROOM: f64 = 0.7;
+const ROOM_KEPT: f64 = 0.7;
 /// And in the ball of a branching, where a node may have been in the middle of the body.
 const IN_BALL: f64 = 0.3;
 
@@ -44,13 +44,13 @@ pub fn meet(net: &mut CurveNet, target: &Target) {
             continue;
         }
         let Some(to) = nearest_to(&lines, from) else { continue };
-        if !target.contains(to) || target.distance(to) < ROOM * room {
+        if !target.contains(to) || target.distance(to) < ROOM_KEPT * room {
             continue;
         }
         net.points[v as usize] = to;
         for way in &ways {
             if let Some(end) = leaves(net, way, FROM * room) {
-                straighten(net, &way[..=end], ROOM, target);
+                straighten(net, &way[..=end], ROOM_KEPT, target);
             }
         }
     }

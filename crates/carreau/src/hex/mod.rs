@@ -1,38 +1,38 @@
-//! Hexahedral meshes of tubular shapes from their skeleton.
+//! Hexahedral meshes of tubular shapes, from their skeleton.
 //!
 //! Viville, Kraemer, Bechmann, "Génération de maillage hexaédrique à partir d'un squelette", Journées du groupe de travail
-//! en modélisation géométrique 2020. A skeleton (nodes with radii, segments) becomes a mesh of hexes that follow its
-//! branches: a partition of the sphere into quads at every node says how the four hexes about each segment are joined.
+//! en modélisation géométrique 2020. A skeleton (nodes with radii, segments) becomes a mesh of hexes along its branches. Four
+//! hexes stand about every segment; a partition of the sphere into quads at every node says how they are joined there.
 //!
-//! | stage | section | file |
+//! | stage, in the order of the calls | section | file |
 //! |---|---|---|
-//! | what is asked for; what is given back | | `options`, `result` |
-//! | **nets**: the driver | | `tubes` |
-//! | nodes where a branch turns back within a ball go | | `turns` |
-//! | stubs go; narrow forks get a trunk | | `resample`, `zip` |
-//! | branches get nodes in proportion to the radius, for the size asked for | | `resample`, `size` |
+//! | options; the result | | `options`, `result` |
+//! | **skeletons**: the driver | | `tubes` |
+//! | nodes where a branch turns back within a ball are dropped | | `turns` |
+//! | stubs are dropped; narrow forks get a trunk | | `resample`, `zip` |
+//! | branches are resampled in proportion to the radius, for the size asked for | | `resample`, `size` |
 //! | radii that leave no room are reduced | | `limit` |
-//! | whether the result stands for the skeleton that was given | | `cover` |
-//! | **surfaces**: the driver, and ways that are tried in turn | | `surface`, `surface::fitted` |
+//! | check that the result still represents the input: every input node lies inside | | `cover` |
+//! | **surfaces**: the driver, and its fallbacks | | `surface`, `surface::fitted` |
 //! | flat ends of closed tubes | | `ends` |
-//! | the skeleton made ready: extremities, webs (an ear is one), where many branches meet | | `surface::ready`, `tips`, `web`, `meet` |
-//! | **cells** of both, from the base mesh on | | `cells` |
-//! | connection surfaces of the branchings; those at right angles | 3.2 | `connection`, `cubic` |
+//! | the skeleton is prepared: extremities, webs, meeting points of many branches | | `surface::ready`, `tips`, `web`, `meet` |
+//! | **cells**, the same for both from here on | | `cells` |
+//! | connection surfaces of the branchings; cubic junctions at right angles | 3.2 | `connection`, `cubic` |
 //! | frames along the branches | 3.1 | `frames` |
-//! | hexes and sewing | 3.1 | `sew` |
+//! | the base mesh: hexes joined at the nodes | 3.1 | `sew` |
 //! | padding, halving across and along | 4 | `refine` |
 //! | cells inserted where branches grow thick | | `insert` |
 //! | untangling, smoothing, certificate | | `optimise` |
-//! | **fit**: cells as flat as the sections; segments halved where the surface is far | | `oval`, `adapt` |
-//! | the surface, the boundary of the mesh, and how the one comes to the other | | `target`, `skin`, `fit` |
-//! | vertices that go to where the surface is far | | `reach` |
+//! | **fit** to the surface: sections flattened; segments halved where the surface is far | | `oval`, `adapt` |
+//! | the surface, the boundary of the mesh, and how the one is pulled to the other | | `target`, `skin`, `fit` |
+//! | vertices sent to where the surface is far | | `reach` |
 //! | **delivery**: boundary, tags, certificate | | `deliver` |
 //! | boundary layers, straight pieces at the ends, cells of second order | | `layers`, `extend`, `second_order` |
-//! | how far the result is from the surface, what lies where it should not; figures | | `judge`, `figures` |
+//! | distance and overlap are judged; figures | | `judge`, `figures` |
 //!
-//! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's, a
-//! rule for the first ring at a branching, residual twist spread by arc length on rings too, an energy that untangles
-//! instead of linear smoothing, and a certificate for every cell.
+//! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's; a rule for
+//! the first ring at a branching; residual twist spread by arc length, on rings too; an energy that untangles instead of
+//! linear smoothing; and a certificate for every cell.
 
 mod adapt;
 mod cells;

@@ -1,4 +1,4 @@
-//! What is asked of the cells, what of it makes no sense, and how many cells it leads to.
+//! The room's options, their checks, and an estimate of the number of cells that they lead to.
 
 use super::cubic::{self, Cube};
 use super::insert;
@@ -13,7 +13,7 @@ use std::ops::Bound;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Padding {
-    /// Nowhere.
+    /// No layer.
     None,
     /// On the wall: every hex is cut in three across its axis.
     Sides,
@@ -22,13 +22,13 @@ pub enum Padding {
     All,
 }
 
-/// How far the skeleton is worked on.
+/// How much the skeleton is cleaned up before it is meshed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// The graph as given: one segment, one ring of hexes.
     Base,
-    /// Stubs go, and nodes are set anew.
+    /// Stubs are dropped, and branches resampled.
     #[default]
     Full,
 }
@@ -37,10 +37,10 @@ pub enum Stage {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(try_from = "OrderNumber", into = "u8")]
 pub enum Order {
-    /// Straight edges: 8 corners.
+    /// Straight edges: 8 nodes per cell.
     #[default]
     First,
-    /// Edges with a node in the middle, which bends them: 27 nodes, or 20.
+    /// Curved edges with a node in the middle: 27 nodes per cell, or 20 in formats that hold no more.
     Second,
 }
 
@@ -83,39 +83,41 @@ impl From<Order> for u8 {
 pub struct HexOptions {
     /// Where a layer is put.
     pub padding: Padding,
-    /// How often every cell is halved across its axis, the layer included; none: not at all, or what a surface needs.
+    /// Number of times that every cell is halved across its axis, the layer included. `None`: 0 for skeletons, as many as the
+    /// shape needs for surfaces.
     pub refine_across: Option<u32>,
-    /// How often every cell is halved along its axis.
+    /// Number of times that every cell is halved along its axis.
     pub refine_along: u32,
-    /// Cells are inserted where a branch is more than twice as thick as where it is thinnest. Not for surfaces.
+    /// Insert cells where a branch is more than twice as thick as where it is thinnest. Has no effect on surfaces.
     pub adapt_radius: bool,
-    /// How far the skeleton is worked on.
+    /// How much the skeleton is cleaned up before it is meshed.
     pub stage: Stage,
-    /// About this many hexes: sets the length of the steps along the branches.
+    /// Target number of hexes (an upper bound). Sets the step length along the branches.
     pub hexes: Option<usize>,
-    /// Length of the steps along the branches, in the unit of the file; exclusive with `hexes`.
+    /// Step length along the branches, in the unit of the file; excludes `hexes`.
     pub edge_length: Option<f64>,
     /// One radius for all nodes, in the unit of the file.
     pub radius: Option<f64>,
-    /// Boundary layers on the wall, besides the layer that `padding` makes.
+    /// Boundary layers on the wall, in addition to the layer that `padding` makes.
     pub layers: Option<Layers>,
-    /// Every end is lengthened by a straight piece of so many of its radii.
+    /// Length of the straight piece added at every end, in radii of the end.
     pub extend: Option<f64>,
-    /// Cells have nodes in the middle of their edges and faces, those of the boundary on the surface.
+    /// Order of the cells. Second order adds nodes in the middle of edges and faces; those on the boundary lie on the surface.
     pub order: Order,
-    /// Cells without a certificate are delivered.
+    /// Return the mesh even if some cells could not be certified (otherwise an error).
     pub allow_invalid: bool,
-    /// The largest distance between cells and surface, either way, in the unit of the file; none: [`MAX_DISTANCE`](super::MAX_DISTANCE) of the diagonal.
+    /// Largest two-sided distance between cells and surface, in the unit of the file. `None`:
+    /// [`MAX_DISTANCE`](super::MAX_DISTANCE) of the diagonal.
     pub max_distance: Option<f64>,
-    /// Cells farther than that from the surface, or where others are, are delivered.
+    /// Return the mesh even if it is farther than that from the surface, or if cells overlap (otherwise an error).
     pub allow_far: bool,
 }
 
-/// Levels of halving that are accepted.
+/// Most levels of halving: each multiplies the number of cells by up to four.
 pub const MOST_HALVINGS: u32 = 6;
-/// Ends are lengthened by no more than this, in their radii: a hundred diameters, after which flow in a pipe has settled.
+/// Longest straight piece at an end, in radii: a hundred diameters, after which flow in a pipe is fully developed.
 pub const LONGEST_EXTENSION: f64 = 200.0;
-/// More hexes are refused.
+/// Most hexes: at up to 170 bytes each the mesh alone takes 8.5 GB.
 pub const MOST_HEXES: f64 = 5e7;
 
 impl HexOptions {
@@ -136,7 +138,7 @@ impl HexOptions {
             return Err(Error::Options("stage base takes the graph as it is: no cells are inserted".into()));
         }
         if self.hexes == Some(0) {
-            return Err(Error::Options("the number of hexes must be positive".into()));
+            return Err(Error::Options("the number of hexes must be at least 1".into()));
         }
         let lengths = [("edge length", self.edge_length), ("radius", self.radius), ("max-distance", self.max_distance)];
         for (name, length) in lengths {
@@ -205,7 +207,7 @@ pub(super) fn check_steps(net: &CurveNet, options: &HexOptions) -> Result<()> {
     let length: f64 = (0..net.edges.len()).map(|e| net.length(e)).sum();
     let expected = (length / step) * options.hexes_of(1, 0);
     if expected > MOST_HEXES {
-        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for longer ones")));
+        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for longer edges")));
     }
     Ok(())
 }
@@ -213,7 +215,9 @@ pub(super) fn check_steps(net: &CurveNet, options: &HexOptions) -> Result<()> {
 pub(super) fn check_size(net: &CurveNet, options: &HexOptions) -> Result<()> {
     let expected = options.most_hexes(net);
     if expected > MOST_HEXES {
-        return Err(Error::Options(format!("about {expected:.1e} hexes would be made; ask for fewer or longer ones")));
+        return Err(Error::Options(format!(
+            "about {expected:.1e} hexes would be made; ask for fewer hexes or longer edges"
+        )));
     }
     Ok(())
 }

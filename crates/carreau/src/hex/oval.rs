@@ -1,4 +1,4 @@
-//! Flat parts: the first cells about a branch are as flat as the sections of the surface, where these are.
+//! Stretches the first cells about a branch to ellipses where the sections of the surface are flat.
 //!
 //! ```text
 //!     ╭──────────────────╮         ╭──────────────────╮
@@ -18,14 +18,14 @@ use rustc_hash::FxHashMap;
 
 /// Rays from a node across its branch.
 const RAYS: usize = 32;
-/// Sections so many times as wide as thick are flat.
+/// Width of a section over its thickness from which on it is flat.
 const FLAT: f64 = 2.0;
-/// Cells are made so many times as wide at most.
+/// Largest factor by which cells are made wider.
 const WIDEST: f64 = 8.0;
 /// They take this share of the room.
-const INSIDE: f64 = 0.8;
+const SHARE_OF_ROOM: f64 = 0.8;
 /// Shares of the stretch that are tried, until no cell is folded.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const STRETCHES: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Stretches cells across the branches of a net where the sections of the surface are flat.
 pub fn stretch(tube: &mut TubeMesh, net: &CurveNet, target: &Target) {
@@ -37,7 +37,7 @@ pub fn stretch(tube: &mut TubeMesh, net: &CurveNet, target: &Target) {
     let by = evened(&around, &own);
     let nodes = nodes_of(tube, net);
     let optimiser = Optimiser::new(&tube.points, &tube.hexes);
-    for share in SHARES {
+    for share in STRETCHES {
         let to = |(p, &v): (&DVec3, &usize)| *p + share * (by[v] * (*p - net.points[v]));
         let stretched: Vec<DVec3> = tube.points.iter().zip(&nodes).map(to).collect();
         if optimiser.is_valid(&stretched) {
@@ -80,7 +80,7 @@ fn of_node(net: &CurveNet, around: &[[u32; 2]], v: u32, target: &Target) -> DMat
     let radius = net.radii[v as usize];
     let section = axis.try_normalize().and_then(|axis| Oval::new(at(v), axis, WIDEST * radius, target));
     let Some(oval) = section.filter(|o| o.radii[0] > FLAT * o.radii[1]) else { return DMat3::ZERO };
-    let more = |k: usize| (INSIDE * oval.radii[k] / radius).clamp(1.0, WIDEST) - 1.0;
+    let more = |k: usize| (SHARE_OF_ROOM * oval.radii[k] / radius).clamp(1.0, WIDEST) - 1.0;
     outer(oval.axes[0]) * more(0) + outer(oval.axes[1]) * more(1)
 }
 

@@ -1,5 +1,5 @@
-//! Where the surface is far from the boundary, though all vertices of the boundary are on it, vertices go there: down into a
-//! groove that faces span, or out to the tip of what has no branch. The cells around follow, the boundary slides along the
+//! Sends boundary vertices to where the surface is far although all of them lie on it: down into a groove that faces
+//! span, or out to the tip of a part that has no branch. The cells around follow, and the boundary slides along the
 //! surface.
 //!
 //! ```text
@@ -19,15 +19,16 @@ use crate::error::Result;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rounds at most, and vertices that are moved in each.
-const ROUNDS: usize = 40;
+/// Most rounds of reaching.
+const REACHING_ROUNDS: usize = 40;
+/// Vertices that are moved in each round: they are far from each other.
 const AT_ONCE: usize = 64;
-/// Cells may become as poor as this.
-const LEAST: f64 = 0.2;
+/// Scaled Jacobian below which no cell may fall.
+const LEAST_JACOBIAN: f64 = 0.2;
 /// Places in a round are this many times as far from each other as the farther one from the boundary.
 const APART: f64 = 1.5;
 /// A vertex goes all of the way, or these shares of it along the surface.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const WAYS: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Moves vertices to where the surface is farther from the boundary than a limit. `free` are those that are inside or could not be
 /// put onto the surface.
@@ -43,7 +44,7 @@ pub fn reach(
     let mut pinned: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
     let mut part_of_the_way: Vec<u32> = Vec::new();
     let mut in_vain: FxHashSet<u32> = FxHashSet::default();
-    for round in 0..ROUNDS {
+    for round in 0..REACHING_ROUNDS {
         context.check()?;
         let is_free = |v: u32| {
             let k = v as usize;
@@ -53,7 +54,7 @@ pub fn reach(
         let Some(farthest) = open.first() else { break };
         tracing::debug!(round, places = open.len(), pinned = pinned.len(), far = farthest.far, "far places");
         let count = open.len();
-        for share in SHARES {
+        for share in WAYS {
             let to = |place: &Far| match share < 1.0 {
                 true => target.closest_wall(points[place.vertex as usize].lerp(place.to, share)),
                 false => Some((place.to, place.normal)),
@@ -62,7 +63,7 @@ pub fn reach(
             pins.extend(open.iter().filter_map(|place| Some((place.vertex, to(place)?))));
             let sliding = Sliding::pinning(points, skin, target, free, pins);
             let vertices: Vec<u32> = open.iter().map(|place| place.vertex).collect();
-            let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST, context)?;
+            let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST_JACOBIAN, context)?;
             let (there, left): (Vec<Far>, Vec<Far>) =
                 open.into_iter().partition(|place| seated.contains(&place.vertex));
             // What went all of the way stays there; the others may go on.

@@ -59,7 +59,7 @@ pub struct End {
 
 /// Where a cell of a padded mesh stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct CellPlace {
     /// The segment whose section it belongs to, that of an end for the layer there; [`NONE`] in cubic junctions.
     pub segment: u32,
     /// The hex of the base mesh that it was cut from or lies on, of the four of its segment.
@@ -67,11 +67,11 @@ pub struct Place {
 }
 
 /// The places of the cells that [`pad`] makes, in their order.
-pub fn places(net: &CurveNet, base: &BaseMesh, padding: Padding) -> Vec<Place> {
-    let section = |segment: u32| (0..4).map(move |quarter| Place { segment, quarter });
-    let nowhere = Place { segment: NONE, quarter: 0 };
+pub fn places(net: &CurveNet, base: &BaseMesh, padding: Padding) -> Vec<CellPlace> {
+    let section = |segment: u32| (0..4).map(move |quarter| CellPlace { segment, quarter });
+    let nowhere = CellPlace { segment: NONE, quarter: 0 };
     let segments = 0..base.segments.len() as u32;
-    let mut places: Vec<Place> = segments.clone().flat_map(section).collect();
+    let mut places: Vec<CellPlace> = segments.clone().flat_map(section).collect();
     places.resize(base.hexes.len(), nowhere);
     if padding == Padding::None {
         return places;

@@ -24,14 +24,15 @@ pub enum Step {
 }
 
 /// Nodes are at most this share of their radius away from the new segments.
-const OFF: f64 = 0.4;
+const FARTHEST_NODE: f64 = 0.4;
 /// A branch gets no more segments than this while lengths are tried that nobody has asked for.
 const MOST_TRIED: f64 = 1e5;
 /// A station closer than this, in radii, to a node that must become one moves there.
 const CLOSE: f64 = 0.7;
 
-/// The exponent of the radius in eased steps, and their bounds in radii.
+/// Exponent of the radius in eased steps: below one, so that steps vary less than radii.
 const EASE: f64 = 0.6;
+/// Shortest and longest eased step, in radii.
 const BOUNDS: [f64; 2] = [0.5, 2.5];
 
 /// Leaf branches inside the ball of their branching go, but for those with a node of a given id; returns how many.
@@ -66,7 +67,7 @@ fn is_stub(net: &CurveNet, around: &Incidence, branch: &Branch) -> bool {
 }
 
 /// The net with new articulations; branchings and extremities stay, and no node is farther from the new segments than
-/// [`OFF`] of its radius.
+/// [`FARTHEST_NODE`] of its radius.
 pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
     let around = net.incidence();
     let all = branches(net, &around);
@@ -88,7 +89,7 @@ pub fn resample(net: &CurveNet, step: Step) -> CurveNet {
             first_ring(net, &around, to, branch.edges[branch.edges.len() - 1], branch.nodes[branch.nodes.len() - 2]),
         ];
         let stations = curve.stations(step, ends, least);
-        let stations = curve.follow(stations, ends, OFF);
+        let stations = curve.follow(stations, ends, FARTHEST_NODE);
         let mut last = if branch.is_ring {
             push(&mut out, curve.points[0], curve.radii[0], net.ids[from as usize])
         } else {

@@ -1,4 +1,4 @@
-//! What the room gives back.
+//! The result of the room.
 
 use super::figures::Figures;
 use super::judge;
@@ -12,17 +12,19 @@ pub struct HexResult {
     pub mesh: HexMesh,
     /// The skeleton that was meshed, after clean-up.
     pub skeleton: CurveNet,
-    /// What the mesh achieves.
+    /// Counts, quality and distance of the mesh.
     pub figures: Figures,
-    /// What the user should know.
+    /// Warnings for the user, one sentence each.
     pub warnings: Vec<String>,
-    /// For every boundary face the one that it continues: itself, but for those that lengthen an end.
+    /// For every boundary face the face of the surface's own boundary that it continues: itself, except on pieces added at
+    /// ends.
     pub origins: Vec<u32>,
-    /// The tags of ends that are flat pieces of the surface itself, and no open ends.
+    /// Tags of the ends that are flat pieces of a closed surface, not open ends.
     pub flat_caps: Vec<i32>,
-    /// The nodes of second order, where they were asked for.
+    /// The nodes of second order, if asked for.
     pub second_order: Option<MiddleOf>,
-    /// For every vertex the one of the wall that it lies under in a layer, or of an end that it was drawn from; else itself.
+    /// For every vertex in a boundary layer the wall vertex above it, for every vertex of an added piece the end vertex that
+    /// it was drawn from; for all others themselves.
     pub(super) bases: Vec<u32>,
 }
 

@@ -28,11 +28,11 @@ use serde::Serialize;
 /// An edge that would bend by more than this share of its length stays straight: no smooth wall does, meshed as it should be.
 const MOST_BENT: f64 = 0.3;
 /// Rounds in which edges are made straight; then all edges of what is left are.
-const ROUNDS: usize = 12;
+const STRAIGHTENING_ROUNDS: usize = 12;
 /// Rounds in which corners that had left the surface go back to it.
 const RETURNS: usize = 6;
 /// Cells between two looks at the clock.
-const CHUNK: usize = 256;
+const CELLS_PER_CHECK: usize = 256;
 
 /// The nodes of a mesh of second order beyond its corners.
 #[derive(Debug, Clone, PartialEq)]
@@ -307,19 +307,19 @@ impl<'a> Curved<'a> {
     fn certify(&mut self, context: &Context) -> Result<Vec<u32>> {
         let mut straight = Vec::new();
         let mut suspects: Vec<u32> = (0..self.mesh.hexes.len() as u32).filter(|&h| self.is_curved(h)).collect();
-        for round in 0..=ROUNDS {
+        for round in 0..=STRAIGHTENING_ROUNDS {
             let places = self.places();
             let of_chunk = |chunk: &[u32]| {
                 context.check()?;
                 Ok(chunk.iter().copied().filter(|&h| !self.is_certified(h, &places)).collect::<Vec<u32>>())
             };
-            let bad: Result<Vec<Vec<u32>>> = suspects.par_chunks(CHUNK).map(of_chunk).collect();
+            let bad: Result<Vec<Vec<u32>>> = suspects.par_chunks(CELLS_PER_CHECK).map(of_chunk).collect();
             let bad = bad?.concat();
             tracing::debug!(round, bad = bad.len(), "curved cells");
             if bad.is_empty() {
                 break;
             }
-            let all = if round == ROUNDS { suspects.clone() } else { bad };
+            let all = if round == STRAIGHTENING_ROUNDS { suspects.clone() } else { bad };
             for h in all {
                 let nodes = self.nodes.hexes[h as usize];
                 for e in nodes[..12].iter().map(|&n| self.edge(n)).collect::<Vec<_>>() {

@@ -13,16 +13,17 @@
 //! Two hexes meet at every side of a connection surface because they use the same middle and corners: that is the whole
 //! sewing, local to the node. A cubic junction has 27 vertices, and eight hexes that come after those of the segments.
 
-use super::connection::Search;
+use super::connection::PartitionSearch;
 use super::cubic::{self, Cubes};
 use super::frames::{Frames, Quad, frames};
 use crate::mesh::{Chains, CurveNet, Incidence, NONE};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Nodes whose vertices are placed by one task, and branchings whose surfaces are looked for by one.
+/// Nodes whose vertices one task places: enough work to pay for a task.
 const NODES: usize = 1024;
-const BRANCHINGS: usize = 64;
+/// Branchings whose connection surfaces one task looks for; each takes much longer than placing a node.
+const SURFACES_PER_TASK: usize = 64;
 
 /// The coarsest mesh of a net.
 #[derive(Debug, Clone)]
@@ -121,10 +122,10 @@ impl Surfaces {
             count += around.valence(v) as u32;
         }
         let mut sides = vec![[0; 9]; count as usize];
-        let mut shares = Vec::with_capacity(branchings.len().div_ceil(BRANCHINGS));
+        let mut shares = Vec::with_capacity(branchings.len().div_ceil(SURFACES_PER_TASK));
         let (mut points_left, mut sides_left) = (points, &mut sides[..]);
         let mut done = 0;
-        for branchings in branchings.chunks(BRANCHINGS) {
+        for branchings in branchings.chunks(SURFACES_PER_TASK) {
             let [from, to] = [branchings[0], branchings[branchings.len() - 1] + 1].map(|v| vertex[v as usize]);
             let count = branchings.iter().map(|&v| around.valence(v)).sum();
             let (points, sides);
@@ -134,7 +135,7 @@ impl Surfaces {
             done = to;
         }
         let fill = |share: Share| {
-            let (mut search, mut directions, mut poor) = (Search::default(), Vec::new(), Vec::new());
+            let (mut search, mut directions, mut poor) = (PartitionSearch::default(), Vec::new(), Vec::new());
             let start = vertex[share.branchings[0] as usize];
             let mut sides = share.sides.iter_mut();
             for &v in share.branchings {

@@ -1,15 +1,16 @@
-//! The boundary of a mesh: what its vertices belong to, and where they all go at once.
+//! The boundary of a mesh: what each of its vertices belongs to, and moves of all of them at once.
 
 use super::target::{AGREES, Part, Seen, Target};
 use crate::mesh::boundary_faces;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The surface bulges where it is farther from the boundary than this share of the boundary's faces, or than this share of its
-/// diagonal; it is looked at in so many places, about.
+/// Distance, as a share of the size of the boundary's faces, from which the surface bulges away from the boundary.
 const BULGE: f64 = 0.3;
-const FAR: f64 = 0.01;
-const SAMPLES: usize = 20_000;
+/// The same as a share of the surface's diagonal: the smaller of both counts.
+const FAR_BULGE: f64 = 0.01;
+/// Number of places at which bulges are looked for, about.
+const BULGE_SAMPLES: usize = 20_000;
 /// Wall vertices lie off the surface by no more than this share of its diagonal, for the sake of the faces between them.
 pub const SWELL: f64 = 9.5e-5;
 /// By this share of the sag of the faces around: where these are the sides of a regular polygon of many, it has the area of the
@@ -130,7 +131,7 @@ impl Skin {
     ///   ──v──v──v──     ──v╯   ╰v──
     /// ```
     pub fn reach_out(&self, points: &[DVec3], shape: &Shape, target: &Target, places: &mut [(u32, DVec3, DVec3)]) {
-        let far = FAR * target.surface().diagonal();
+        let far = FAR_BULGE * target.surface().diagonal();
         let bulge = |seen: Seen| {
             let near = |v: &u32| points[*v as usize].distance_squared(seen.place);
             let walls = seen.half.into_iter().filter(|&v| self.parts[v as usize] == Part::Wall);
@@ -139,7 +140,7 @@ impl Skin {
             let bulges = seen.distance > far.min(BULGE * shape.sizes[k]) && shape.normals[k].dot(seen.normal) > AGREES;
             bulges.then_some((v, seen.distance, seen.place, seen.normal))
         };
-        let bulges = target.looking_at(points, &self.quads, SAMPLES, bulge);
+        let bulges = target.looking_at(points, &self.quads, BULGE_SAMPLES, bulge);
         let mut farthest = vec![0f64; places.len()];
         for (v, distance, to, normal) in bulges {
             if let Ok(k) = places.binary_search_by_key(&v, |p| p.0)

@@ -2,7 +2,7 @@
 //! `cargo test --release -p carreau --lib -- --ignored --nocapture stars`; `CARREAU_STARS=100` tries fewer,
 //! `CARREAU_STARS=100..300` these.
 
-use super::connection::Search;
+use super::connection::PartitionSearch;
 use super::tests::{flaw, star_net};
 use super::*;
 use crate::sample::random::Random;
@@ -41,7 +41,7 @@ struct Outcome {
 
 fn outcome(seed: usize) -> Outcome {
     let directions = star_of(seed);
-    let included = Search::default().partition(&directions).least_determinant(&directions) > 0.0;
+    let included = PartitionSearch::default().partition(&directions).least_determinant(&directions) > 0.0;
     let options = HexOptions { refine_across: Some(1), allow_invalid: true, ..HexOptions::default() };
     let result = from_net(&star_net(&directions, 0.2), &options, &Context::new());
     let flaw = result.as_ref().ok().and_then(|r| flaw(&r.mesh.hexes, &r.mesh.points, &[0]));

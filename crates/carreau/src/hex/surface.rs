@@ -1,4 +1,4 @@
-//! Hexes of a tubular surface: its skeleton, the cells about it, and their boundary on the surface.
+//! The driver of surfaces: skeleton, coarse cells, boundary on the surface.
 
 mod coarse;
 mod fitted;
@@ -12,7 +12,7 @@ use crate::mesh::{CurveNet, SurfaceMesh, UnitScale};
 use coarse::Coarse;
 use ready::{Ready, skeleton_of};
 
-/// No other cells are tried when so many have been made.
+/// Number of cells, in all attempts together, after which no other skeleton is tried.
 const MANY_TRIED: usize = 150_000;
 /// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
 /// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
@@ -95,7 +95,7 @@ fn meshed(
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
     if coarse.is_hopeless {
-        warnings.push("the surface is not that of tubes about its skeleton".into());
+        warnings.push("the surface is not tubular: part of it cannot be reached by tubes around its skeleton".into());
     }
     tube.caps.iter_mut().filter(|c| **c > 0).for_each(|c| *c = lid_of[*c as usize - 1]);
     let mut result = deliver::with_boundary(tube, net, warnings, &options, context)?;

@@ -1,5 +1,5 @@
-//! The surface that the boundary of a mesh goes to: where on it a vertex belongs, ahead or behind along its normal on the side
-//! that faces the same way, or where it is closest; in the plane of a lid, or on its border.
+//! The surface that the boundary of a mesh is pulled to. For a vertex it gives the place ahead or behind along the
+//! vertex's normal, on the side that faces the same way, or the closest one; in the plane of a lid, or on its border.
 
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::{Closest, TriangleTree};
@@ -114,7 +114,7 @@ impl<'a> Target<'a> {
         self.normals[triangle as usize]
     }
 
-    /// What is found for places of the wall, about so many at most, that look at a boundary.
+    /// What places of the wall find when they look at a boundary; the last number bounds the number of places, about.
     pub fn looking_at<T: Send>(
         &self,
         points: &[DVec3],

@@ -1,4 +1,4 @@
-//! The skeleton of a surface made ready for cells: branches are centred, extremities go on to the surface.
+//! Prepares the skeleton of a surface for meshing: centres its branches, and extends extremities to the surface.
 //!
 //! Skeletons stop short of the surface. The branch is prolonged along its direction to where it leaves the surface:
 //!
@@ -15,15 +15,17 @@ use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 
 /// Rounds of filling in radii.
-const ROUNDS: usize = 30;
-/// Radius of the last ring of a round tip, as a share of the branch's, and its distance from the tip.
+const FILLING_ROUNDS: usize = 30;
+/// Radius of the last ring of a round tip, as a share of the branch's.
 const RING: f64 = 0.7;
+/// Distance of that ring from the tip, in radii.
 const DEPTH: f64 = 0.35;
-/// The direction of a tip is taken this many radii from it, and at least this many nodes.
+/// Distance from a tip, in radii, from which on its direction is taken.
 const REACH: f64 = 1.2;
-const LEAST: usize = 3;
+/// Least number of nodes that the direction of a tip is taken over.
+const LEAST_NODES: usize = 3;
 /// An end meets a lid within this many radii of it.
-const NEAR: f64 = 1.5;
+const LID_REACH: f64 = 1.5;
 
 /// Centres the branches and prolongs them; gives the nodes radii, and says which lid (from 1) each node lies in.
 pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
@@ -39,7 +41,8 @@ pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
         let near = |k: &usize| {
             let lid = &target.lids()[*k];
             let off = (lid.centre - from).dot(lid.normal);
-            lid.centre.distance(from) < off.abs() + NEAR * lid.radius.max(radius) && lid.normal.dot(direction) > 0.3
+            lid.centre.distance(from) < off.abs() + LID_REACH * lid.radius.max(radius)
+                && lid.normal.dot(direction) > 0.3
                 || lid.centre.distance(from) < lid.radius
         };
         let free = (0..taken.len()).filter(|&k| !taken[k]).filter(near);
@@ -72,7 +75,7 @@ pub fn heading(net: &CurveNet, around: &Incidence, tip: u32) -> (DVec3, f64) {
         let Some(&[e, next]) = around.of(node).iter().find(|s| s[0] != edge) else { break };
         (node, edge) = (next, e);
         let away = from.distance(net.points[node as usize]);
-        if away > REACH * radius && step > LEAST || around.valence(node) != 2 {
+        if away > REACH * radius && step > LEAST_NODES || around.valence(node) != 2 {
             break;
         }
         radius = radius.max(net.radii[node as usize]);
@@ -82,7 +85,7 @@ pub fn heading(net: &CurveNet, around: &Incidence, tip: u32) -> (DVec3, f64) {
 
 /// Where a skeleton runs nearer to the surface than on both sides, the radius of the steps is filled in from there.
 fn fill_dips(net: &mut CurveNet, around: &Incidence) {
-    for _ in 0..ROUNDS {
+    for _ in 0..FILLING_ROUNDS {
         let old = net.radii.clone();
         for v in 0..net.points.len() as u32 {
             if let &[[_, a], [_, b]] = around.of(v) {

@@ -1,4 +1,4 @@
-//! The driver of nets: made ready, meshed, and again in other ways where nodes are lost or cells are poor.
+//! The driver of skeletons: clean-up, cells, and other attempts where nodes are lost or cells are poor.
 
 use super::cells::{least_scaled_jacobian, refined, valid_base};
 use super::options::{HexOptions, Stage, check_size, check_steps};
@@ -17,13 +17,15 @@ use rustc_hash::FxHashSet;
 const MERGE: f64 = 0.3;
 /// Angles in degrees: directions closer than the first get a trunk, up to where they are as far apart as the second.
 const FORKS: [f64; 2] = [zip::CLOSE_DEGREES, zip::APART_DEGREES];
-/// What is tried where the least scaled Jacobian is below [`LEAST`] and cells are not more than [`FEW_HEXES`]: trunks from
-/// more branches have forks with wider angles, but depart farther from what was drawn.
+/// The same angles where the least scaled Jacobian is below [`POOR_NET`] and cells are not more than [`FEW_HEXES`]:
+/// trunks from more branches have forks with wider angles, but depart farther from what was drawn.
 const OTHER_FORKS: [[f64; 2]; 2] = [[42.0, 55.0], [36.0, 48.0]];
-const LEAST: f64 = 0.3;
+/// Least scaled Jacobian of a net below which other forks are tried.
+const POOR_NET: f64 = 0.3;
+/// Number of cells up to which other forks are tried: each of them is meshed from the beginning.
 const FEW_HEXES: usize = 50_000;
 /// Vertices at nodes this near to one that lies outside are held, in its radii.
-const NEAR: f64 = 2.0;
+const HELD_REACH: f64 = 2.0;
 
 /// The mesh, not yet judged.
 pub(super) fn meshed(net: &CurveNet, options: &HexOptions, context: &Context) -> Result<HexResult> {
@@ -35,7 +37,7 @@ pub(super) fn meshed(net: &CurveNet, options: &HexOptions, context: &Context) ->
     let incidence = net.incidence();
     let has_forks = (0..net.points.len() as u32).any(|v| incidence.valence(v) > 2);
     for forks in OTHER_FORKS {
-        let may_gain = has_forks && best.least < LEAST && best.tube.hexes.len() <= FEW_HEXES;
+        let may_gain = has_forks && best.least < POOR_NET && best.tube.hexes.len() <= FEW_HEXES;
         if !may_gain || options.stage == Stage::Base {
             break;
         }
@@ -73,7 +75,7 @@ struct Meshed {
 
 impl Meshed {
     fn new(net: &CurveNet, forks: [f64; 2], options: &HexOptions, context: &Context) -> Result<Meshed> {
-        let (given, net, warnings) = prepare(net, forks, options, context)?;
+        let (given, net, warnings) = clean_up(net, forks, options, context)?;
         let mut best: Option<([usize; 2], TubeMesh, BaseMesh)> = None;
         let mut held = Vec::new();
         for _ in 0..2 {
@@ -87,7 +89,7 @@ impl Meshed {
             if outside.is_empty() {
                 break;
             }
-            held = outside.iter().map(|&v| (given.points[v as usize], NEAR * given.radii[v as usize])).collect();
+            held = outside.iter().map(|&v| (given.points[v as usize], HELD_REACH * given.radii[v as usize])).collect();
         }
         let Some((lacking, tube, base)) = best else { return Err(Error::Numeric("no mesh was made".into())) };
         let least = least_scaled_jacobian(&tube.points, &tube.hexes);
@@ -99,7 +101,7 @@ impl Meshed {
 /// whose nodes would lie outside of the tubes stay, then branchings are not merged either.
 ///
 /// Returns the repaired net, the one to be meshed, and what the user should know.
-fn prepare(
+fn clean_up(
     net: &CurveNet,
     forks: [f64; 2],
     options: &HexOptions,
@@ -110,7 +112,7 @@ fn prepare(
     if options.stage == Stage::Full {
         let dropped = turns::drop_turns(&mut net);
         if dropped > 0 {
-            warnings.push(format!("{dropped} nodes where a branch turns back within its radius were dropped"));
+            warnings.push(format!("{dropped} nodes were dropped, because a branch turns back there within its radius"));
         }
     }
     check_steps(&net, options)?;

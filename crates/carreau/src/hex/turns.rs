@@ -1,5 +1,5 @@
-//! Where a branch turns back within the ball of its next node, as a slip of the tracing makes it: cells can follow no such
-//! turn, and the tube about the node holds it anyway.
+//! Drops nodes at which a branch turns back within the ball of its next node, as a slip of the tracing makes it: cells
+//! cannot follow such a turn, and the tube about the node covers it anyway.
 //!
 //! ```text
 //!          v ╲

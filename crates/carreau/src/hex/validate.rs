@@ -1,4 +1,4 @@
-//! A look at any hexahedral mesh: conformity, quality, certificate.
+//! Checks any hexahedral mesh: conformity, quality, certificate.
 
 use super::figures::HexQuality;
 use crate::context::Context;
@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Validity {
     /// Whether every face belongs to one or two cells, which see it from opposite sides.
     pub conforming: bool,
-    /// Faces of which that is not true.
+    /// Number of faces that violate this.
     pub bad_faces: usize,
     /// Cells with two equal corners.
     pub degenerate: usize,

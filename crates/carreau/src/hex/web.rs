@@ -1,6 +1,6 @@
-//! Webs: a skeleton has a branch to each corner of an ear or a fin, but the room between these branches is filled, and tubes
-//! beside each other would leave slits in it. One branch is enough, the longest: its tube becomes as flat as the part
-//! ([`super::oval`]).
+//! Merges webs: a skeleton has a branch to each corner of an ear or a fin, but the room between these branches is
+//! filled, and tubes beside each other would leave slits in it. Only the longest branch is kept: its tube becomes as
+//! flat as the part ([`super::oval`]).
 //!
 //! ```text
 //!    ╭──────────╮         ╭──────────╮
@@ -15,8 +15,9 @@ use super::target::Target;
 use crate::mesh::{CurveNet, branches};
 use glam::DVec3;
 
-/// Where on two branches, as shares of their lengths, and where between these places the room is looked at.
-const ALONG: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Places on two branches, as shares of their lengths, between which the room is looked at.
+const STATIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Places between these, as shares of the way across, that must be inside of the surface.
 const BETWEEN: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Branches whose ends are seen at a wider angle lead to two sides of a part.
 const WIDE_DEGREES: f64 = 120.0;
@@ -42,8 +43,8 @@ fn shorter_of_web(net: &CurveNet, target: &Target) -> Option<Vec<u32>> {
     for branch in branches(net, &around).into_iter().filter(|b| b.is_leaf(&around)) {
         let mut curve = Curve::new(net, &branch.nodes);
         let length = curve.length();
-        let places = ALONG.map(|share| curve.at(share * length));
-        let [start, end] = [places[0], places[ALONG.len() - 1]];
+        let places = STATIONS.map(|share| curve.at(share * length));
+        let [start, end] = [places[0], places[STATIONS.len() - 1]];
         // What grows thicker towards its end is a knob, no corner: room beside it is filled because it is round.
         if end.1 <= start.1 {
             let worth = if is_at_lid(end.0, target) { f64::INFINITY } else { length };
@@ -61,7 +62,7 @@ fn shorter_of_web(net: &CurveNet, target: &Target) -> Option<Vec<u32>> {
 struct Leaf {
     nodes: Vec<u32>,
     /// Points of it, up to its end.
-    places: [DVec3; ALONG.len()],
+    places: [DVec3; STATIONS.len()],
 }
 
 fn is_at_lid(end: DVec3, target: &Target) -> bool {
@@ -72,7 +73,7 @@ fn is_at_lid(end: DVec3, target: &Target) -> bool {
 /// Whether two leaf branches have the same node, lead to one side, and the room between them is filled.
 fn is_web(net: &CurveNet, [a, b]: [&Leaf; 2], target: &Target) -> bool {
     let from = net.points[a.nodes[0] as usize];
-    let [to_a, to_b] = [a, b].map(|leaf| leaf.places[ALONG.len() - 1] - from);
+    let [to_a, to_b] = [a, b].map(|leaf| leaf.places[STATIONS.len() - 1] - from);
     a.nodes[0] == b.nodes[0]
         && to_a.angle_between(to_b) < WIDE_DEGREES.to_radians()
         && a.places.iter().zip(&b.places).all(|(p, q)| BETWEEN.iter().all(|&t| target.contains(p.lerp(*q, t))))

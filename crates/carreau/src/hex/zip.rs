@@ -1,4 +1,4 @@
-//! Branches that leave a branching side by side are zipped: they share a trunk up to where they can be told apart.
+//! Gives branches that leave a branching side by side a common trunk, up to where they can be told apart.
 //!
 //! ```text
 //!       ╱╱ j            │ ╱ j
@@ -18,13 +18,13 @@ pub const CLOSE_DEGREES: f64 = 30.0;
 /// The trunk ends where the directions are this far apart, usually.
 pub const APART_DEGREES: f64 = 40.0;
 /// Rounds; every zip makes one trunk, whose end may be narrow again.
-const ROUNDS: usize = 4;
+const ZIPPING_ROUNDS: usize = 4;
 
 /// Zips all pairs of directions closer than an angle, up to where they are `apart`; returns how many.
 pub fn zip(net: &mut CurveNet, degrees: f64, apart: f64) -> usize {
     let narrow = degrees.to_radians().cos();
     let mut zipped = 0;
-    for round in 0..ROUNDS {
+    for round in 0..ZIPPING_ROUNDS {
         let mut found = 0;
         let around = net.incidence();
         for v in (0..net.points.len() as u32).filter(|&v| around.valence(v) > 2) {
@@ -36,7 +36,7 @@ pub fn zip(net: &mut CurveNet, degrees: f64, apart: f64) -> usize {
             }
         }
         zipped += found;
-        if found == 0 || round + 1 == ROUNDS {
+        if found == 0 || round + 1 == ZIPPING_ROUNDS {
             break;
         }
     }

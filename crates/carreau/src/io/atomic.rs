@@ -23,6 +23,9 @@ impl Drop for Unfinished {
 }
 
 /// Writes beside the target, then renames: an existing file is replaced only by a finished one.
+///
+/// # Errors
+/// [`Error::Write`]; the old file is as it was then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let failed = |e: std::io::Error| Error::write(path, e);
     let Some(name) = path.file_name() else {

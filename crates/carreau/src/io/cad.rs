@@ -156,6 +156,10 @@ fn breaks_across_columns(rows: usize, cols: usize, point: impl Fn(usize, usize) 
 }
 
 /// Writes a CAD file into a buffer; the extension of `path` decides the format.
+///
+/// # Errors
+/// [`Error::Write`] for an extension that is no CAD format,
+/// [`Error::Options`] for options that make no sense.
 pub fn write_cad(path: &Path, brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()> {
     match extension(path).as_str() {
         "step" | "stp" => step::write(brep, options, out),

@@ -25,8 +25,11 @@ use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 
+/// Code of the keyword `Dimension`.
 const DIMENSION: i32 = 3;
+/// Code of the keyword `Vertices`.
 const VERTICES: i32 = 4;
+/// Code of the keyword `End`.
 const END: i32 = 54;
 
 /// Names of sections that are skipped.
@@ -441,7 +444,7 @@ mod tests {
         let byte = end + 12 + 16 + 8;
         assert_eq!(index, format!("test: byte {byte}: Triangles, row 2: vertex 5 does not exist, there are 4"));
         let zero = error_of(|b| b.rows(6, &[&[1, 0, 3, 0]]));
-        assert!(zero.contains("Triangles: 0 is no index"), "{zero}");
+        assert!(zero.contains("Triangles: 0 is not an index"), "{zero}");
         let twice = error_of(|b| b.vertices(3, &SQUARE));
         assert!(twice.contains("second section Vertices"), "{twice}");
     }

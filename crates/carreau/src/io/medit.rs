@@ -218,7 +218,7 @@ mod tests {
                 "line 11: Triangles, row 3: vertex 9 does not exist, there are 4",
             ),
             ("Edges\n1\n1 2 0\nRidges\n1\n2\n", "line 14: Ridges, row 1: edge 2 does not exist, there are 1"),
-            ("Triangles\n1\n1 0 3 0", "line 11: Triangles: 0 is no index (they start at 1)"),
+            ("Triangles\n1\n1 0 3 0", "line 11: Triangles: 0 is not an index (indices start at 1)"),
             ("Triangles\n1\n1 2 x 0", "line 11: an index is expected, found 'x'"),
             (
                 "Triangles\n1\n1 2 3 0\n1 2 3 0",

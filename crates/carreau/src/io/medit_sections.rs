@@ -67,6 +67,7 @@ const fn list(kind: Kind, names: &'static [&'static str], code: i32) -> Keyword 
     Keyword { kind, names, code, indices: 1, reference: false }
 }
 
+/// The sections that are read, with their names and codes.
 const KEYWORDS: [Keyword; 11] = [
     element(Kind::Edges, &["Edges"], 5, 2),
     element(Kind::Triangles, &["Triangles"], 6, 3),
@@ -171,7 +172,9 @@ impl Contents {
                 match u32::try_from(index.saturating_sub(1)) {
                     Ok(k) if k < u32::MAX => indices.push(k),
                     _ => {
-                        return Err(numbers.error(format!("{}: {index} is no index (they start at 1)", keyword.name())));
+                        return Err(
+                            numbers.error(format!("{}: {index} is not an index (indices start at 1)", keyword.name()))
+                        );
                     }
                 }
             }

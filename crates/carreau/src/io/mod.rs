@@ -1,8 +1,18 @@
-//! Reading and writing mesh files: one file per format, one table of formats.
+//! Reading and writing files: one file per format, one table of formats ([`FORMATS`]).
 //!
-//! Readers take the bytes of a file and return a [`RawMesh`]; they never panic, never allocate by a number they have
-//! not checked against the size of the file, and say at which line or byte they stopped. Writers fill a buffer, which
-//! [`write()`] puts in place in one step.
+//! A reader turns the bytes of a file into a [`RawMesh`]. It never panics, never allocates by a number that it has not checked
+//! against the size of the file, and says at which line or byte it stopped. A writer fills a buffer, which [`write()`] puts in
+//! place in one step: the file appears whole or not at all.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `obj`, `off`, `ply`, `stl`, `gltf`, `threemf` | formats of surfaces |
+//! | `medit`, `gmf`, `gmsh`, `vtk_legacy`, `vtk_xml` | formats of surfaces and volumes |
+//! | `fem` | input of finite element programs, which is only written |
+//! | `skeleton` | formats of skeletons |
+//! | `cad`, `step`, `iges` | CAD models, which are only written |
+//! | `text`, `binary`, `limits`, `names`, `percent` | what readers and writers share |
+//! | `outputs`, `atomic` | checks of an output before any work; writing in one step |
 
 mod atomic;
 mod binary;
@@ -148,6 +158,10 @@ fn known_format(path: &Path) -> Result<&'static Format> {
 }
 
 /// Reads a mesh file; the extension decides the format.
+///
+/// # Errors
+/// [`Error::Read`] for a file that cannot be read or whose format is unknown,
+/// [`Error::Input`] for a mesh that makes no sense.
 pub fn read(path: &Path) -> Result<RawMesh> {
     let format = known_format(path)?;
     let bytes = std::fs::read(path).map_err(|e| Error::read(path, Place::File, e.to_string()))?;
@@ -161,6 +175,10 @@ pub fn read(path: &Path) -> Result<RawMesh> {
 
 /// Writes a mesh file, whole or not at all; the extension decides the format. Returns warnings about what the format
 /// cannot hold.
+///
+/// # Errors
+/// [`Error::Write`] for a file that cannot be written or whose format is unknown,
+/// [`Error::Input`] for a mesh that the format cannot hold.
 pub fn write(path: &Path, mesh: &RawMesh, options: &WriteOptions) -> Result<Vec<String>> {
     let Some(format) = format_of(path) else {
         check_format(path, ResultKind::Any)?;

@@ -137,7 +137,7 @@ pub fn check_place(path: &Path) -> Result<()> {
         return Err(Error::write(path, format!("there is no folder {}; make it first", folder.display())));
     }
     if !folder.is_dir() {
-        return Err(Error::write(path, format!("{} is no folder", folder.display())));
+        return Err(Error::write(path, format!("{} is not a folder", folder.display())));
     }
     // The unfinished file is removed with its guard.
     create_beside(&target, &name.to_string_lossy()).map(drop).map_err(|e| Error::write(path, e))

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+/// √3, which has no constant function.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Area vector of a face: its length is the area, its direction the normal (Newell's for polygons that are not flat).

@@ -6,10 +6,13 @@ use super::raw::RawMesh;
 use super::triangles::NONE;
 use crate::error::{Error, Result};
 
-/// Faces of the cells, outward for cells of positive volume, in VTK corner order; see [`super::Cells`].
+/// Faces of tetrahedra, outward for cells of positive volume, in VTK corner order; see [`super::Cells`].
 const TET: &[&[usize]] = &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
+/// The same for pyramids.
 const PYRAMID: &[&[usize]] = &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
+/// The same for wedges.
 const WEDGE: &[&[usize]] = &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
+/// The same for hexahedra.
 const HEX: &[&[usize]] = &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 
 /// A face with its vertices sorted, padded with [`NONE`]: equal for the two sides of an inner face.
@@ -32,10 +35,13 @@ struct CellFace {
 impl RawMesh {
     /// The faces that only one cell has, outward, as a surface on the vertices they use. Columns of the file's own faces
     /// are kept when the file lists every boundary face.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a mesh without volume cells.
     pub fn boundary(&self) -> Result<RawMesh> {
         if self.cells.is_empty() {
             return Err(Error::input(
-                "this is no volume mesh: there are no cells whose boundary could be taken",
+                "this is not a volume mesh: it has no cells whose boundary could be taken",
                 "",
                 "",
             ));

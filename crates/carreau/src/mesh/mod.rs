@@ -1,4 +1,4 @@
-//! Meshes: what they are made of, how they are checked and repaired.
+//! Meshes: their data structures, checks and repair.
 //!
 //! | file | holds |
 //! |---|---|
@@ -6,24 +6,25 @@
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
 //! | `second_order` | [`SecondOrder`]: nodes in the middle of the edges, faces and cells of hexahedra |
-//! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary |
-//! | `surface` | [`SurfaceMesh`]: what every room takes |
-//! | `triangles` | [`Triangles`]: a triangular mesh as raw arrays, for inner loops |
-//! | `triangulate` | polygons cut into triangles |
-//! | `space_order` | neighbours on the surface, neighbours in memory |
-//! | `raw` | [`RawMesh`]: what a file holds, volume cells included |
+//! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary faces |
+//! | `surface` | [`SurfaceMesh`]: the input of every room |
+//! | `triangles` | [`Triangles`]: a triangle mesh as raw arrays, for inner loops |
+//! | `triangulate` | cutting polygons into triangles |
+//! | `space_order` | numbering in which neighbours on the surface are neighbours in memory |
+//! | `raw` | [`RawMesh`]: the content of a file, volume cells included |
 //! | `attributes` | named columns |
 //! | `area` | area vectors of faces |
-//! | `weld` | vertices at one place, exactly or within a tolerance |
+//! | `weld` | merging vertices at one place, exactly or within a tolerance |
 //! | `duplicates` | faces on the same vertices |
 //! | `curve_net` | [`CurveNet`]: skeletons with radii |
 //! | `disjoint_sets` | union-find |
 //! | `edit` | [`EditMesh`]: collapse, flip, split, relocate |
-//! | `connectivity` | components, irregular edges, which faces to turn, umbrellas |
+//! | `connectivity` | components, irregular edges, consistent orientation, umbrellas |
 //! | `nesting` | closed components: volume, nesting, which are inside out |
 //! | `topology` | [`Topology`]: counts, genus, defects with their places |
 //! | `repair` | [`repair`]: weld, drop, orient, split |
-//! | `prepare` | [`prepare`]: what every room is given of a surface |
+//! | `prepare` | [`prepare`]: how a file's surface is made ready for a room |
+//! | `unit_scale` | scaling by a power of two, so that results do not depend on the unit |
 
 mod area;
 mod attributes;
@@ -57,7 +58,7 @@ pub use area::{area_vector, mean_ratio, safe_length, triangle_area_vector};
 pub use attributes::{Attributes, BODIES, Column, Columns, LengthUnit, MaterialLibrary, blend_columns, gather_columns};
 pub use curve_net::{Branch, Chains, CurveNet, Incidence, NetBuilder, RepairedNet, branches};
 pub(crate) use disjoint_sets::DisjointSets;
-pub use edit::{Around, CollapseError, Compact, Corner, EditMesh, Keep, next, previous};
+pub use edit::{CollapseError, Compact, Corner, EditMesh, Keep, OutgoingHalfEdges, next, previous};
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_edges};
 pub use id::{CornerId, FaceId, VertexId};

@@ -2,10 +2,9 @@
 
 use super::connectivity::Connectivity;
 use super::polygons::Polygons;
+use super::triangles::NONE;
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
-
-const NONE: u32 = u32::MAX;
 
 /// The closed, consistently oriented components of a surface.
 pub(crate) struct Shells {

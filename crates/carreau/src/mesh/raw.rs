@@ -1,4 +1,4 @@
-//! What a mesh file holds, before any judgement: the common ground of all readers and writers.
+//! The content of a mesh file, before any judgement: the common ground of all readers and writers.
 
 use super::attributes::Attributes;
 use super::id::VertexId;
@@ -67,6 +67,10 @@ pub struct RawMesh {
 
 impl RawMesh {
     /// Checks that all indices exist and all coordinates are finite; readers call it last.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a coordinate that is not finite, an id that does not exist, or more
+    /// corners than can be numbered.
     pub fn check(&self) -> Result<()> {
         let n = self.points.len();
         if !self.faces.fits() {
@@ -103,6 +107,9 @@ impl RawMesh {
     }
 
     /// The surface in the file. A file with volume cells is refused: its surface has to be asked for.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a mesh with volume cells, and as [`SurfaceMesh::new`].
     pub fn into_surface(self) -> Result<SurfaceMesh> {
         if !self.cells.is_empty() {
             return Err(Error::input(

@@ -21,8 +21,11 @@ pub enum Side {
     NonManifold,
 }
 
+/// Opposite of a corner whose edge has one face only.
 const BORDER: u32 = u32::MAX;
+/// Opposite of a corner whose neighbour is oriented against it.
 const INCONSISTENT: u32 = u32::MAX - 1;
+/// Opposite of a corner whose edge has more than two faces; all marks are at least this.
 const NON_MANIFOLD: u32 = u32::MAX - 2;
 /// Corner ids stay below the marks above.
 const MAX_ELEMENTS: usize = (u32::MAX - 3) as usize;
@@ -66,6 +69,11 @@ pub struct SurfaceMesh {
 
 impl SurfaceMesh {
     /// Builds a mesh from points and faces; validates both.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for coordinates that are not finite, faces of fewer than three corners,
+    /// vertices that do not exist, and too many
+    /// vertices or corners.
     pub fn new(points: Vec<DVec3>, faces: Polygons) -> Result<Self> {
         validate(&points, &faces)?;
         let opposite = opposite_corners(&faces, points.len());
@@ -85,6 +93,9 @@ impl SurfaceMesh {
     }
 
     /// Builds a mesh of triangles.
+    ///
+    /// # Errors
+    /// As [`SurfaceMesh::new`].
     pub fn from_triangles(points: Vec<DVec3>, triangles: &[[u32; 3]]) -> Result<Self> {
         Self::new(points, Polygons::from_triangles(triangles))
     }
@@ -255,18 +266,27 @@ impl SurfaceMesh {
     /// The mesh with every polygon cut into triangles: none turned, and no diagonal where an edge is already, as far as
     /// the polygon allows. Face attributes follow, corner attributes of cut polygons too. A triangular mesh is returned
     /// as it is.
+    ///
+    /// # Errors
+    /// As [`SurfaceMesh::new`].
     pub fn triangulated(self) -> Result<Self> {
         self.divided(triangulate)
     }
 
     /// As [`Self::triangulated`], but every polygon is a fan from its first corner, turned triangles or not: for results
     /// that name triangles by their number.
+    ///
+    /// # Errors
+    /// As [`SurfaceMesh::new`].
     pub fn fanned(self) -> Result<Self> {
         self.divided(fans)
     }
 
     /// As [`Self::fanned`], but where a fan has a flat triangle the polygon is cut as by [`Self::triangulated`], and diagonals
     /// that are edges already are divided in their middle, by vertices that come last. Attributes are left behind.
+    ///
+    /// # Errors
+    /// As [`SurfaceMesh::new`].
     pub fn nearly_fanned(mut self) -> Result<Self> {
         if !self.is_triangular() {
             self.attributes = Attributes::default();

@@ -94,7 +94,7 @@ pub fn strip(n: u32, half_turns: u32) -> SurfaceMesh {
     SurfaceMesh::new((0..2 * n).map(point).collect(), quads.iter().map(|q| &q[..]).collect()).unwrap()
 }
 
-/// An icosahedron subdivided so many times, on the unit sphere, outward: 20 · 4^levels triangles.
+/// An icosahedron subdivided `levels` times, on the unit sphere, outward: 20 · 4^levels triangles.
 pub fn sphere(levels: u32) -> SurfaceMesh {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
     let ring = [(-1., g, 0.), (1., g, 0.), (-1., -g, 0.), (1., -g, 0.)].map(DVec3::from);

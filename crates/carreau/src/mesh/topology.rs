@@ -203,6 +203,9 @@ impl Topology {
     }
 
     /// Fails where a method that needs a manifold would go wrong; names the places and the remedy.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the first places at which the surface is not manifold.
     pub fn require_manifold(&self) -> Result<()> {
         let remedy = "cut the surface into manifold sheets first with `carreau repair`";
         if self.nonmanifold_edges > 0 {
@@ -224,6 +227,9 @@ impl Topology {
     }
 
     /// Fails where neighbouring faces disagree about the outside; names the places and the remedy.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the first edges whose faces are oriented against each other.
     pub fn require_consistent_orientation(&self) -> Result<()> {
         if self.consistently_oriented {
             return Ok(());

@@ -1,10 +1,9 @@
-//! Which vertices are at the same place: exactly, or within a tolerance.
+//! Finds vertices at the same place: exactly, or within a tolerance.
 
+use super::triangles::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::collections::hash_map::Entry;
-
-const NONE: u32 = u32::MAX;
 
 /// For every point the first one at exactly the same position (-0 and 0 are the same), itself included.
 pub fn first_at_same_position(points: &[DVec3]) -> Vec<u32> {

@@ -47,14 +47,17 @@ enum Tree {
     Sink,
 }
 
-/// Marks of a parent that is no arc: none, the terminal, lost.
+/// Mark of a node without parent.
 const FREE: u32 = u32::MAX;
+/// Mark of a node whose parent is the terminal.
 const TERMINAL: u32 = u32::MAX - 1;
+/// Mark of a node that has lost its parent.
 const ORPHAN: u32 = u32::MAX - 2;
+/// The smallest mark: all parents below it are arcs.
 const MARKS: u32 = ORPHAN;
 
 /// The two search trees.
-struct Search {
+struct SearchTrees {
     /// Arcs out of node `v`: `arcs[start[v]..start[v + 1]]`.
     arcs: Vec<Arc>,
     start: Vec<u32>,
@@ -76,7 +79,7 @@ struct Search {
 impl CutGraph {
     /// For every node whether it is on the source's side of the minimum cut nearest to the source.
     pub fn min_cut(&self) -> Vec<bool> {
-        let mut search = Search::new(self);
+        let mut search = SearchTrees::new(self);
         while let Some(bridge) = search.grow() {
             search.now += 1;
             search.augment(bridge);
@@ -88,7 +91,7 @@ impl CutGraph {
     }
 }
 
-impl Search {
+impl SearchTrees {
     fn new(graph: &CutGraph) -> Self {
         let n = graph.source.len();
         let mut start = vec![0u32; n + 1];
@@ -107,7 +110,7 @@ impl Search {
         }
         // What runs straight through a node needs no search.
         let terminal = graph.source.iter().zip(&graph.sink).map(|(from, to)| from - to).collect();
-        let mut search = Search {
+        let mut search = SearchTrees {
             arcs,
             start,
             terminal,

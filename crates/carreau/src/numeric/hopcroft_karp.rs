@@ -8,7 +8,7 @@
 //! The result depends only on the numbering of the vertices and on the order of the edges.
 
 /// No mate; not reached.
-const NONE: u32 = u32::MAX;
+const NO_NODE: u32 = u32::MAX;
 
 /// A bipartite graph.
 pub struct Bipartite {
@@ -38,7 +38,7 @@ pub struct Matching {
 impl Matching {
     /// The edges (left, right), by left vertex.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
-        (0..).zip(self.left_mates.iter().copied()).filter(|&(_, right)| right != NONE)
+        (0..).zip(self.left_mates.iter().copied()).filter(|&(_, right)| right != NO_NODE)
     }
 }
 
@@ -72,11 +72,11 @@ impl Bipartite {
     /// A matching with as many edges as possible.
     pub fn maximum_matching(&self) -> Matching {
         let unmatched =
-            Matching { left_mates: vec![NONE; self.lefts()], right_mates: vec![NONE; self.rights as usize] };
-        let mut search = Search {
+            Matching { left_mates: vec![NO_NODE; self.lefts()], right_mates: vec![NO_NODE; self.rights as usize] };
+        let mut search = Augmentation {
             graph: self,
             matching: unmatched,
-            layer: vec![NONE; self.lefts()],
+            layer: vec![NO_NODE; self.lefts()],
             tried: vec![0; self.lefts()],
             queue: Vec::new(),
             path: Vec::new(),
@@ -92,7 +92,7 @@ impl Bipartite {
         let matching = self.maximum_matching();
         let reached = self.reached(&matching);
         // A right vertex in Z is matched, or else there would be an augmenting path, and Z goes on to its mate.
-        let in_z = |&mate: &u32| mate != NONE && reached[mate as usize];
+        let in_z = |&mate: &u32| mate != NO_NODE && reached[mate as usize];
         Subset {
             right: matching.right_mates.iter().map(in_z).collect(),
             left: reached.iter().map(|&in_z| !in_z).collect(),
@@ -108,12 +108,12 @@ impl Bipartite {
 
     /// The left vertices that alternating paths reach from the unmatched left vertices.
     fn reached(&self, matching: &Matching) -> Vec<bool> {
-        let mut reached: Vec<bool> = matching.left_mates.iter().map(|&mate| mate == NONE).collect();
+        let mut reached: Vec<bool> = matching.left_mates.iter().map(|&mate| mate == NO_NODE).collect();
         let mut stack: Vec<u32> = (0..).zip(&reached).filter(|&(_, &start)| start).map(|(left, _)| left).collect();
         while let Some(left) = stack.pop() {
             for &right in self.neighbours(left) {
                 let mate = matching.right_mates[right as usize];
-                if mate != NONE && !std::mem::replace(&mut reached[mate as usize], true) {
+                if mate != NO_NODE && !std::mem::replace(&mut reached[mate as usize], true) {
                     stack.push(mate);
                 }
             }
@@ -123,7 +123,7 @@ impl Bipartite {
 }
 
 /// The state of the search for a maximum matching.
-struct Search<'a> {
+struct Augmentation<'a> {
     graph: &'a Bipartite,
     matching: Matching,
     /// Number of matched edges on a shortest alternating path from an unmatched left vertex.
@@ -135,18 +135,18 @@ struct Search<'a> {
     path: Vec<u32>,
 }
 
-impl Search<'_> {
+impl Augmentation<'_> {
     /// Computes the layers as far as the nearest unmatched right vertex; false if none can be reached.
     fn find_layers(&mut self) -> bool {
-        self.layer.fill(NONE);
+        self.layer.fill(NO_NODE);
         self.queue.clear();
         for (left, &mate) in (0..).zip(&self.matching.left_mates) {
-            if mate == NONE {
+            if mate == NO_NODE {
                 self.layer[left as usize] = 0;
                 self.queue.push(left);
             }
         }
-        let (mut at, mut last_layer) = (0, NONE);
+        let (mut at, mut last_layer) = (0, NO_NODE);
         while at < self.queue.len() {
             let left = self.queue[at];
             let layer = self.layer[left as usize];
@@ -156,22 +156,22 @@ impl Search<'_> {
             at += 1;
             for &right in self.graph.neighbours(left) {
                 let mate = self.matching.right_mates[right as usize];
-                if mate == NONE {
+                if mate == NO_NODE {
                     last_layer = layer + 1;
-                } else if self.layer[mate as usize] == NONE {
+                } else if self.layer[mate as usize] == NO_NODE {
                     self.layer[mate as usize] = layer + 1;
                     self.queue.push(mate);
                 }
             }
         }
-        last_layer != NONE
+        last_layer != NO_NODE
     }
 
     /// Augments along shortest paths until the layers hold no more.
     fn augment(&mut self) {
         self.tried.fill(0);
         for root in 0..self.graph.lefts() as u32 {
-            if self.matching.left_mates[root as usize] == NONE && self.find_path(root) {
+            if self.matching.left_mates[root as usize] == NO_NODE && self.find_path(root) {
                 self.flip_path();
             }
         }
@@ -189,7 +189,7 @@ impl Search<'_> {
             };
             self.tried[left as usize] += 1;
             let mate = self.matching.right_mates[right as usize];
-            if mate == NONE {
+            if mate == NO_NODE {
                 return true;
             }
             if self.layer[mate as usize] == self.layer[left as usize] + 1 {
@@ -219,7 +219,7 @@ mod tests {
             for &(_, right) in edges.iter().filter(|e| e.0 == left) {
                 let mate = mates[right as usize];
                 if !std::mem::replace(&mut seen[right as usize], true)
-                    && (mate == NONE || augment(mate, edges, seen, mates))
+                    && (mate == NO_NODE || augment(mate, edges, seen, mates))
                 {
                     mates[right as usize] = left;
                     return true;
@@ -227,7 +227,7 @@ mod tests {
             }
             false
         }
-        let mut mates = vec![NONE; rights as usize];
+        let mut mates = vec![NO_NODE; rights as usize];
         (0..lefts).filter(|&left| augment(left, edges, &mut vec![false; rights as usize], &mut mates)).count()
     }
 

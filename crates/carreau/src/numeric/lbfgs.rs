@@ -29,6 +29,9 @@ pub struct Stop {
 /// Minimises a function from `x` on, in place; returns its value. Where it is infinite at `x`, nothing is done. `scale` is the
 /// length over which the function changes at each point (zero: the point is fixed). `function` fills the gradient and returns
 /// the value, or infinity.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn minimise(
     x: &mut Vec<DVec3>,
     scale: &[f64],

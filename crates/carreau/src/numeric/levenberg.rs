@@ -12,10 +12,13 @@ use std::array::from_fn;
 
 /// Damping of the first step, relative to the diagonal.
 const FIRST_DAMPING: f64 = 1e-4;
+/// Factor on the damping after a step that lowered the cost.
 const DAMPING_AFTER_SUCCESS: f64 = 0.1;
+/// Factor on the damping after one that did not.
 const DAMPING_AFTER_FAILURE: f64 = 10.0;
-/// Below this the damping is lost in rounding; above `LARGEST_DAMPING` the step is.
+/// Damping below which it is lost in rounding.
 const SMALLEST_DAMPING: f64 = 1e-14;
+/// Damping above which the step is lost in rounding.
 const LARGEST_DAMPING: f64 = 1e8;
 
 /// The quadratic model of a sum of squares around a state.

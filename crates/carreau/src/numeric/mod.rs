@@ -1,4 +1,4 @@
-//! Numerical methods that the rooms share; they know no mesh.
+//! Numerical methods that the rooms share. They know no geometry.
 //!
 //! | module | method |
 //! |---|---|
@@ -7,10 +7,10 @@
 //! | `eigen3` | eigenvalues and eigenvectors of symmetric 3 × 3 matrices |
 //! | `flow` | minimum cut of an undirected graph |
 //! | `gauss` | Gauss–Legendre quadrature |
-//! | `hopcroft_karp` | largest matching of a bipartite graph, smallest cover, largest independent set |
-//! | `lbfgs` | limited-memory BFGS over points in space, within a set |
+//! | `hopcroft_karp` | bipartite graphs: largest matching, smallest vertex cover, largest independent set |
+//! | `lbfgs` | limited-memory BFGS over points in space, restricted to an admissible set |
 //! | `levenberg` | Levenberg–Marquardt least squares for few parameters |
-//! | `matching` | minimum-cost matching of a sparse graph, with a certificate |
+//! | `matching` | minimum-cost matching of a sparse graph, with a certificate of optimality |
 //! | `sparse` | sparse positive definite systems, real and complex |
 
 pub mod banded;

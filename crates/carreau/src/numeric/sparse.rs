@@ -1,4 +1,5 @@
-//! Sparse positive definite systems, real and complex, by Cholesky factors of the crate faer: the only file that names it.
+//! Sparse positive definite systems, real and complex, by Cholesky factors of the crate faer. No other file solves with it;
+//! `hex::optimise` uses its vector instructions.
 //!
 //! On one thread: the same bytes for any number of them. Every solution is checked by its residual, and no panic escapes.
 

@@ -28,9 +28,10 @@ use crate::mesh::{FaceId, NONE, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Which neighbour T joins.
-const LEFT: usize = 0;
-const RIGHT: usize = 1;
+/// State of a triangle that joins its left neighbour.
+const JOINS_LEFT: usize = 0;
+/// State of a triangle that joins its right neighbour.
+const JOINS_RIGHT: usize = 1;
 
 /// One cell above a border edge.
 #[derive(Clone, Copy)]
@@ -64,6 +65,7 @@ struct Partial {
     total: f64,
 }
 
+/// A partial row that cannot be.
 const IMPOSSIBLE: Partial = Partial { joint: NONE, total: f64::INFINITY };
 
 /// A row or column added to a side.
@@ -217,7 +219,7 @@ impl<'a> Grower<'a> {
     fn cell_above(&self, base: u32, state: usize) -> Option<Above> {
         let t = self.candidates.triangles;
         let (next, previous) = (t.next(base), t.previous(base));
-        let diagonal = if state == LEFT { next } else { previous };
+        let diagonal = if state == JOINS_LEFT { next } else { previous };
         if !self.cost(diagonal).is_finite() {
             return None;
         }
@@ -226,7 +228,7 @@ impl<'a> Grower<'a> {
             return None;
         }
         let (after, back) = (t.next(partner), t.previous(partner));
-        Some(if state == LEFT {
+        Some(if state == JOINS_LEFT {
             Above { base, diagonal, partner, left: after, right: previous, top: back }
         } else {
             Above { base, diagonal, partner, left: next, right: back, top: after }
@@ -243,11 +245,11 @@ impl<'a> Grower<'a> {
                 return false;
             }
             let (mut best, mut from) = ([IMPOSSIBLE; 2], [0; 2]);
-            for state in [LEFT, RIGHT] {
+            for state in [JOINS_LEFT, JOINS_RIGHT] {
                 let Some(cell) = self.cell_above(base, state) else { continue };
                 // Of the states before that share their right side with this cell's left side, the cheaper one.
                 let reach = |s: usize| if partial[s].joint == cell.left { partial[s].total } else { f64::INFINITY };
-                let s = usize::from(reach(RIGHT) < reach(LEFT));
+                let s = usize::from(reach(JOINS_RIGHT) < reach(JOINS_LEFT));
                 let so_far = if k == 0 { 0.0 } else { reach(s) };
                 if so_far.is_finite() {
                     let total = so_far + self.cost(cell.diagonal);
@@ -261,7 +263,7 @@ impl<'a> Grower<'a> {
             self.before.push(from);
             partial = best;
         }
-        self.trace_back(side, usize::from(partial[RIGHT].total < partial[LEFT].total)) && self.claim_row()
+        self.trace_back(side, usize::from(partial[JOINS_RIGHT].total < partial[JOINS_LEFT].total)) && self.claim_row()
     }
 
     /// Follows the choices back from the last cell's state.

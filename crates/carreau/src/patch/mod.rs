@@ -108,7 +108,7 @@ pub enum Dissection {
 pub struct PatchOptions {
     /// How patches are found.
     pub strategy: Strategy,
-    /// What happens where rows and columns contradict each other (not for [`Strategy::Grow`]).
+    /// How contradictions between rows and columns are resolved (not used by [`Strategy::Grow`]).
     pub policy: Policy,
     /// Smallest number of cells of a patch; smaller ones stay triangles. 1 keeps single quads.
     pub min_cells: u32,
@@ -117,17 +117,17 @@ pub struct PatchOptions {
     pub q_max: f64,
     /// ε_φ: largest angle between the normals of the two triangles of a quad, in degrees.
     pub dihedral: f64,
-    /// Accepts a larger angle where the surface around bends as much.
+    /// Accept a larger angle where the surrounding surface bends as much.
     pub adapt_dihedral: bool,
-    /// Accepts no quad with a corner above 180°.
+    /// Reject quads with a corner above 180°.
     pub convex_only: bool,
-    /// Accepts only quads whose bilinear surface has the area and volume that programs will show, as faces of CAD files must.
+    /// Accept only quads whose bilinear surface has the area and volume that CAD programs will compute.
     pub faces: bool,
     /// How candidate quads are ranked.
     pub quality: Quality,
-    /// How polygons are cut into rectangles (not for [`Strategy::Grow`]).
+    /// How polygons are cut into rectangles (not used by [`Strategy::Grow`]).
     pub dissection: Dissection,
-    /// Joins patches along complete common sides.
+    /// Join patches along complete common sides.
     pub merge: bool,
     /// How many rectangles [`Strategy::Grow`] tries through each triangle: more take longer and give larger patches.
     /// Low 1, high 32; 0 tries every seed. By default 16, fewer on large meshes so that the time stays linear.
@@ -137,7 +137,7 @@ pub struct PatchOptions {
     pub crease_angle: f64,
     /// Edges with more than this angle between the face normals, in degrees, are never crossed.
     pub feature_angle: Option<f64>,
-    /// Which of these: every one, or the creases at the size of 3,000 squares.
+    /// Whether every such edge is meant, or only creases at the size of 3,000 squares.
     pub creases: Creases,
     /// Edges that are never crossed, by their vertices.
     #[serde(skip)]
@@ -259,6 +259,11 @@ pub struct PolygonLayout {
 /// assert!(result.figures.coverage > 0.95);
 /// # Ok::<(), carreau::Error>(())
 /// ```
+///
+/// # Errors
+/// [`Error::Options`] for options out of range, [`Error::Input`] for a
+/// mesh without faces or with polygons, [`Error::Cancelled`],
+/// [`Error::Deadline`].
 pub fn decompose(mesh: &SurfaceMesh, options: &PatchOptions, context: &Context) -> Result<PatchResult> {
     options.validate()?;
     let Some(triangles) = Triangles::of(mesh) else {

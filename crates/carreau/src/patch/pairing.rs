@@ -14,9 +14,11 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Price of a left-over triangle, in right angles of quality. A quad costs `PAIR_PRICE + Q/(π/2)` as against twice this.
 const TRIANGLE_PRICE: f64 = 4.0;
+/// Price of a quad without its quality, in the same unit: less than that of two triangles.
 const PAIR_PRICE: f64 = 6.0;
-/// Qualities are rounded to a millionth of a right angle, or coarser where the sum would not fit an integer.
+/// Steps to which qualities are rounded, per right angle; fewer where the sum of costs would not fit an integer.
 const STEPS: f64 = 1e6;
+/// Largest sum of costs: well within an `i64`.
 const LARGEST_SUM: f64 = 1e18;
 
 /// What a matching prefers.

@@ -23,10 +23,13 @@ use std::iter::successors;
 /// No cell: what lies across a border or a wall.
 pub const NONE: u32 = u32::MAX;
 
-/// The sides of a cell, counter-clockwise, and the directions that lead across them.
+/// The first side of a cell, counter-clockwise, and the direction that leads across it.
 pub(super) const BOTTOM: usize = 0;
+/// The second side.
 pub(super) const RIGHT: usize = 1;
+/// The third side.
 pub(super) const TOP: usize = 2;
+/// The fourth side.
 pub(super) const LEFT: usize = 3;
 
 /// The side that faces this one; the direction that leads back.

@@ -32,7 +32,7 @@ pub enum Policy {
 
 /// Where a quad lies.
 #[derive(Clone, Copy)]
-struct Place {
+struct GridPlace {
     /// Polygon number, [`NONE`] before the quad has a place.
     polygon: u32,
     row: i32,
@@ -40,7 +40,8 @@ struct Place {
     turn: u32,
 }
 
-const NOWHERE: Place = Place { polygon: NONE, row: 0, col: 0, turn: 0 };
+/// The place of a cell that has none yet.
+const NOWHERE: GridPlace = GridPlace { polygon: NONE, row: 0, col: 0, turn: 0 };
 
 /// One step across a global side: change of row and column.
 const STEP: [(i32, i32); 4] = [(-1, 0), (0, 1), (1, 0), (0, -1)];
@@ -48,7 +49,7 @@ const STEP: [(i32, i32); 4] = [(-1, 0), (0, 1), (1, 0), (0, -1)];
 struct Layout<'a> {
     candidates: &'a Candidates<'a>,
     quads: &'a Quads,
-    places: Vec<Place>,
+    places: Vec<GridPlace>,
     /// Quad at each place of the current polygon.
     taken: FxHashMap<(i32, i32), u32>,
     /// Quads that lost their place: they start the next polygons.
@@ -110,7 +111,7 @@ impl Layout<'_> {
     fn spread(&mut self, seed: u32, polygon: u32) {
         self.taken.clear();
         let mut queue = VecDeque::from([seed]);
-        self.put(seed, Place { polygon, ..NOWHERE });
+        self.put(seed, GridPlace { polygon, ..NOWHERE });
         while let Some(quad) = queue.pop_front() {
             let here = self.places[quad as usize];
             if here.polygon != polygon {
@@ -119,7 +120,7 @@ impl Layout<'_> {
             for g in 0..4 {
                 let Some((other, j)) = self.neighbour(quad, here.turn, g) else { continue };
                 let (row, col) = (here.row + STEP[g].0, here.col + STEP[g].1);
-                let wanted = Place { polygon, row, col, turn: (g as u32 + 6 - j) % 4 };
+                let wanted = GridPlace { polygon, row, col, turn: (g as u32 + 6 - j) % 4 };
                 let there = self.places[other as usize];
                 let conflict = if there.polygon == NONE {
                     self.taken.contains_key(&(row, col))
@@ -136,7 +137,7 @@ impl Layout<'_> {
         }
     }
 
-    fn put(&mut self, quad: u32, place: Place) {
+    fn put(&mut self, quad: u32, place: GridPlace) {
         self.places[quad as usize] = place;
         self.taken.insert((place.row, place.col), quad);
     }

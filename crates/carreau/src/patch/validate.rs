@@ -31,6 +31,9 @@ fn bug<T>(what: String) -> Result<T> {
 }
 
 /// Checks a layout against its mesh. `is_barrier` tells of an edge that no patch may cross.
+///
+/// # Errors
+/// [`Error::Bug`] with the first promise that is broken.
 pub fn validate(
     mesh: &SurfaceMesh,
     patches: &[Patch],

@@ -1,4 +1,4 @@
-//! The order of the operations.
+//! The order of the local operations: the method at a glance.
 
 use super::decimate::Demand;
 use super::relocate::Accept;
@@ -8,8 +8,9 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Edges above are split, edges below collapsed, while the mesh is balanced.
+/// Length in the metric above which edges are split while the mesh is balanced.
 const LONG: f64 = 1.45;
+/// Length in the metric below which edges are collapsed then.
 const SHORT: f64 = 0.85;
 /// Relocations of all vertices after every round.
 const SMOOTHINGS: usize = 2;
@@ -18,9 +19,10 @@ const SMOOTHINGS: usize = 2;
 /// tiny against the edges to it ask for any number.
 const MOST_EDGES: f64 = 1e8;
 
-/// Rounds of splits, collapses, flips and relocations, and relocations for better shapes at the end: for scans, and for clean
-/// models, whose ridges want more of them.
-const ROUNDS: [usize; 2] = [3, 8];
+/// Rounds of splits, collapses, flips and relocations: for scans, and for clean models, whose ridges need more of
+/// them.
+const BALANCING_ROUNDS: [usize; 2] = [3, 8];
+/// Relocations for better shapes at the end: for scans, and for clean models.
 const RESHAPINGS: [usize; 2] = [1, 4];
 /// The same behind everything that changes edges, on clean models.
 const LAST_RESHAPINGS: usize = 3;
@@ -29,7 +31,8 @@ impl Work<'_> {
     /// Makes all edges as close to length one as shapes and surface allow; with a wanted number of triangles the sizes are
     /// scaled on the way until that is what they give.
     pub fn adapt(&mut self, wanted: Option<usize>, context: &Context) -> Result<()> {
-        let (rounds, reshapings) = (ROUNDS[usize::from(self.limits.clean)], RESHAPINGS[usize::from(self.limits.clean)]);
+        let (rounds, reshapings) =
+            (BALANCING_ROUNDS[usize::from(self.limits.clean)], RESHAPINGS[usize::from(self.limits.clean)]);
         let strict = Demand { good_length: 2.0, longest: f64::INFINITY, least_shape: 0.1, ears: false };
         {
             let _stage = context.stage("decimate");
@@ -56,7 +59,7 @@ impl Work<'_> {
             }
         }
         {
-            let _stage = context.stage("settle");
+            let _stage = context.stage("reshape");
             for _ in 0..2 {
                 self.swap(4, context)?;
                 self.relocate(Accept::Better, context)?;

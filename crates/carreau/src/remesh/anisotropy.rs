@@ -18,11 +18,12 @@ use rayon::prelude::*;
 
 /// Largest |w|²: edges are at most five times as long along as across.
 const MOST: f64 = 0.96;
-/// Tensors are averaged over this share of the size, in no more rounds than that.
+/// Reach of the averaging of tensors, as a share of the size.
 const SHARE: f64 = 1.0;
-const ROUNDS: usize = 12;
+/// Most rounds of averaging.
+const AVERAGING_ROUNDS: usize = 12;
 /// Sweeps of the gradation of stretches.
-const SWEEPS: usize = 12;
+const STRETCH_SWEEPS: usize = 12;
 
 /// The stretch at every vertex of a support whose sizes are set. `bend` is the flat direction at every vertex, its length
 /// |w| before averaging.
@@ -45,7 +46,7 @@ pub fn stretches(support: &Support, bend: &[DVec3], rank: &[Rank], beta: Option<
 /// Means of w wᵀ over neighbours, in as many rounds as the size at a vertex asks for.
 fn averaged(support: &Support, bend: &[DVec3], rank: &[Rank]) -> Vec<DMat3> {
     let mesh = &support.mesh;
-    let wanted = rounds(&support.rings, &support.size, SHARE, ROUNDS);
+    let wanted = rounds(&support.rings, &support.size, SHARE, AVERAGING_ROUNDS);
     let mut tensor: Vec<DMat3> = bend.iter().map(|&w| outer(w)).collect();
     for round in 0..wanted.iter().copied().max().unwrap_or(0) {
         let mean = |v: u32| {
@@ -80,7 +81,7 @@ fn dominant(tensor: DMat3, normal: DVec3) -> DVec3 {
 /// Shortens stretches until the size along each grows by no more than the slope towards any neighbour's in that direction.
 /// All vertices at once, so that their order does not matter.
 fn grade(rings: &Rings, size: &[f64], stretch: &mut Vec<DVec3>, slope: f64) {
-    for _ in 0..SWEEPS {
+    for _ in 0..STRETCH_SWEEPS {
         let shorter = |v: u32| {
             let w = stretch[v as usize];
             let squared = w.length_squared();

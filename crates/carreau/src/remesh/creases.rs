@@ -1,4 +1,4 @@
-//! Edges keep their nature: smooth edges do not become creases, ridges do not become flat.
+//! Keeps the nature of edges: smooth edges do not become creases, and ridges do not become flat.
 //!
 //! Constraint (1) compares faces with normals at their corners: two faces that stray to opposite sides, each within the
 //! limit, make a crease that the surface does not have. On clean models the dihedral angles of a cavity are therefore

@@ -1,4 +1,4 @@
-//! Edges that are too short are collapsed, shortest first, under the paper's three constraints:
+//! Collapses edges that are too short, shortest first, under the paper's three constraints:
 //!
 //! (1) ⟨ν(K), νᵢ(K)⟩ ≥ τ for every new triangle K and each of its corners,
 //! (2) Q_l(AC′) > Q_l(BC′) for every edge BC′ that is replaced by AC′,
@@ -18,11 +18,12 @@ use crate::mesh::{Keep, NONE, next, previous};
 
 /// Shapes may fall by this factor: six equilateral triangles can just be retriangulated from their rim.
 const SHAPE_LOSS: f32 = 0.6 - 1e-6;
-/// Buckets per octave of length, as a power of two, and octaves.
-const BUCKET_BITS: u32 = 3;
-const OCTAVES: u16 = 16;
+/// Buckets per octave of length, as a power of two.
+const LENGTH_BITS: u32 = 3;
+/// Octaves of length that have buckets of their own.
+const LENGTH_OCTAVES: u16 = 16;
 /// Rounds over all edges.
-const ROUNDS: usize = 2;
+const DECIMATION_ROUNDS: usize = 2;
 
 /// What a collapse must respect besides constraint (1).
 #[derive(Debug, Clone, Copy)]
@@ -41,10 +42,10 @@ pub struct Demand {
 impl Work<'_> {
     /// Collapses edges shorter than `limit`, shortest first, while there are more than `most` triangles. Returns how many.
     pub fn decimate(&mut self, limit: f64, demand: &Demand, most: usize, context: &Context) -> Result<usize> {
-        let mut queue = Buckets::new(self.mesh.half_edge_slots(), limit, BUCKET_BITS, OCTAVES);
+        let mut queue = Buckets::new(self.mesh.half_edge_slots(), limit, LENGTH_BITS, LENGTH_OCTAVES);
         let mut done = 0;
         // What was refused is asked again only where it is next to a collapse; one more round asks the others.
-        for _ in 0..ROUNDS {
+        for _ in 0..DECIMATION_ROUNDS {
             for h in self.mesh.edges() {
                 queue.push(h, self.edge_length(h));
             }

@@ -1,4 +1,5 @@
-//! Edges that are too long get a vertex where both halves have the same length, on the surface or on their curve.
+//! Splits edges that are too long at the point where both halves have the same length, on the surface or on their
+//! curve.
 
 use super::curves::{Kind, Rank};
 use super::size::Metric;
@@ -20,7 +21,7 @@ impl Work<'_> {
         self.divide_while(limit, sweeps, usize::MAX, context)
     }
 
-    /// One sweep, until there are so many triangles.
+    /// One sweep, which ends at a number of triangles.
     pub fn divide_to(&mut self, limit: f64, wanted: usize, context: &Context) -> Result<usize> {
         self.divide_while(limit, 1, wanted, context)
     }

@@ -1,4 +1,5 @@
-//! Which edges stay: borders, ridges by angle, tagged edges, edges between labels, seams of what is not manifold.
+//! Decides which edges are kept: borders, ridges by angle, tagged edges, edges between labels, seams of what is not
+//! manifold.
 
 use super::curves::{Kind, Marks};
 use super::{RemeshOptions, fading, warped};
@@ -102,14 +103,16 @@ fn inside_polygons(mesh: &SurfaceMesh, angle_deg: f64) -> Result<Option<Vec<bool
     Ok(Some((0..mesh.corner_count()).map(|c| inside(CornerId::new(c))).collect()))
 }
 
-/// A surface is a scan where fewer of its faces than this lie in flats of many sides, with less of its area than this (a
-/// box with round edges has six large flats and thousands of small triangles), and more of its ridge edges than the other
-/// share hang loose.
+/// Share of the faces in flats of many sides from which on a surface is no scan.
 const FLAT_SHARE: f64 = 0.2;
+/// Share of the area in such flats from which on a surface is no scan: a box with round edges has six large flats and
+/// thousands of small triangles.
 const FLAT_AREA: f64 = 0.4;
+/// Share of loose ridge edges below which a surface is no scan.
 const LOOSE_SHARE: f64 = 0.1;
 /// Where more of the edges than this are ridges they are taken as they are: the surface is coarse, not noisy.
 const RIDGE_SHARE: f64 = 0.02;
+/// Number of neighbours from which on a flat has many sides.
 const MANY_SIDES: usize = 4;
 /// Edges with a smaller angle are flat, in degrees; borders with a smaller one go straight on.
 const FLAT_DEG: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! Vertices where the mesh as a whole is nearest to the surface.
+//! Moves vertices to where the mesh as a whole is nearest to the surface.
 //!
 //! With its vertices on the surface a mesh lies on one side of it wherever that is convex: inside by half of the largest
 //! sag in the mean. Free vertices therefore move along their normals by the piecewise linear function t that is nearest
@@ -32,11 +32,12 @@ const QUADRATURE: [([f64; 3], f64); 2] = [
 const STEPS: usize = 8;
 /// No vertex moves farther than this share of its size.
 const FARTHEST: f64 = 0.15;
-/// Shapes may fall to this share of what they were, or to this shape.
+/// Share of their shape that triangles keep when vertices are fitted.
 const SHAPE_KEPT: f32 = 0.99;
-const GOOD_SHAPE: f32 = 0.75;
+/// Shape that is enough when vertices are fitted, whatever it was before.
+const SHAPE_ENOUGH: f32 = 0.75;
 /// Edges may grow to this length.
-const LONGEST: f64 = 1.6;
+const LONGEST_FITTED: f64 = 1.6;
 
 /// A number no larger than a limit, either way; zero where the limit is no number, as on meshes too small for their squares.
 fn within(x: f64, limit: f64) -> f64 {
@@ -170,13 +171,13 @@ impl Work<'_> {
             let corners = mesh.triangle(t).map(|w| if w == v { to } else { self.point(w) });
             let normals = [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.normal[mesh.wedge(h) as usize]);
             let after = self.judge(corners, normals, self.stretches(mesh.triangle(t)));
-            after.shape >= (SHAPE_KEPT * before.shape).min(GOOD_SHAPE)
+            after.shape >= (SHAPE_KEPT * before.shape).min(SHAPE_ENOUGH)
                 && self.allows_cosine(after.cosine, before.cosine)
         });
         let lengths_hold = mesh.around(v).all(|h| {
             let q = self.point(mesh.head(h));
             let longer = q.distance(to) / q.distance(self.point(v));
-            longer <= 1.0 || longer * self.edge_length(h) <= LONGEST
+            longer <= 1.0 || longer * self.edge_length(h) <= LONGEST_FITTED
         });
         faces_hold && lengths_hold && self.strain_allows(v, to, NONE)
     }

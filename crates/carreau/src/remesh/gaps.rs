@@ -1,4 +1,4 @@
-//! Vertices where the surface is farthest from the mesh.
+//! Moves vertices to where the surface is farthest from the mesh.
 //!
 //! The size map knows how large triangles may be, not where their vertices lie: on a soft edge, bent by less than the
 //! feature angle, a vertex beside it leaves a gap that one upon it closes.
@@ -25,11 +25,11 @@ use rayon::prelude::*;
 use std::iter::successors;
 
 /// Rounds with new gaps.
-const ROUNDS: usize = 4;
+const GAP_ROUNDS: usize = 4;
 /// Gaps above this share of the largest are closed in a round.
 const LARGE: f64 = 0.75;
 /// The largest gap of a ball must fall to this share: a move that costs shapes has to be worth it.
-const GAIN: f64 = 0.65;
+const GAP_KEPT: f64 = 0.65;
 /// The worse of two shapes may fall by this factor in a flip.
 const FLIP_LOSS: f32 = 0.6;
 /// New triangles, as a share of those there are.
@@ -72,7 +72,7 @@ impl Work<'_> {
     /// Moves free vertices to the source vertices that are farthest from the mesh.
     pub fn close_gaps(&mut self, context: &Context) -> Result<()> {
         let most = ((1.0 + ADDED) * self.mesh.triangle_count() as f64) as usize;
-        for _ in 0..ROUNDS {
+        for _ in 0..GAP_ROUNDS {
             let mut gaps = self.gaps();
             context.check()?;
             let largest = gaps.of.iter().map(|g| g.1).fold(0.0, f64::max);
@@ -144,7 +144,7 @@ impl Work<'_> {
                 .into_iter()
                 .fold(f64::INFINITY, f64::min)
         };
-        let helps = largest(&flipped) < GAIN * largest(&|s| gaps.of[s as usize].1);
+        let helps = largest(&flipped) < GAP_KEPT * largest(&|s| gaps.of[s as usize].1);
         if !(helps && self.try_swap(h, FLIP_LOSS)) {
             return false;
         }
@@ -168,7 +168,7 @@ impl Work<'_> {
                 continue;
             }
             let now = self.closest_of(&ring, &below);
-            if now.iter().map(|g| g.1).fold(0.0, f64::max) < GAIN * before {
+            if now.iter().map(|g| g.1).fold(0.0, f64::max) < GAP_KEPT * before {
                 gaps.seat(&ring, &below, &now);
                 return true;
             }

@@ -1,4 +1,5 @@
-//! Purely geometric simplification: as near to the source as a number of triangles allows, shapes left aside.
+//! Purely geometric simplification: as close to the source as a number of triangles allows, without regard to their
+//! shape.
 //!
 //! Edges are collapsed in the order of the error they cause, into the point that causes the least (Garland, Heckbert,
 //! "Surface simplification using quadric error metrics", SIGGRAPH 1997). Every vertex carries the sum of squared distances
@@ -25,7 +26,7 @@ use std::collections::BinaryHeap;
 /// Shapes below this are refused, unless they were there before.
 const LEAST_SHAPE: f64 = 0.055;
 /// Errors count in full from this shape on, below they are divided by its share.
-const GOOD_SHAPE: f64 = 0.3;
+const FULL_SHAPE: f64 = 0.3;
 /// Cosine of the largest turn of a triangle.
 const LEAST_TURN: f64 = 0.3;
 /// Weight of the planes across curves, beside those of faces.
@@ -36,7 +37,7 @@ const STEADY: f64 = 1e-6;
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
 pub struct Goal {
-    /// No more than so many triangles.
+    /// The largest number of triangles.
     pub triangles: usize,
     /// No collapse with a larger error than this, as a distance.
     pub error: f64,
@@ -112,7 +113,7 @@ impl<'a> Geometric<'a> {
             }
             let Some(plan) = self.plan(h).filter(|plan| plan.error <= goal.error) else { continue };
             let Some(shape) = self.shape_after(h, &plan, goal) else { continue };
-            let cost = plan.cost * (GOOD_SHAPE / shape).max(1.0);
+            let cost = plan.cost * (FULL_SHAPE / shape).max(1.0);
             // Shapes are looked at only when an edge's turn comes: entries in the queue are lower bounds.
             if cost > f64::from_bits(key) {
                 queue.push(Reverse((cost.to_bits(), h, then)));

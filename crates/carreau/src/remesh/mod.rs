@@ -1,35 +1,33 @@
-//! Room 2: enrich and simplify to an angle.
+//! Graded triangles: enrich and simplify a surface to an angle.
 //!
-//! Borouchaki, Frey: *Maillage géométrique de surfaces. Partie II : appauvrissement*, INRIA RR-3237, 1997; its first part,
-//! enrichment, is not public and reconstructed here. A mesh is geometric when all its edges have length one in the metric
-//! of the surface: the size at a point is h = α r, α = 2 sin θ, r the smallest principal radius.
+//! Borouchaki, Frey: *Maillage géométrique de surfaces. Partie II : appauvrissement*, INRIA RR-3237, 1997. Its first part,
+//! enrichment, is not public and is reconstructed here. A mesh is geometric if all its edges have length one in the metric of
+//! the surface: the size at a point is h = α r, with α = 2 sin θ and r the smallest principal radius.
 //!
-//! | stage | file | paper |
+//! | stage, in the order of the calls | file | paper |
 //! |---|---|---|
-//! | polygons that are not plane | `warped` | – |
-//! | edges that stay | `features`, `fading`, `curves` | §4.5, §4.7 |
+//! | polygons that are not plane are divided | `warped` | – |
+//! | the edges that stay (ridges), also where they fade out | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | vertices where the surface comes to a point | `tips` | – |
-//! | the surface: normals, radii, walking | `support` | Part I |
-//! | size map, gradation, lengths | `source`, `size`, `rings` | §3, remark; H-shock |
-//! | sheets close to each other | `sheets` | – |
-//! | edges longer where the surface bends less | `anisotropy` | announced |
-//! | the mesh at work | `work` | – |
+//! | the surface as curved patches: normals, radii, walking | `support` | Part I |
+//! | the size map: sizes, gradation, lengths in the metric | `source`, `size`, `rings` | §3, remark; H-shock |
+//! | smaller sizes where sheets are close to each other | `sheets` | – |
+//! | longer edges where the surface bends less | `anisotropy` | announced |
+//! | the mesh being changed | `work` | – |
+//! | **the loop of local operations**, which calls the next ten | `adapt` | §3 |
 //! | collapses under constraints (1), (2), (4) | `decimate` | §3 |
 //! | splits of long edges | `divide` | Part I |
 //! | flips | `swap` | §2 |
-//! | ridges with few, even edges | `spacing` | – |
-//! | edges keep their nature | `creases` | – |
-//! | relocation | `relocate` | §3, "bougé de points" |
-//! | all vertices at once, in classes without neighbours | `sweep` | – |
-//! | the worst first | `polish` | – |
-//! | vertices where the surface is farthest from the mesh | `gaps` | – |
-//! | vertices where the mesh is nearest to the surface | `fit` | – |
-//! | the order of all this | `adapt` | §3 |
-//! | a wanted number of triangles, a wanted distance | `search`, `target` | – |
-//! | shapes left aside: least error first | `geometric` | – |
-//! | what is smallest comes first | `buckets` | – |
-//! | the result, attributes | `output` | – |
-//! | figures | `quality` | §4 |
+//! | few, even edges along ridges | `spacing` | – |
+//! | edges across which the surface is smooth stay so | `creases` | – |
+//! | relocation of vertices | `relocate` | §3, "bougé de points" |
+//! | the same for all vertices at once, in classes without neighbours | `sweep` | – |
+//! | the worst triangles one by one | `polish` | – |
+//! | new vertices where the surface is farthest from the mesh | `gaps` | – |
+//! | vertices moved to where the mesh is nearest to the surface | `fit` | – |
+//! | scaling the sizes until a number of triangles or a distance is met | `search`, `target` | – |
+//! | without regard to shape: collapses of least quadric error, from a priority queue | `geometric`, `buckets` | – |
+//! | the result with the input's attributes; its figures | `output`; `quality` | §4 |
 
 mod adapt;
 mod anisotropy;
@@ -79,20 +77,20 @@ pub use quality::RemeshQuality;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RemeshOptions {
-    /// θ: the angle between edges and the surface, in degrees.
+    /// θ: the angle between edges and the surface, in degrees, above 0 and below 90. Smaller angles give more triangles.
     pub deviation: f64,
-    /// β: largest ratio of sizes over one unit of length; `None`: not controlled.
+    /// β: largest ratio of sizes over one unit of length, above 1; `None`: no limit. Larger values let sizes change faster.
     pub gradation: Option<f64>,
     /// Edges whose face normals differ by more are ridges, in degrees; 180: none.
     #[serde(skip)]
     pub feature_angle: f64,
-    /// Which of these: creases at the size of the triangles that are made, or every edge.
+    /// Whether every such edge is a ridge, or only creases at the size of the resulting triangles.
     #[serde(skip)]
     pub creases: Creases,
-    /// Further ridges, by their ends.
+    /// Further ridges, by their end vertices.
     #[serde(skip)]
     pub feature_edges: Vec<[VertexId; 2]>,
-    /// Edges tagged in the file are ridges.
+    /// Whether edges tagged in the file are ridges.
     #[serde(skip)]
     pub tags: bool,
     /// A face property of integers: edges between two values are ridges.
@@ -105,26 +103,27 @@ pub struct RemeshOptions {
     pub max_size: f64,
     /// How far ridges may move, as a share of the diagonal.
     pub ridge_tolerance: f64,
-    /// Borders may be ragged, as those of scans are: they move more freely than ridges. Else they are ridges.
+    /// Whether borders may be ragged, as those of scans are, and so move more freely than ridges; otherwise they are ridges.
     #[serde(skip)]
     pub ragged_borders: bool,
     /// Edges with this tag stay as they are.
     #[serde(skip)]
     pub held_tag: Option<i32>,
-    /// Factor on the sizes.
+    /// Factor on all sizes, above 0.
     pub scale: f64,
-    /// A wanted number of triangles, met within 1 %: the sizes are scaled.
+    /// Target number of triangles, met within 1 % by scaling the sizes.
     pub triangles: Option<usize>,
-    /// Largest distance from the source, in the unit of the file: the sizes are scaled until a bound of it is below.
+    /// Largest distance from the input, in the unit of the file. The sizes are scaled until an upper bound of the distance is
+    /// below it.
     #[serde(skip)]
     pub distance: Option<f64>,
-    /// Enriches to this angle first, in degrees.
+    /// Enrich to this angle first, in degrees.
     pub enrich: Option<f64>,
-    /// Shapes and lengths are left aside: the collapses of least error, into the best points.
+    /// Ignore shapes and lengths: collapse in order of quadric error, into the points of least error.
     pub geometric: bool,
-    /// Edges are longer where the surface bends less.
+    /// Make edges longer in the direction in which the surface bends less.
     pub anisotropic: bool,
-    /// A vertex property of numbers: sizes are no larger than these, in the unit of the file.
+    /// Name of a vertex property that bounds the sizes from above, in the unit of the file.
     pub sizes: Option<String>,
 }
 
@@ -184,18 +183,18 @@ impl RemeshOptions {
     }
 }
 
-/// A mesh with its sizes and figures.
+/// The result of [`enrich`] and [`simplify`].
 #[derive(Debug, Clone)]
 pub struct Remeshed {
     /// The mesh, with the vertex property `size`.
     pub mesh: SurfaceMesh,
-    /// What was achieved.
+    /// Shapes, lengths, deviation and distance of the result.
     pub quality: RemeshQuality,
     /// What was repaired before, and what could not be reached, one sentence each.
     pub repaired: Vec<String>,
-    /// The ridges that stayed, and sharp edges that are none at this size.
+    /// The ridges that were kept, and sharp edges that are no ridges at this size.
     pub features: FoundFeatures,
-    /// Listed edges that the mesh does not have.
+    /// Listed edges that do not exist in the mesh.
     pub missing: Vec<[VertexId; 2]>,
 }
 
@@ -253,7 +252,7 @@ pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) 
     };
     if let Some(wanted) = options.triangles.filter(|&n| out.face_count().abs_diff(n) as f64 > 0.01 * n as f64) {
         let reached = out.face_count();
-        repaired.push(format!("{wanted} triangles were asked for, the curves and the surface allow {reached}; a larger feature angle leaves fewer curves"));
+        repaired.push(format!("{wanted} triangles were asked for, but the ridges and the surface allow only {reached}; a larger feature angle keeps fewer ridges"));
     }
     repaired.extend(grown(mesh, &out, options));
     let quality = quality::measure(&out)?;
@@ -367,11 +366,11 @@ fn clean(mesh: &SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<Stri
 }
 
 /// Faces with less area, relative to the squared diagonal, count as flat.
-const FLAT: f64 = 1e-12;
+const FLAT_FACE: f64 = 1e-12;
 
 /// Repairs degenerate and repeated faces and inconsistent senses. A sound mesh is returned as it is.
 fn repaired_if_needed(mesh: SurfaceMesh, context: &Context) -> Result<(SurfaceMesh, Vec<String>)> {
-    if !is_flawed(&mesh, FLAT) {
+    if !is_flawed(&mesh, FLAT_FACE) {
         return Ok((mesh, Vec::new()));
     }
     let options = RepairOptions { weld: None, split: false, outward: false, ..RepairOptions::default() };

@@ -11,12 +11,14 @@ use crate::error::Result;
 use crate::mesh::{Keep, NONE};
 use glam::DVec3;
 
-/// Shapes and length qualities that are good enough.
-const GOOD_SHAPE: f64 = 0.7;
+/// Shape that is good enough.
+const POLISHED_SHAPE: f64 = 0.7;
+/// Quality of a length, 1 at length one in the metric, that is good enough.
 const GOOD_LENGTH: f64 = 0.63;
 /// Triangles below this are worth a search among the neighbours, too.
 const POOR: f64 = 0.9;
-const SWEEPS: usize = 6;
+/// Sweeps over the poor triangles.
+const POLISHING_SWEEPS: usize = 6;
 /// Judgements for every triangle of the mesh before the worst are left as they are.
 const EFFORT: usize = 500;
 /// Places that a vertex tries at most.
@@ -36,7 +38,7 @@ impl Work<'_> {
     fn polish_within_cap(&mut self, context: &Context) -> Result<()> {
         // A vertex of many triangles costs as many judgements for every place that is tried.
         let mut effort = EFFORT * self.mesh.triangle_count();
-        for _ in 0..SWEEPS {
+        for _ in 0..POLISHING_SWEEPS {
             let mut bad = self.bad_triangles();
             bad.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             let mut done = 0;
@@ -68,7 +70,7 @@ impl Work<'_> {
     }
 
     fn triangle_goodness(&self, t: u32) -> f64 {
-        let shape = f64::from(self.face[t as usize].shape) / GOOD_SHAPE;
+        let shape = f64::from(self.face[t as usize].shape) / POLISHED_SHAPE;
         (3 * t..3 * t + 3).map(|h| length_quality(self.edge_length(h)) / GOOD_LENGTH).fold(shape, f64::min)
     }
 
@@ -147,7 +149,7 @@ impl Work<'_> {
         }
         let Some(shape) = self.try_collapse(h, keep, &demand) else { return -1.0 };
         let (gone, kept) = self.mesh.gone_and_kept(h, keep);
-        let mut worst = f64::from(shape) / GOOD_SHAPE;
+        let mut worst = f64::from(shape) / POLISHED_SHAPE;
         self.mesh.for_neighbours(gone, |w| {
             if w != kept {
                 worst = worst.min(length_quality(self.length(kept, w)) / GOOD_LENGTH);
@@ -176,7 +178,7 @@ impl Work<'_> {
             let c = self.mesh.apex(side);
             let stretches = self.stretches([a, b, c]);
             let shape =
-                |q| f64::from(self.judge([q, p, self.point(c)], [DVec3::ZERO; 3], stretches).shape) / GOOD_SHAPE;
+                |q| f64::from(self.judge([q, p, self.point(c)], [DVec3::ZERO; 3], stretches).shape) / POLISHED_SHAPE;
             let l = length_between(self.point(c) - p, metric, self.metric(c));
             worst = worst.min(shape(self.point(a))).min(shape(self.point(b))).min(length_quality(l) / GOOD_LENGTH);
         }

@@ -96,6 +96,10 @@ const REFINED: usize = 200_000_000;
 
 impl RemeshQuality {
     /// Adds the distance between the source and the result.
+    ///
+    /// # Errors
+    /// [`Error::Input`](crate::Error::Input) for a surface without faces,
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn with_distance(mut self, source: &SurfaceMesh, result: &SurfaceMesh, context: &Context) -> Result<Self> {
         // A fine mesh has a vertex wherever the distance may be largest, and all vertices are looked at.
         let refinements = (REFINED / source.face_count().max(1)).clamp(2_000, 50_000);

@@ -26,6 +26,7 @@ const TOLERABLE: f32 = 0.6;
 /// Shorter steps, as shares of the size, are not worth their tests.
 const LEAST_STEP: f64 = 0.01;
 
+/// √3 / 2: the height of an equilateral triangle over its side.
 const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
 
 /// When a move is accepted.

@@ -52,7 +52,7 @@ pub(super) fn to_count(
     best.ok_or_else(|| Error::Bug("no run".into()))
 }
 
-/// Where so many times the wanted triangles are left, larger sizes alone will not do.
+/// If this many times the wanted triangles are left, larger sizes alone will not do.
 const BOUND_BY_RIDGES: f64 = 1.1;
 
 /// How closely a distance is looked at where it is a promise: what counts is the upper bound.
@@ -60,7 +60,7 @@ pub(super) const CLOSE_LOOK: DistanceOptions =
     DistanceOptions { samples: 20_000, refinements: 200_000, normals: false };
 /// Runs of [`within_distance`] before it gives up.
 const DISTANCE_RUNS: usize = 8;
-/// A distance that takes so many times the triangles of the input is out of reach.
+/// A distance that takes this many times the triangles of the input is out of reach.
 const MOST_GROWTH: f64 = 8.0;
 
 /// The coarsest mesh of a few whose two-sided distance from the input is certainly below a limit.

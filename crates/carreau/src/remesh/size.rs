@@ -18,9 +18,9 @@ use crate::error::Result;
 use glam::DVec3;
 
 /// Buckets per octave of size, as a power of two: fewer go back to a vertex more often.
-const BUCKET_BITS: u32 = 5;
-/// Sizes lie within so many octaves of the largest.
-const OCTAVES: u16 = 24;
+const SIZE_BITS: u32 = 5;
+/// Number of octaves below the largest size within which all sizes lie.
+const SIZE_OCTAVES: u16 = 24;
 
 /// Length of an edge of Euclidean length `d` between two sizes.
 #[inline]
@@ -73,7 +73,7 @@ pub fn length_quality(l: f64) -> f64 {
 pub fn grade(rings: &Rings, size: &mut [f64], beta: f64, context: &Context) -> Result<()> {
     let slope = beta.ln();
     let largest = size.iter().copied().fold(0.0, f64::max);
-    let mut queue = Buckets::new(rings.len(), 2.0 * largest, BUCKET_BITS, OCTAVES);
+    let mut queue = Buckets::new(rings.len(), 2.0 * largest, SIZE_BITS, SIZE_OCTAVES);
     // Only where a cone cuts into a neighbour there is something to do.
     for v in 0..rings.len() {
         let h = size[v as usize];

@@ -24,7 +24,7 @@ const SHEET_SAG: f64 = 0.25;
 const SHEET_ALPHA: f64 = 0.5;
 /// Borders may be left by the sag of a circle of this radius, a share of the diagonal.
 const BORDER_RADIUS: f64 = 0.07;
-/// Corners of a ragged border are turns over so many sizes, and over as many of its edges: below, there is only noise.
+/// Number of sizes, and of edges, over which a ragged border must turn to have a corner: below, there is only noise.
 const BORDER_SCALE: f64 = 2.0;
 /// Weight of the tilt of edges in the fit, where sin θ = 1: noise counts less the larger the sags are.
 const TILT: f64 = 0.3;
@@ -202,7 +202,7 @@ fn reading(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Re
     }
 }
 
-/// Length of the edges of so many even triangles that cover a surface.
+/// Edge length of equilateral triangles, given their number, that cover a surface.
 fn length_of_triangles(mesh: &SurfaceMesh, count: f64) -> f64 {
     // An even triangle is √3 / 4 of the square of its edge.
     length_of_squares(mesh, 0.25 * 3f64.sqrt() * count)

@@ -24,7 +24,7 @@ use crate::mesh::{Keep, NONE};
 /// What goes for the sake of the spacing leaves shapes no worse than this and edges no longer.
 const DEMAND: Demand = Demand { good_length: 0.0, longest: 2.2, least_shape: 0.2, ears: false };
 /// Sweeps in which the vertices of a ridge move to their places.
-const SWEEPS: usize = 4;
+const RIDGE_SWEEPS: usize = 4;
 /// Where else an edge that sags is split.
 const ELSEWHERE: [f64; 9] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9];
 /// Edges that a closed chain keeps.
@@ -96,7 +96,7 @@ impl<'a> Work<'a> {
         if let Some(fewest) = (wanted..edges).find(|&n| self.holds(chain, &row.places(&ways, n))) {
             self.thin(&mut row, fewest);
             let places = row.places(&self.ways(&row), row.vertices.len() - 1);
-            for _ in 0..SWEEPS {
+            for _ in 0..RIDGE_SWEEPS {
                 self.shift_row(&row, &places);
             }
         }

@@ -511,7 +511,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[low] + at.fract() * (sorted[high] - sorted[low])
 }
 
-/// Rounds of averaging over neighbours that make a kernel of about `share` sizes at every vertex, at most so many.
+/// Rounds of averaging over neighbours that make a kernel of about `share` sizes at every vertex, up to a limit.
 pub fn rounds(rings: &Rings, size: &[f64], share: f64, most: usize) -> Vec<u8> {
     let at = |v: u32| {
         let lengths = rings.lengths(v);

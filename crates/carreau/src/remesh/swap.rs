@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_3;
 
 /// Gain in the worst shape for which a flip is worth it.
-const GAIN: f32 = 1.01;
+const SHAPE_GAIN: f32 = 1.01;
 /// Shapes may fall by this factor where valences become regular.
 const REGULAR_LOSS: f32 = 0.6;
 /// And cosines with the normals not below this, unless they were.
@@ -21,10 +21,10 @@ const REGULAR_COSINE: f32 = 0.8;
 /// Gain in the sum of squared excesses for which they do: a whole number, but at curves.
 const REGULAR_GAIN: f64 = 0.1;
 /// Flips make no edges longer than this, unless the old one was as long.
-const LONGEST: f64 = 1.6;
+const LONGEST_FLIPPED: f64 = 1.6;
 
 /// Edges that a thread takes at least.
-const GRAIN: usize = 256;
+const EDGES_PER_TASK: usize = 256;
 
 /// What flips make better: the shape, and how well the triangle fits the surface.
 fn value(face: Face) -> f32 {
@@ -32,15 +32,15 @@ fn value(face: Face) -> f32 {
 }
 
 impl Work<'_> {
-    /// Flips edges until nothing gets better, at most so many sweeps. Returns how many.
+    /// Flips edges until nothing gets better, or for the given number of sweeps. Returns the number of flips.
     pub fn swap(&mut self, sweeps: usize, context: &Context) -> Result<usize> {
         let mut done = 0;
         let mut pending: Vec<u32> = self.mesh.edges().collect();
         for _ in 0..sweeps {
             context.check()?;
             let mut touched = Vec::new();
-            for h in self.worth_a_swap(&pending, GAIN) {
-                if self.try_swap(h, GAIN) {
+            for h in self.worth_a_swap(&pending, SHAPE_GAIN) {
+                if self.try_swap(h, SHAPE_GAIN) {
                     done += 1;
                     let o = self.mesh.opposite(h);
                     touched.extend([next(h), previous(h), next(o), previous(o)]);
@@ -114,7 +114,7 @@ impl Work<'_> {
     /// what is worth it is asked once more before it is done.
     fn worth_a_swap(&self, edges: &[u32], gain: f32) -> Vec<u32> {
         let is_worth_it = |h: &u32| self.flipped(*h, gain).is_some();
-        edges.par_iter().with_min_len(GRAIN).copied().filter(is_worth_it).collect()
+        edges.par_iter().with_min_len(EDGES_PER_TASK).copied().filter(is_worth_it).collect()
     }
 
     /// Flips an edge if that is allowed and worth it.
@@ -157,7 +157,7 @@ impl Work<'_> {
             return None;
         }
         let (old, new) = (self.edge_length(h), self.length(mesh.vertex(c), mesh.vertex(d)));
-        if new > LONGEST.max(old) && after.shape > 0.05 && before.shape > 0.1 {
+        if new > LONGEST_FLIPPED.max(old) && after.shape > 0.05 && before.shape > 0.1 {
             return None;
         }
         let (strain_before, strain_after) = self.strain_of_flip(h);

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 /// hand while their classes take turns.
 const CHUNK: usize = 2048;
 /// Vertices that a thread takes at least.
-const GRAIN: usize = 64;
+const VERTICES_PER_TASK: usize = 64;
 /// The class of what does not move; others are numbered below.
 const STAYS: u32 = u64::BITS;
 
@@ -44,7 +44,7 @@ impl Work<'_> {
                 members.clear();
                 members.extend(chunk.iter().copied().filter(|&v| class[v as usize] == k));
                 let work = &*self;
-                let found = members.par_iter().with_min_len(GRAIN).map(|&v| find(work, v));
+                let found = members.par_iter().with_min_len(VERTICES_PER_TASK).map(|&v| find(work, v));
                 found.collect_into_vec(&mut moves);
                 for (&v, to) in members.iter().zip(&moves) {
                     if let Some(to) = to

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// The angles around a tip add up to less than a full turn by more than this, in degrees.
 const POINTED_DEG: f64 = 40.0;
 /// Its neighbours are flat beside it: their angles are off by less than this share of that.
-const FLAT: f64 = 0.5;
+const FLAT_BESIDE: f64 = 0.5;
 
 impl Curves {
     /// Makes corners of the tips, and lists them.
@@ -28,7 +28,7 @@ impl Curves {
             let own = missing(*v);
             let mut is_tip = mesh.is_vertex(*v) && own > POINTED_DEG.to_radians();
             if is_tip {
-                mesh.for_neighbours(*v, |w| is_tip &= missing(w).abs() < FLAT * own);
+                mesh.for_neighbours(*v, |w| is_tip &= missing(w).abs() < FLAT_BESIDE * own);
             }
             is_tip
         };

@@ -8,6 +8,7 @@ use super::support::{Seat, Support};
 use crate::mesh::{EditMesh, NONE};
 use glam::DVec3;
 
+/// 2 √3: makes the shape of an equilateral triangle one.
 const SHAPE_SCALE: f64 = 2.0 * 1.732_050_807_568_877_2;
 
 /// Splits, collapses and relocation settle at a mean length a little below one: the mesh at work has sizes larger by this

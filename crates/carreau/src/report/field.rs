@@ -8,19 +8,21 @@ use rustc_hash::FxHashMap;
 use std::f64::consts::FRAC_PI_2;
 
 /// Crosses along the diagonal, about.
-const CROSSES: f64 = 55.0;
+const PICTURE_CROSSES: f64 = 55.0;
 /// Length of the arms of a cross over the distance to the next cross.
 const ARM: f64 = 0.62;
 /// Triangles that an arm crosses at most.
-const STEPS: usize = 400;
+const ARM_STEPS: usize = 400;
+/// Colour of the arms.
 const ARMS: Rgb = [38, 92, 150];
-/// Fewer quads than usual, and more.
+/// Colour of vertices with fewer quads than usual.
 pub(super) const FEWER: Rgb = [200, 40, 40];
+/// Colour of vertices with more quads than usual.
 pub(super) const MORE: Rgb = [30, 120, 220];
 
 /// Draws a frame field.
 pub fn field_figure(field: &Field) -> Image {
-    let Some(arms) = arms(field, CROSSES) else { return render(&Picture::new(&[], field.mesh.faces())) };
+    let Some(arms) = arms(field, PICTURE_CROSSES) else { return render(&Picture::new(&[], field.mesh.faces())) };
     let mut picture = Picture::new(field.mesh.points(), field.mesh.faces());
     picture.lines.push(Lines::new(Path::Segments(&arms), ARMS, 1.0));
     picture.lines.push(Lines { width: 1.8, ..Lines::bold(Path::Edges(&field.features)) });
@@ -35,7 +37,7 @@ pub fn field_figure(field: &Field) -> Image {
     render(&picture)
 }
 
-/// Crosses that follow the frames, about so many along the diagonal; `None` where a face is no triangle.
+/// Crosses that follow the frames, with their number along the diagonal, about; `None` if a face is not a triangle.
 pub(super) fn arms(field: &Field, crosses: f64) -> Option<Vec<[DVec3; 2]>> {
     let t = Triangles::of(&field.mesh)?;
     let walker = Walker::new(field, t);
@@ -64,7 +66,7 @@ fn seeds(t: Triangles<'_>, spacing: f64) -> Vec<Seed> {
         let [a, b, c] = t.triangle(i).map(|v| t.points()[v as usize]);
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         // At most as many as the picture could show.
-        let n = (2.0 * longest / spacing).ceil().clamp(1.0, 4.0 * CROSSES) as u32;
+        let n = (2.0 * longest / spacing).ceil().clamp(1.0, 4.0 * PICTURE_CROSSES) as u32;
         for (j, k) in (0..n).flat_map(|j| (0..n - j).map(move |k| (j, k))) {
             let [s, r] = [j, k].map(|x| (f64::from(x) + 1.0 / 3.0) / f64::from(n));
             let p = a + (b - a) * s + (c - a) * r;
@@ -106,7 +108,7 @@ impl<'a> Walker<'a> {
     fn walk(&self, (mut triangle, mut p): Seed, mut branch: i32, mut length: f64, into: &mut Vec<[DVec3; 2]>) {
         let t = self.triangles;
         let mut entry = NONE;
-        for _ in 0..STEPS {
+        for _ in 0..ARM_STEPS {
             let d = self.direction(triangle, branch);
             let Some((far, exit)) = exit(t, triangle, entry, p, d) else { return };
             let step = far.min(length);

@@ -13,7 +13,7 @@ const LABELS: &[&str] = &["patch", "region", "truth", "ref", "group"];
 /// Meshes with more faces are drawn without their edges, which would cover everything.
 const MOST_FACES_WITH_EDGES: usize = 60_000;
 /// Edges sharper than this are drawn bold where there are no labels, in degrees.
-const CREASE: f64 = 35.0;
+const BOLD_CREASE: f64 = 35.0;
 
 /// Colour of skeletons.
 const SKELETON: Rgb = [190, 30, 45];
@@ -32,7 +32,7 @@ pub fn figure(mesh: &RawMesh) -> Image {
     let edges = if mesh.faces.len() <= MOST_FACES_WITH_EDGES { mesh_edges(n, &mesh.faces) } else { Vec::new() };
     let bold = match labels {
         Some(labels) => label_borders(n, &mesh.faces, labels),
-        None => crease_edges(&mesh.points, &mesh.faces, CREASE),
+        None => crease_edges(&mesh.points, &mesh.faces, BOLD_CREASE),
     };
     let mut picture = Picture::new(&mesh.points, &mesh.faces);
     if let Some(labels) = labels {
@@ -61,7 +61,7 @@ pub fn cad_figure(mesh: &RawMesh, kinds: &[i32]) -> Image {
 /// percentile of the magnitudes, so that a few wild values do not bleach the rest.
 pub fn curvature_figure(mesh: &RawMesh, values: &[f64]) -> Image {
     let bound = Summary::of(values.iter().map(|k| k.abs()).collect()).map_or(0.0, |s| s.p95);
-    let bold = crease_edges(&mesh.points, &mesh.faces, CREASE);
+    let bold = crease_edges(&mesh.points, &mesh.faces, BOLD_CREASE);
     let mut picture = Picture::new(&mesh.points, &mesh.faces);
     picture.colors = Colors::VertexScalars(values, Scale::Diverging(Some(if bound > 0.0 { bound } else { 1.0 })));
     picture.lines.push(Lines { width: 1.2, ..Lines::bold(Path::Edges(&bold)) });

@@ -6,8 +6,9 @@ use super::picture::{Colors, Image, Lines, Path, Picture, Rgb, render};
 use crate::quad::graph::{CUT, FEATURE, MotorcycleGraph, TRACK};
 use glam::DVec3;
 
-/// Tracks; cuts, which do not all follow the field, are faint.
+/// Colour of tracks.
 const TRACKS: Rgb = [20, 24, 36];
+/// Opacity of cuts, which do not all follow the field.
 const FAINT: f64 = 0.5;
 
 /// Draws a motorcycle graph.

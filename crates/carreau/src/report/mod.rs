@@ -1,12 +1,12 @@
-//! What people look at: pictures and pages.
+//! Pictures and pages for people to look at.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `picture` | a mesh drawn to a PNG file, without GPU or display |
-//! | `figure` | the usual picture of a mesh |
+//! | `picture` | draws a mesh into a PNG file, without GPU or display |
+//! | `figure` | the usual pictures of meshes, CAD models, curvatures, skeletons, hexahedra |
 //! | `field` | the picture of a frame field |
 //! | `graph` | the picture of a motorcycle graph |
-//! | `page` | models in one HTML file, to turn and to ask |
+//! | `page` | models in one HTML file that can be turned and queried |
 
 mod field;
 mod figure;

@@ -109,6 +109,9 @@ impl Bracket {
 ///
 /// Labels: 0 underside, 1 toe, 2 foot, 3 fillet (cylinder), 4 front, 5 top, 6 back, 7 bend (cylinder), 8 and 9 the
 /// L-shaped ends, 10 to 12 the holes (cylinders).
+///
+/// # Errors
+/// [`Error::Options`] for sizes that make no such model, or one of too many triangles.
 pub fn bracket(size: &Bracket, edge: f64, context: &Context) -> Result<Model> {
     size.check()?;
     let measure = size.measure();

@@ -42,6 +42,9 @@ impl Default for CubeCylinders {
 }
 
 /// The cube with two cylinders. Labels: 0–3 the free sides, 4–6 platform, cylinder and end above, 7–9 those below.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn cube_cylinders(p: &CubeCylinders) -> Result<Model> {
     check(p)?;
     let mut b = Builder::default();

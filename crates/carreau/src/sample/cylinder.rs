@@ -12,6 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// caps are regular grids.
 ///
 /// Labels: 0 the wall, 1 the bottom, 2 the top.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn cylinder(radius: f64, height: f64, edge: f64) -> Result<Model> {
     positive("radius", radius)?;
     positive("height", height)?;
@@ -28,6 +31,9 @@ pub fn cylinder(radius: f64, height: f64, edge: f64) -> Result<Model> {
 }
 
 /// The wall of a cylinder, without caps: `segments` ≥ 3 around, `bands` ≥ 1 along. Label 0: the wall.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn open_cylinder(radius: f64, height: f64, segments: u32, bands: u32) -> Result<Model> {
     positive("radius", radius)?;
     positive("height", height)?;

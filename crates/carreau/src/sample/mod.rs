@@ -1,8 +1,8 @@
-//! Procedural models: what the demo, the documentation and the tests work on.
+//! Procedural models for the demo, the documentation and the tests.
 //!
-//! Every model is oriented outwards and manifold, with one vertex per position and no degenerate triangle; closed ones
-//! are watertight. A model carries what is known about it: the face column `truth` numbers its CAD faces, `shapes[k]` is
-//! the exact surface on which the vertices of label `k` lie, `exact` holds the measures of the smooth model.
+//! Every model is manifold and oriented outwards, with one vertex per position and no degenerate triangle; closed models are
+//! watertight. A model carries its ground truth: the face column `truth` numbers its CAD faces, `shapes[k]` is the exact
+//! surface on which the vertices of label `k` lie, and `exact` holds area and volume of the smooth model.
 //!
 //! [`SAMPLES`] lists the models by name, with a resolution as their only parameter; the functions of the same names have
 //! all parameters.
@@ -13,8 +13,9 @@
 //! | `cube_cylinders` | the test model of Bénière et al. |
 //! | `bracket`, `wedge` | parts swept from a profile by `extrude` |
 //! | `tube_tree` | a blended union of tubes, polygonised by `surface_nets` |
-//! | `builder` | points, triangles and labels under construction |
-//! | `shape` | what is known about a model |
+//! | `builder` | the points, triangles and labels under construction |
+//! | `shape` | the ground truth of a model |
+//! | `limits`, `random` | the resolutions that are possible; pseudo-random numbers |
 
 mod bracket;
 mod builder;

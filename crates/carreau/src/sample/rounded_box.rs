@@ -23,6 +23,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 /// ```
 ///
 /// Labels: 6 planes, 12 cylinders, 8 spheres, in the order of the signs (x, y, z) of their outward direction.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn rounded_box(size: [f64; 3], radius: f64, edge: f64) -> Result<Model> {
     size.iter().try_for_each(|&s| positive("size", s))?;
     positive("radius", radius)?;

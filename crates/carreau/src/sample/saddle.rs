@@ -11,6 +11,9 @@ use std::f64::consts::FRAC_PI_4;
 /// The graph of `z = (k/2)(x² − y²)` over the square `[−side/2, side/2]²`, `divisions` ≥ 1 quads along a side.
 ///
 /// At the origin the principal curvatures are ±k, along x and y. Label 0: the graph (freeform).
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn saddle(side: f64, k: f64, divisions: u32) -> Result<Model> {
     positive("side", side)?;
     positive("curvature", k)?;

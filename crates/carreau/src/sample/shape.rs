@@ -1,4 +1,4 @@
-//! What is known about a model besides its mesh: the surface behind every label, and the measures of the smooth model.
+//! The ground truth of a model: the exact surface behind every label, and area and volume of the smooth model.
 
 use glam::DVec3;
 

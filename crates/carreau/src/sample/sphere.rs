@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 /// A sphere around the origin: every triangle of an icosahedron cut into `frequency²` triangles, then projected.
 ///
 /// Twelve vertices have five neighbours, all others six. Label 0: the sphere.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn icosphere(radius: f64, frequency: u32) -> Result<Model> {
     positive("radius", radius)?;
     at_least("frequency", frequency, 1)?;
@@ -28,6 +31,9 @@ pub fn icosphere(radius: f64, frequency: u32) -> Result<Model> {
 ///
 /// `meridians` ≥ 3 is the number of points on a circle, `parallels` ≥ 2 the number of bands from pole to pole.
 /// Label 0: the sphere.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn uv_sphere(radius: f64, meridians: u32, parallels: u32) -> Result<Model> {
     positive("radius", radius)?;
     at_least("meridians", meridians, 3)?;
@@ -66,6 +72,7 @@ fn measure(radius: f64) -> Option<Measure> {
 /// Half the longer side of the three golden rectangles whose corners are the icosahedron's; the shorter half is 1.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 
+/// Corners of an icosahedron.
 const CORNERS: [[f64; 3]; 12] = [
     [-1.0, GOLDEN, 0.0],
     [1.0, GOLDEN, 0.0],
@@ -81,6 +88,7 @@ const CORNERS: [[f64; 3]; 12] = [
     [-GOLDEN, 0.0, 1.0],
 ];
 
+/// Faces of an icosahedron, counter-clockwise from outside.
 const ICOSAHEDRON: [[u32; 3]; 20] = [
     [0, 11, 5],
     [0, 5, 1],

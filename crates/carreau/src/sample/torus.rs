@@ -12,6 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// A torus around the z axis: `rings` ≥ 3 circles of `sides` ≥ 3 points each. Label 0: the torus.
 ///
 /// `minor` is the radius of the tube, `major` that of its centre line; `major` > `minor`.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn torus(major: f64, minor: f64, rings: u32, sides: u32) -> Result<Model> {
     check(major, minor, rings, sides)?;
     let mut b = Builder::default();
@@ -24,6 +27,9 @@ pub fn torus(major: f64, minor: f64, rings: u32, sides: u32) -> Result<Model> {
 
 /// A [`torus`] whose vertices are moved along the exact normals by independent amounts, uniform in
 /// `-amplitude..=amplitude`. The model's `noise` is the amplitude.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn noisy_torus(major: f64, minor: f64, rings: u32, sides: u32, amplitude: f64, seed: u64) -> Result<Model> {
     within("amplitude", amplitude, 0.0, minor)?;
     let mut model = torus(major, minor, rings, sides)?;
@@ -41,6 +47,9 @@ pub fn noisy_torus(major: f64, minor: f64, rings: u32, sides: u32, amplitude: f6
 
 /// The part of a [`torus`] that is swept in turning by `sweep` degrees, more than 0 and less than 360, from the x axis:
 /// an open tube with two borders.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn open_torus(major: f64, minor: f64, sweep: f64, rings: u32, sides: u32) -> Result<Model> {
     check(major, minor, rings, sides)?;
     positive("sweep", sweep)?;

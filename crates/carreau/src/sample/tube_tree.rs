@@ -80,6 +80,9 @@ pub fn tree() -> Vec<Tube> {
 ///
 /// Each face is labelled with its nearest tube (all freeform). The result is checked to be closed and manifold; radii
 /// below one edge length are refused.
+///
+/// # Errors
+/// [`Error::Options`] for sizes that make no such model, or one of too many triangles.
 pub fn tubes(tubes: &[Tube], blend: f64, edge: f64, context: &Context) -> Result<Model> {
     let thinnest = tubes.iter().flat_map(|t| t.radii).fold(f64::INFINITY, f64::min);
     tubes.iter().try_for_each(Tube::check)?;

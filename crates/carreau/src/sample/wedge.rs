@@ -18,6 +18,9 @@ use glam::{DVec2, DVec3};
 ///   edge ╲           │
 ///             lower ╲│
 /// ```
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for sizes that make no such model, or one of too many triangles.
 pub fn wedge(angle: f64, length: f64, width: f64, edge: f64, context: &Context) -> Result<Model> {
     within("angle", angle, 1.0, 170.0)?;
     positive("length", length)?;

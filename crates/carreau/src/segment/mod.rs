@@ -316,6 +316,10 @@ const ROUNDS: usize = 2;
 /// assert!(result.regions.iter().all(|region| region.primitive.is_some()));
 /// # Ok::<(), carreau::Error>(())
 /// ```
+///
+/// # Errors
+/// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces or with polygons,
+/// [`Error::Cancelled`], [`Error::Deadline`].
 pub fn segment(mesh: &SurfaceMesh, options: &SegmentOptions, context: &Context) -> Result<Segmentation> {
     let Some(triangles) = Triangles::of(mesh) else {
         return Err(Error::input("the mesh has faces with more than three corners", "", "triangulate it first"));

@@ -1,5 +1,5 @@
-//! What the flow leaves becomes curves: edges with triangles are collapsed, shortest first, until no triangle is left
-//! (section 4 of the paper).
+//! Reduces what the flow leaves to curves: edges with triangles are collapsed, shortest first, until no triangle is
+//! left (section 4 of the paper).
 //!
 //! The complex is no surface any more while this goes on: triangles come to lie on each other and become one, edges too.
 //! Edges without triangles are curves already and stay. Two of them that would come to lie on each other are a cycle: the

@@ -23,17 +23,17 @@ use rustc_hash::FxHashMap;
 
 /// A triangle with a side longer than this many local radii is long: beyond that a tube has no ring of vertices per length of
 /// its diameter.
-const LONG: f64 = 2.0;
+const LONG_SIDE: f64 = 2.0;
 /// A surface is divided where long triangles are more than this share of its area: where an ear is thin a scan has some, too.
 const SHARE: f64 = 0.1;
 /// The longest edges then, in local radii: about twelve vertices around a tube and along as much of it.
 const FINE: f64 = 0.5;
 /// Growth of the local radius per length away from where it is known: as fast as a cone of 27° opens.
-const GROWTH: f64 = 0.5;
+const RADIUS_GROWTH: f64 = 0.5;
 /// The least local radius, as a share of the diagonal: below it sheets would take millions of triangles.
 const LEAST: f64 = 0.01;
 /// Rounds of halving: an edge as long as the diagonal is below the least length after eight.
-const ROUNDS: usize = 16;
+const HALVING_ROUNDS: usize = 16;
 
 /// The same surface with short edges, its own vertices first; `None` where they are short already.
 pub fn divided(surface: &SurfaceMesh, context: &Context) -> Result<Option<SurfaceMesh>> {
@@ -43,7 +43,7 @@ pub fn divided(surface: &SurfaceMesh, context: &Context) -> Result<Option<Surfac
     if share <= SHARE {
         return Ok(None);
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..HALVING_ROUNDS {
         context.check()?;
         if !work.halve() {
             break;
@@ -95,7 +95,7 @@ impl Work {
             let [a, b, c] = triangle.map(|v| self.points[v as usize]);
             let area = safe_length(triangle_area_vector(a, b, c));
             all += area;
-            if (0..3).any(|k| self.length(t, k) > LONG * self.radius(t, k)) {
+            if (0..3).any(|k| self.length(t, k) > LONG_SIDE * self.radius(t, k)) {
                 long += area;
             }
         }
@@ -115,7 +115,7 @@ impl Work {
     /// The local radius in the middle of a side, as its own triangle knows it.
     fn radius(&self, t: usize, side: usize) -> f64 {
         let [a, b] = self.ends(t, side);
-        let grown = self.at_vertex[a].min(self.at_vertex[b]) + GROWTH * 0.5 * self.length(t, side);
+        let grown = self.at_vertex[a].min(self.at_vertex[b]) + RADIUS_GROWTH * 0.5 * self.length(t, side);
         grown.min(self.on_face[t])
     }
 

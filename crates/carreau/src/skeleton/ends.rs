@@ -1,4 +1,4 @@
-//! Branches are led to flat ends.
+//! Extends branches to flat ends.
 //!
 //! The flow draws the end of a tube inwards by about its radius, and the last nodes may leave the axis. Where the axis, seen
 //! from a radius and more inside, meets a flat end, the last nodes go onto it, up to the end:
@@ -19,29 +19,33 @@ use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The axis is taken between so many radii and so many from the tip: nearer to it the flow bends it. Where the tube itself bends so
-/// near to its end, a shorter piece of it may still lead there.
+/// Distances from the tip, in radii, between which the axis is taken, because nearer to the tip the flow bends it. Where the tube
+/// itself bends close to its end, a shorter piece, the second one, may still lead there.
 const AXES: [[f64; 2]; 2] = [[1.0, 3.0], [0.7, 1.7]];
-/// An end is looked for within so many radii of where the axis is taken.
-const FAR: f64 = 4.0;
-/// An end is flat where rays around the axis, at this share of the radius from it, meet the plane that the axis meets within
-/// that share of the radius: a half sphere is off by a fifth.
+/// Distance, in radii, from where the axis is taken, within which an end is looked for.
+const END_REACH: f64 = 4.0;
+/// Distance from the axis, in radii, of the rays by which an end is told to be flat.
 const RING: f64 = 0.6;
-const FLAT: f64 = 0.05;
-const RAYS: usize = 8;
-/// A known end is this near ahead, and the tip this near to its axis, in its radii.
+/// Largest difference, in radii, between the place where the axis meets a flat end and those where the rays do: a
+/// half sphere is off by a fifth.
+const FLAT_END: f64 = 0.05;
+/// Number of these rays.
+const END_RAYS: usize = 8;
+/// Largest distance of a known end ahead of a tip, in the end's radii.
 const AHEAD: f64 = 2.5;
+/// Largest distance of a tip from the axis of a known end, in the end's radii.
 const ASIDE: f64 = 1.0;
 /// Least cosine between the axis and the normal of an end: what is more oblique is a side.
 const FACES: f64 = 0.5;
 /// The last node stays inside by this share of the radius.
 const INSIDE: f64 = 0.02;
 
-/// A leaf branch shorter than the last is not counted beside another at an end, if its tip is so near to the end and to its axis; all
-/// in radii.
+/// Distance before an end, in radii, within which a second short leaf branch is no end of its own.
 const BEFORE: f64 = 1.5;
+/// Distance from the axis of the end, in radii, for the same.
 const BESIDE: f64 = 1.1;
-const SHORT: f64 = 3.0;
+/// Length of a short leaf branch, in radii.
+const SHORT_LEAF: f64 = 3.0;
 
 /// Which flat ends branches are led to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +70,7 @@ pub fn reach_ends(net: &mut CurveNet, body: &Body, known: &Known) -> Vec<End> {
     let counts = |end: &End| {
         let is_in = |lid: &Lid| {
             let to = end.at - lid.centre;
-            to.dot(lid.normal).abs() < FLAT * lid.radius && to.length() < lid.radius
+            to.dot(lid.normal).abs() < FLAT_END * lid.radius && to.length() < lid.radius
         };
         !known.alone || known.lids.iter().any(is_in)
     };
@@ -165,7 +169,7 @@ impl End {
         tip != self.at
             && ahead.abs() < BEFORE * self.radius
             && beside < BESIDE * self.radius
-            && reach < SHORT * self.radius
+            && reach < SHORT_LEAF * self.radius
     }
 }
 
@@ -194,17 +198,17 @@ fn end(net: &CurveNet, nodes: &[u32], near: f64, body: &Body) -> Option<End> {
     let (from, inner) = (nodes[at], nodes[nodes.len() - 1]);
     let axis = (point(from) - point(inner)).try_normalize()?;
     let radius = Some(section(point(from), axis, body)).filter(|r| r.is_finite() && *r > 0.0)?;
-    let hit = body.tree.first_hit(point(from), axis).filter(|hit| !hit.front && hit.t < FAR * radius)?;
+    let hit = body.tree.first_hit(point(from), axis).filter(|hit| !hit.front && hit.t < END_REACH * radius)?;
     let (centre, normal) = (point(from) + axis * hit.t, body.normals[hit.triangle as usize]);
     if normal.dot(axis) < FACES {
         return None;
     }
     let (u, v) = axis.any_orthonormal_pair();
-    let is_flat = (0..RAYS).all(|k| {
-        let (sin, cos) = (k as f64 * TAU / RAYS as f64).sin_cos();
+    let is_flat = (0..END_RAYS).all(|k| {
+        let (sin, cos) = (k as f64 * TAU / END_RAYS as f64).sin_cos();
         let from = point(from) + (u * cos + v * sin) * (RING * radius);
         let off = body.tree.first_hit(from, axis).map(|hit| (from + axis * hit.t - centre).dot(normal).abs());
-        off.is_some_and(|off| off < FLAT * radius)
+        off.is_some_and(|off| off < FLAT_END * radius)
     });
     is_flat.then(|| End { from, at: centre - axis * (INSIDE * radius), normal, radius })
 }

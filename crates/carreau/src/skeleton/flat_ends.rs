@@ -26,7 +26,7 @@ const ACROSS: f64 = 0.5;
 /// The share of the rim's length that is sharp and has such a wall.
 const RIM: f64 = 0.9;
 /// Vertices of a plane piece leave its plane by no more than this share of its radius.
-const FLAT: f64 = 0.05;
+const FLAT_PIECE: f64 = 0.05;
 
 /// The plane pieces that may be ends, as lids, each with its triangles; in the order of their first triangles.
 pub fn candidates(closed: &Closed) -> Vec<(Lid, Vec<u32>)> {
@@ -110,7 +110,7 @@ fn lid(
     let radius = border.iter().map(|e| at(e[0]).distance(centre)).sum::<f64>() / border.len() as f64;
     let flatness = border.iter().map(|e| off(e[0])).fold(0.0, f64::max) / radius.max(f64::MIN_POSITIVE);
     let is_flat =
-        triangles.iter().flat_map(|&t| [0, 1, 2].map(|k| side(mesh, t, k)[0])).all(|v| off(v) < FLAT * radius);
+        triangles.iter().flat_map(|&t| [0, 1, 2].map(|k| side(mesh, t, k)[0])).all(|v| off(v) < FLAT_PIECE * radius);
     is_flat.then_some((Lid { centre, normal, radius, flatness, border, triangles: 0..0, is_open: false }, triangles))
 }
 

@@ -28,17 +28,19 @@ use glam::DVec3;
 
 /// Most steps.
 const STEPS: usize = 500;
-/// The flow stops when the area has changed by less than this share of that of the source in several steps in a row.
+/// Change of the area in a step, as a share of the source's, below which the flow stands still.
 const STILL: f64 = 1e-4;
+/// Steps in a row that stand still before the flow stops.
 const PATIENCE: usize = 3;
 /// Edges between two angles above this are split.
 const OBTUSE: f64 = 110.0;
 /// A vertex is frozen when two edges shorter than this share of the shortest length cannot be collapsed.
 const STUCK: f64 = 0.1;
-/// Before the flow, edges shorter than this share of the radius of the inner ball may be collapsed, and up to a length that
-/// grows by this factor.
-const SHORT: f64 = 0.25;
-const GROWTH: f64 = 1.3;
+/// Length of edges, in radii of the inner ball there, up to which large surfaces are thinned before the flow, at
+/// first.
+const FIRST_SHORT: f64 = 0.25;
+/// Factor by which that length grows until the surface is small enough.
+const SHORT_GROWTH: f64 = 1.3;
 /// Largest cotangent.
 const STEEPEST: f64 = 100.0;
 /// Weight that holds a frozen vertex.
@@ -188,9 +190,9 @@ impl Flow<'_> {
         while self.mesh.vertex_count() > MANY && limit < longest {
             self.collapse_edges(|flow, h| {
                 let [a, b] = [flow.mesh.vertex(h), flow.mesh.head(h)];
-                flow.length(h) < limit.min(SHORT * radius(flow, a).min(radius(flow, b)))
+                flow.length(h) < limit.min(FIRST_SHORT * radius(flow, a).min(radius(flow, b)))
             });
-            limit *= GROWTH;
+            limit *= SHORT_GROWTH;
         }
     }
 

@@ -1,4 +1,4 @@
-//! Lids on open ends: a fan of triangles about the middle of every border loop.
+//! Closes open ends by lids: a fan of triangles about the middle of every border loop.
 
 use crate::error::Result;
 use crate::mesh::{CornerId, SurfaceMesh, UnitScale, triangle_area_vector};

@@ -1,4 +1,4 @@
-//! Limbs that the flow has lost: short ones may be drawn into their branching before they are thin.
+//! Gives limbs that the flow has lost a branch: short ones may be drawn into their branching before they are thin.
 //!
 //! A vertex of the surface that is far from the skeleton, in radii of the skeleton there, belongs to a limb without a
 //! branch. The way along the surface from the farthest such vertex to where the skeleton is near again leads along the
@@ -22,29 +22,32 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A vertex farther from the skeleton than this many radii may be in a limb, one nearer than that many is not.
+/// Distance from the skeleton, in radii, from which on a vertex may be in a limb that the flow has lost.
 const LOST: f64 = 2.0;
+/// Distance, in radii, below which it is not.
 const NEAR: f64 = 1.2;
-/// A limb is where sections across the way are at most this much wider than the largest ball about where it stands, and than
-/// those nearer to its tip: where a body only bulges, they cut the body.
+/// Largest width of sections across the way of a limb, over that of the largest ball where it stands: where a body
+/// only bulges, sections cut the body.
 const WIDE: f64 = 1.2;
+/// The same over the sections nearer to its tip.
 const WIDENS: f64 = 1.6;
-/// Least length of a limb, in radii of circles as large as its sections, and least radius of its balls, as a share of that
-/// of the ball it stands on.
-const LONG: f64 = 1.1;
+/// Least length of a limb, in radii of circles as large as its sections.
+const LEAST_LENGTH: f64 = 1.1;
+/// Least radius of a limb's balls, as a share of that of the ball that it stands on.
 const THIN: f64 = 0.1;
 /// The section at the tip of a short limb is that of its ball, within this factor.
-const ROUND: f64 = 1.3;
-/// A section is looked at in so many directions.
-const RAYS: usize = 16;
-/// A limb starts from a node this near to its first point, in radii, from where the way has at least this share of the room
-/// at its ends.
+const ROUND_TIP: f64 = 1.3;
+/// Number of directions in which a section is measured.
+const SECTION_RAYS: usize = 16;
+/// Distance, in radii, within which a limb's first point must have a node of the skeleton to start from.
 const REACH: f64 = 3.0;
+/// Least room along the way to that node, as a share of the room at its ends.
 const ROOM: f64 = 0.35;
-/// Limbs that are looked for.
+/// Most limbs that are looked for.
 const LIMBS: usize = 64;
-/// Rounds of smoothing of a new branch, and points at which each of its segments must be inside.
+/// Rounds of smoothing of a new branch.
 const SMOOTHING: usize = 10;
+/// Points at which each segment of a new branch must be inside.
 const SAMPLES: usize = 8;
 
 /// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii.
@@ -176,7 +179,7 @@ fn limb<'a>(net: &CurveNet, way: &'a [DVec3], ball: f64, body: &Body) -> Option<
     thickness.sort_unstable_by(f64::total_cmp);
     let is_thick = thickness[thickness.len() / 2] > THIN * ball;
     widths.sort_unstable_by(f64::total_cmp);
-    let is_long = widths.get(widths.len() / 2).is_some_and(|width| length + at_tip > LONG * width);
+    let is_long = widths.get(widths.len() / 2).is_some_and(|width| length + at_tip > LEAST_LENGTH * width);
     (is_thick && (is_long || is_stub(net, way, at_tip, body))).then(|| &way[first..])
 }
 
@@ -185,7 +188,7 @@ fn limb<'a>(net: &CurveNet, way: &'a [DVec3], ball: f64, body: &Body) -> Option<
 fn is_stub(net: &CurveNet, way: &[DVec3], radius: f64, body: &Body) -> bool {
     let tip = way[way.len() - 1];
     let off = (0..net.points.len()).map(|v| net.points[v].distance(tip) - net.radii[v]).fold(f64::INFINITY, f64::min);
-    off > radius && section(tip, tip - way[way.len() - 2], body) < ROUND * radius
+    off > radius && section(tip, tip - way[way.len() - 2], body) < ROUND_TIP * radius
 }
 
 /// The radius of a circle as large as the section of the body across a direction, as far as it is seen from a point.
@@ -193,10 +196,10 @@ pub fn section(p: DVec3, direction: DVec3, body: &Body) -> f64 {
     let Some(tangent) = direction.try_normalize() else { return f64::INFINITY };
     let (u, v) = tangent.any_orthonormal_pair();
     let square = |k: usize| {
-        let (sin, cos) = (k as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos();
+        let (sin, cos) = (k as f64 * std::f64::consts::TAU / SECTION_RAYS as f64).sin_cos();
         body.tree.first_hit(p, u * cos + v * sin).map_or(f64::INFINITY, |hit| hit.t * hit.t)
     };
-    ((0..RAYS).map(square).sum::<f64>() / RAYS as f64).sqrt()
+    ((0..SECTION_RAYS).map(square).sum::<f64>() / SECTION_RAYS as f64).sqrt()
 }
 
 /// The node from which a limb is best reached, and the point of the limb that it is joined to: the nearest, straight on

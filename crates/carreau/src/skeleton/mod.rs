@@ -1,26 +1,28 @@
-//! Curve skeletons of closed surfaces.
+//! Curve skeletons of closed surfaces, with radii.
 //!
-//! Tagliasacchi, Alhashim, Olson, Zhang, "Mean Curvature Skeletons", SGP 2012. The surface flows along its mean curvature,
-//! drawn to the centres of its largest inner balls, and is thinned as it shrinks; what is left after some dozens of steps
-//! is so thin that collapsing its edges, shortest first, leaves curves.
+//! Tagliasacchi, Alhashim, Olson, Zhang, "Mean Curvature Skeletons", SGP 2012. The surface flows along its mean curvature and
+//! is drawn to the centres of its largest inner balls. After some dozens of steps it is so thin that collapsing its edges,
+//! shortest first, leaves curves.
 //!
-//! | stage | file |
+//! | stage, in the order of the calls | file |
 //! |---|---|
 //! | open ends get lids | `lids` |
-//! | plane pieces of the surface that may be ends (for `hex`) | `flat_ends` |
-//! | walls are refused | `wall` |
+//! | plane pieces of the surface that may be ends (used by `hex`) | `flat_ends` |
+//! | surfaces with a wall (pipes with an inside) are refused | `wall` |
 //! | long edges are divided | `divide` |
-//! | centres of the largest inner balls | `poles` |
-//! | flow, collapses and splits | `flow` |
-//! | what is thin becomes curves | `curves` |
+//! | poles: the centres of the largest inner balls | `poles` |
+//! | the flow, with its collapses and splits | `flow` |
+//! | the thin surface becomes curves | `curves` |
 //! | limbs that the flow has lost get branches | `limbs` |
-//! | stubs go, radii, nodes outside are brought in | `tidy` |
-//! | branches are led to flat ends | `ends` |
+//! | stubs are dropped, radii measured, nodes outside brought in | `tidy` |
+//! | branches are extended to flat ends | `ends` |
 //!
-//! Departures from the paper: the poles are centres of shrinking balls (Ma, Bae, Choi 2012), no Voronoi diagram is made;
-//! every node has a radius, the distance to the surface (in flat ends: across); branches end at flat ends; the triangles of
-//! CAD systems are divided first; and the result is checked: as many cycles as the surface has
-//! handles, every node inside. Where the cycles are too many or too few the flow is repeated at a finer scale.
+//! Departures from the paper:
+//! - The poles are centres of shrinking balls (Ma, Bae, Choi 2012); no Voronoi diagram is made.
+//! - Every node has a radius: its distance to the surface, or at flat ends that of the section across.
+//! - Branches end at flat ends, and the long triangles of CAD systems are divided first.
+//! - The result is checked: as many cycles as the surface has handles, and every node inside. If the number of cycles is
+//!   wrong, the flow is repeated at a finer scale.
 
 mod curves;
 mod divide;
@@ -54,13 +56,14 @@ use std::ops::Bound;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SkeletonOptions {
-    /// Weight of the pull back to where a vertex is: larger is slower and closer to the shape.
+    /// Weight that pulls a vertex back to its place, above 0 to 10. Larger values make the flow slower and follow the shape more
+    /// closely.
     pub speed: f64,
-    /// Weight of the pull to the centre of the inner ball.
+    /// Weight that pulls a vertex to the centre of its inner ball, above 0 to 10.
     pub medial: f64,
-    /// Edges shorter than this share of the diagonal are collapsed.
+    /// Edges shorter than this are collapsed, as a share of the diagonal, above 0 to .1.
     pub detail: f64,
-    /// Whether branches within the ball of their branching are dropped.
+    /// Drop branches that end within the ball of their branching (stubs).
     pub prune: bool,
 }
 
@@ -92,9 +95,9 @@ pub struct Skeleton {
     pub preimage: Vec<u32>,
     /// The surface with lids on its open ends.
     pub closed: Closed,
-    /// What was counted.
+    /// Counts.
     pub figures: SkeletonFigures,
-    /// What the user should know.
+    /// Warnings for the user, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -123,18 +126,18 @@ pub struct SkeletonFigures {
     pub steps: usize,
 }
 
-/// The surface with lids on its open ends, and what was mended.
+/// The surface with lids on its open ends, and a sentence for each thing that was mended.
 ///
 /// # Errors
 /// As [`extract`].
 pub fn prepared(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, Vec<String>)> {
-    prepare(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
+    close_and_check(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
 }
 
-/// What takes longer than in proportion is done with about so many of the vertices of a surface that has more.
+/// Steps whose time grows faster than the number of vertices use about this many of them.
 const MANY: usize = 100_000;
 
-/// Shares of the detail tried in turn, until the cycles are as many as the handles.
+/// Factors on `detail`, tried in turn until the skeleton has as many cycles as the surface has handles.
 const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// The curve skeleton of a surface.
@@ -171,7 +174,7 @@ pub(crate) fn extract_with(
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
     context.install(|| {
-        let (closed, genus, components, mut warnings) = prepare(mesh, context)?;
+        let (closed, genus, components, mut warnings) = close_and_check(mesh, context)?;
         let divided = divide::divided(&closed.mesh, context)?;
         let surface = divided.as_ref().unwrap_or(&closed.mesh);
         let triangles = surface.faces().fan().0;
@@ -200,7 +203,7 @@ pub(crate) fn extract_with(
             let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
             let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
             if brought_in > 0 {
-                warnings.push(format!("{brought_in} nodes lay outside and were brought in"));
+                warnings.push(format!("{brought_in} nodes lay outside and were moved inside"));
             }
             if grown > 0 {
                 warnings.push(format!("{grown} limbs had no branch and were given one"));
@@ -233,7 +236,7 @@ fn no_room(place: String) -> Error {
 }
 
 /// Checks the surface and closes its open ends; also its handles and components.
-fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usize, Vec<String>)> {
+fn close_and_check(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usize, Vec<String>)> {
     let _stage = context.stage("surface");
     if mesh.face_count() == 0 {
         return Err(Error::input("the surface has no faces", "", "give a surface of triangles"));
@@ -244,14 +247,14 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
     topology.require_consistent_orientation()?;
     let (mut warnings, mut mesh) = (Vec::new(), mesh);
     if topology.inverted_components > 0 {
-        warnings.push(format!("{} components were turned inside out", topology.inverted_components));
+        warnings.push(format!("{} components were inside out and were turned", topology.inverted_components));
         let outward = RepairOptions { weld: None, ..RepairOptions::default() };
         mesh = repair(&mesh, &outward, context)?.mesh.triangulated()?;
     }
     let mut closed = closed(&mesh)?;
     // An open surface shows its sense only when its ends are closed.
     if Topology::of(&closed.mesh).volume.is_some_and(|v| v < 0.0) && !closed.lids.is_empty() {
-        warnings.push("the surface was turned inside out".into());
+        warnings.push("the surface was inside out and was turned".into());
         let flipped: Vec<[u32; 3]> = mesh.faces().fan().0.iter().map(|&[a, b, c]| [a, c, b]).collect();
         closed = lids::closed(&SurfaceMesh::from_triangles(mesh.points().to_vec(), &flipped)?)?;
     }
@@ -259,7 +262,7 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
         warnings.push(format!("{} open ends were closed by lids", closed.lids.len()));
     }
     if let Some(bent) = closed.lids.iter().position(|l| l.flatness > lids::BENT) {
-        warnings.push(format!("the border of open end {} is far from a plane: its lid is a guess", bent + 1));
+        warnings.push(format!("the border of open end {} is far from plane, so that its lid is only a guess", bent + 1));
     }
     let topology = Topology::of(&closed.mesh);
     let box_volume = closed.mesh.diagonal().powi(3);
@@ -269,9 +272,9 @@ fn prepare(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usize, usiz
     if let Some(thickness) = wall::thickness(&closed.mesh, &topology) {
         let share = 100.0 * thickness / closed.mesh.diagonal();
         return Err(Error::input(
-            format!("the surface is that of a wall around a room, {share:.2} % of the diagonal thick: no filled tube"),
+            format!("the surface is a wall around a hollow, {share:.2} % of the diagonal thick, not a filled tube"),
             "",
-            "give its outer side alone, without the inner side and the rings between both: its open ends are closed by lids \
+            "give only its outer side, without the inner side and the rings between both: its open ends are closed by lids \
              (a segmentation tells the faces apart)",
         ));
     }

@@ -27,7 +27,8 @@ use rayon::prelude::*;
 
 /// p and q seen under less than this angle from the centre: noise.
 const LEAST_ANGLE: f64 = 0.55;
-const ROUNDS: usize = 30;
+/// Most times that a ball shrinks.
+const SHRINKINGS: usize = 30;
 /// No vertex is nearer to the centre of a ball than its radius less this share.
 const SLACK: f64 = 1e-4;
 
@@ -57,7 +58,7 @@ fn stops(points: &[DVec3], normals: &[DVec3]) -> TriangleTree {
 
 fn shrink(p: DVec3, n: DVec3, start: f64, tree: &TriangleTree) -> DVec3 {
     let mut r = start;
-    for round in 0..ROUNDS {
+    for round in 0..SHRINKINGS {
         let centre = p - n * r;
         let Some(near) = tree.closest_within(centre, r * (1.0 - SLACK)) else { break };
         let to = p - near.point;

@@ -180,7 +180,7 @@ fn pipes_with_a_wall_are_refused_and_their_outer_sides_are_taken() {
         assert_eq!(error.exit_code(), 3);
         let share = 100.0 * (1.0 - inner) / pipe.diagonal() * scale;
         let said = error.to_string();
-        assert!(said.contains("a wall around a room") && said.contains("outer side"), "{said}");
+        assert!(said.contains("a wall around a hollow") && said.contains("outer side"), "{said}");
         let told: f64 = said.split(", ").find_map(|part| part.split(" %").next()?.parse().ok()).unwrap();
         assert!((told - share).abs() < 0.2 * share, "{told} instead of {share}");
     }

@@ -1,5 +1,5 @@
-//! What is done to the curves before they are a skeleton: nodes outside are brought in, nodes get radii, branches within
-//! the ball of their branching are dropped.
+//! Turns the curves into a skeleton: nodes outside are brought in, nodes get radii, branches within the ball of their
+//! branching are dropped.
 
 use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};
@@ -12,26 +12,30 @@ use rayon::prelude::*;
 
 /// Poles that are tried for a node outside.
 const TRIED: usize = 64;
-/// Cycles of moving nodes to the middle, in so many steps, and of so many rounds of drawing them into line.
+/// Cycles of moving nodes to the middle and drawing them into line.
 const CYCLES: usize = 3;
+/// Steps of each cycle that move nodes to the middle.
 const CENTRING: usize = 12;
+/// Rounds of each cycle that draw nodes into line.
 const ALIGNING: usize = 4;
 /// A branching lies in a cleft where it has less than this share of a neighbour's room.
 const CLEFT: f64 = 0.5;
-/// A way so much longer than the line is a curl; ways longer than so many radii are looked at no further.
+/// Length of a way over that of the line between its ends from which on it is a curl.
 const CURLED: f64 = 1.5;
-const FAR: f64 = 8.0;
+/// Length, in radii, up to which ways are looked at.
+const LONGEST_CURL: f64 = 8.0;
 /// Branchings nearer to each other than this share of the larger radius are one.
 const MERGED: f64 = 0.9;
 /// A node within this share of the radius of a branch is in its middle.
 const TWIN: f64 = 0.5;
-/// Rays across a branch, rounds of moving to the middle of what they meet, and the longest one over the shortest in a round
-/// section: more than in one with eight sides, less than in a square.
-const RAYS: usize = 24;
+/// Number of rays across a branch.
+const MIDDLE_RAYS: usize = 24;
+/// Rounds of moving to the middle of what the rays meet.
 const MIDDLES: usize = 4;
-const ROUND: f64 = 1.2;
+/// Longest ray over the shortest in a round section: more than in one with eight sides, less than in a square.
+const ROUND_SECTION: f64 = 1.2;
 /// Rounds of drawing them to their neighbours.
-const ROUNDS: usize = 20;
+const RADIUS_ROUNDS: usize = 20;
 
 /// A closed surface, and what is asked of it.
 pub struct Body<'a> {
@@ -104,7 +108,7 @@ fn bring_in(net: &mut CurveNet, &Body { surface, poles, inside, .. }: &Body) -> 
         }
     }
     let around = net.incidence();
-    for _ in 0..ROUNDS {
+    for _ in 0..RADIUS_ROUNDS {
         for &v in &outside {
             let near = around.of(v);
             let middle = near.iter().map(|e| net.points[e[1] as usize]).sum::<DVec3>() / near.len().max(1) as f64;
@@ -147,17 +151,17 @@ pub fn middle_of_section(p: DVec3, along: DVec3, tree: &TriangleTree) -> DVec3 {
     let mut middle = p;
     for round in 0..=MIDDLES {
         let (mut sum, mut least, mut most) = (DVec3::ZERO, f64::INFINITY, 0f64);
-        for k in 0..RAYS {
-            let (sin, cos) = (k as f64 * std::f64::consts::TAU / RAYS as f64).sin_cos();
+        for k in 0..MIDDLE_RAYS {
+            let (sin, cos) = (k as f64 * std::f64::consts::TAU / MIDDLE_RAYS as f64).sin_cos();
             let ray = u * cos + v * sin;
             let Some(hit) = tree.first_hit(middle, ray) else { return p };
             sum += ray * hit.t;
             (least, most) = (least.min(hit.t), most.max(hit.t));
         }
         if round == MIDDLES {
-            return if most < ROUND * least { middle } else { p };
+            return if most < ROUND_SECTION * least { middle } else { p };
         }
-        middle += sum * (2.0 / RAYS as f64);
+        middle += sum * (2.0 / MIDDLE_RAYS as f64);
     }
     p
 }
@@ -217,7 +221,7 @@ fn uncurl(net: &mut CurveNet, tree: &TriangleTree) {
             let (mut way, mut last) = (0.0, None);
             for j in i + 1..nodes.len() {
                 way += net.points[nodes[j - 1] as usize].distance(net.points[nodes[j] as usize]);
-                if way > FAR * radius {
+                if way > LONGEST_CURL * radius {
                     break;
                 }
                 let line = p.distance(net.points[nodes[j] as usize]);

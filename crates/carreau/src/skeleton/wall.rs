@@ -1,4 +1,5 @@
-//! Walls: a pipe that is not filled, but has an inner and an outer side, is a sheet, and no curve is its skeleton.
+//! Refuses surfaces with a wall: a pipe that is not filled, but has an inner and an outer side, is a sheet, and no
+//! curve is its skeleton.
 //!
 //! Through a filled tube of area A and volume V it is 4 V / A across, through a sheet 2 V / A. Only surfaces with handles or cavities
 //! are asked: what has neither encloses no room besides its own inside.
@@ -9,10 +10,10 @@ use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{Topology, safe_length, triangle_area_vector};
 use glam::DVec3;
 
-/// Where it is less than so many times V / A across half of the area the surface is a sheet.
+/// If the way across is less than this many times V / A on half of the area, the surface is a sheet.
 const SHEET: f64 = 2.6;
 /// Rays that are sent, about.
-const RAYS: usize = 2000;
+const WALL_RAYS: usize = 2000;
 
 /// How thick the wall is, where a closed surface is one.
 pub fn thickness(surface: &SurfaceMesh, topology: &Topology) -> Option<f64> {
@@ -30,7 +31,7 @@ pub fn thickness(surface: &SurfaceMesh, topology: &Topology) -> Option<f64> {
     let tree = TriangleTree::new(surface.points(), &triangles);
     let normals = face_normals(surface);
     let mut across: Vec<(f64, f64)> = Vec::new();
-    for t in tree.ids().step_by((triangles.len() / RAYS).max(1)) {
+    for t in tree.ids().step_by((triangles.len() / WALL_RAYS).max(1)) {
         let own = &triangles[t as usize];
         let from = at(own).into_iter().sum::<DVec3>() / 3.0;
         let mut nearest = f64::INFINITY;

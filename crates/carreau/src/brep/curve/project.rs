@@ -5,14 +5,16 @@ use crate::geometry::bspline::BSplineCurve;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Most Newton steps; halvings of one.
+/// Most Newton steps.
 const MAX_STEPS: usize = 30;
-const MAX_HALVINGS: i32 = 20;
-/// Samples of an ellipse, and of a span of a spline, among which the start of a search is chosen.
+/// Most halvings of one step.
+const MAX_STEP_HALVINGS: i32 = 20;
+/// Samples of an ellipse, among which the start of a search is chosen.
 const SAMPLES: usize = 16;
-const SPAN_SAMPLES: usize = 4;
+/// Samples of a span of a spline, for the same.
+const CURVE_SPAN_SAMPLES: usize = 4;
 /// Samples of a spline from which Newton's method is tried.
-const STARTS: usize = 3;
+const CURVE_STARTS: usize = 3;
 
 impl Curve {
     /// The parameter of the nearest point of the whole curve: in [−π, π] on circles and ellipses, in the domain on splines.
@@ -29,14 +31,14 @@ impl Curve {
                 let local = frame.local(p);
                 // Beyond the centre of curvature of the apex the nearest point is on either side.
                 let side = ((local.x / focal - 2.0).max(0.0)).sqrt();
-                self.nearest(p, [0.5 * local.y / focal, side, -side].into_iter(), STARTS)
+                self.nearest(p, [0.5 * local.y / focal, side, -side].into_iter(), CURVE_STARTS)
             }
             Curve::Hyperbola { frame, radii: [a, b] } => {
                 let local = frame.local(p);
                 let side = (local.x * a / (a * a + b * b)).max(1.0).acosh();
-                self.nearest(p, [(local.y / b).asinh(), side, -side].into_iter(), STARTS)
+                self.nearest(p, [(local.y / b).asinh(), side, -side].into_iter(), CURVE_STARTS)
             }
-            Curve::Spline(s) => self.nearest(p, near_samples(s, p).into_iter(), STARTS),
+            Curve::Spline(s) => self.nearest(p, near_samples(s, p).into_iter(), CURVE_STARTS),
         }
     }
 
@@ -84,7 +86,7 @@ impl Curve {
             if !(step.abs() > f64::EPSILON * t.abs().max(1e-3)) {
                 break;
             }
-            let next = (0..=MAX_HALVINGS).map(|k| (t - 0.5f64.powi(k) * step).clamp(low, high));
+            let next = (0..=MAX_STEP_HALVINGS).map(|k| (t - 0.5f64.powi(k) * step).clamp(low, high));
             let nearer = |&s: &f64| self.point(s).distance_squared(p) < r.length_squared();
             let Some(next) = next.into_iter().find(nearer) else { break };
             t = next;
@@ -111,8 +113,8 @@ fn near_samples(s: &BSplineCurve, p: DVec3) -> Vec<f64> {
         if bound > nearest {
             break;
         }
-        for j in 0..=SPAN_SAMPLES {
-            let t = values[k] + (values[k + 1] - values[k]) * j as f64 / SPAN_SAMPLES as f64;
+        for j in 0..=CURVE_SPAN_SAMPLES {
+            let t = values[k] + (values[k + 1] - values[k]) * j as f64 / CURVE_SPAN_SAMPLES as f64;
             nearest = nearest.min(s.point(t).distance_squared(p));
             out.push(t);
         }

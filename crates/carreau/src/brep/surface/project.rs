@@ -5,11 +5,12 @@ use crate::geometry::bspline::BSplineSurface;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Samples of a span of a spline in each direction, among which the start of a search is chosen, and most samples in all.
-const SPAN_SAMPLES: usize = 3;
+/// Samples of a span of a spline in each direction, among which the start of a search is chosen.
+const SURFACE_SPAN_SAMPLES: usize = 3;
+/// Most such samples in all.
 const MAX_SAMPLES: usize = 4096;
 /// Samples from which Newton's method is tried.
-const STARTS: usize = 3;
+const SURFACE_STARTS: usize = 3;
 
 impl Surface {
     /// The parameters of the nearest point: angles in [−π, π], parameters of splines in their domain. On the axis of a
@@ -121,7 +122,11 @@ impl Surface {
 /// The best of Newton's results from the best points of a grid.
 fn nearest(s: &BSplineSurface, p: DVec3) -> [f64; 2] {
     let spans = s.knots().map(|k| k.breaks().len() - 1);
-    let per_span = if spans[0] * spans[1] * SPAN_SAMPLES * SPAN_SAMPLES > MAX_SAMPLES { 1 } else { SPAN_SAMPLES };
+    let per_span = if spans[0] * spans[1] * SURFACE_SPAN_SAMPLES * SURFACE_SPAN_SAMPLES > MAX_SAMPLES {
+        1
+    } else {
+        SURFACE_SPAN_SAMPLES
+    };
     let grid = s.knots().map(|k| {
         let breaks = k.breaks();
         let inside = |w: &[f64]| {
@@ -131,7 +136,7 @@ fn nearest(s: &BSplineSurface, p: DVec3) -> [f64; 2] {
         let last = breaks.last().copied();
         breaks.windows(2).flat_map(inside).chain(last).collect::<Vec<f64>>()
     });
-    let mut best = [(f64::INFINITY, [grid[0][0], grid[1][0]]); STARTS];
+    let mut best = [(f64::INFINITY, [grid[0][0], grid[1][0]]); SURFACE_STARTS];
     for &u in &grid[0] {
         for &v in &grid[1] {
             let mut found = (s.point(u, v).distance_squared(p), [u, v]);

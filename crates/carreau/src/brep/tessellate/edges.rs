@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
 /// Most halvings of a piece.
-const MAX_HALVINGS: u32 = 10;
+const MAX_EDGE_HALVINGS: u32 = 10;
 /// Fewest pieces of a closed edge, so that its samples are a polygon with an inside.
 const CLOSED_PIECES: usize = 6;
 
@@ -79,7 +79,7 @@ fn divide(curve: &Curve, [a, b]: [f64; 2], fineness: &Fineness, depth: u32, out:
     // The quarters, too: a chord may pass through the middle of an S.
     let far = [0.25, 0.5, 0.75].into_iter().map(sagitta).fold(0.0, f64::max) > fineness.chord;
     let turned = p[1].angle_between(q[1]) > fineness.angle;
-    if (far || turned) && curve.kind() != crate::brep::CurveKind::Line && depth < MAX_HALVINGS {
+    if (far || turned) && curve.kind() != crate::brep::CurveKind::Line && depth < MAX_EDGE_HALVINGS {
         divide(curve, [a, middle], fineness, depth + 1, out);
         divide(curve, [middle, b], fineness, depth + 1, out);
     } else {

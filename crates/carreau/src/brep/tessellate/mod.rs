@@ -59,6 +59,10 @@ pub struct Tessellation {
 
 impl Tessellation {
     /// The triangles as a mesh with the face property `face`.
+    ///
+    /// # Errors
+    /// [`Error::Numeric`](crate::Error::Numeric) for a face that cannot be triangulated;
+    /// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
     pub fn mesh(self) -> Result<SurfaceMesh> {
         let mut mesh = SurfaceMesh::from_triangles(self.points, &self.triangles)?;
         let labels = self.face_of.iter().map(|&f| f as i32).collect();
@@ -68,6 +72,10 @@ impl Tessellation {
 }
 
 /// Triangulates every face.
+///
+/// # Errors
+/// [`Error::Numeric`](crate::Error::Numeric) for a face that cannot be triangulated;
+/// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn tessellate(brep: &Brep, fineness: &Fineness, context: &Context) -> Result<Tessellation> {
     tessellate_samples(brep, &sample_edges(brep, fineness), fineness, context)
 }

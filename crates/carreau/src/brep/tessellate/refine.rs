@@ -16,7 +16,7 @@ const ROUNDS: usize = 24;
 const MAX_POINTS: usize = 20_000;
 /// Most grid lines in each direction.
 const MAX_LINES: f64 = 128.0;
-/// Where the curvature is looked at: so many places in each direction.
+/// Number of places in each direction at which the curvature is measured.
 const PROBES: u32 = 6;
 /// Clearance of grid points from the border, as a share of the grid's step.
 const CLEARANCE: f64 = 0.4;

@@ -1,4 +1,5 @@
-//! How far edges are from their surfaces and vertices from their edges, against the tolerances that the model states.
+//! Measures how far edges are from their surfaces and vertices from their edges, against the tolerances that the model
+//! states.
 
 use super::{Fault, Finding, Limits};
 use crate::brep::{Brep, Curve, Edge};
@@ -7,18 +8,19 @@ use crate::error::Result;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Places of an edge that are looked at, for each span of a spline and in all at least.
+/// Places of an edge that are measured for each span of a spline.
 const PER_SPAN: usize = 4;
+/// Least number of places of an edge that are measured.
 const LEAST: usize = 24;
 /// Rounding, as a share of the model's size: what no tolerance need say.
-const ROUNDING: f64 = 1e-9;
+const SIZE_ROUNDING: f64 = 1e-9;
 /// Edges are longer than this many tolerances: shorter ones break what is done with the model later.
 const SHORTEST: f64 = 10.0;
 
 /// All gaps.
 pub(super) fn gaps(brep: &Brep, limits: &Limits, context: &Context) -> Result<Vec<Finding>> {
     let [low, high] = brep.bounds();
-    let rounding = ROUNDING * low.distance(high).max(low.abs().max(high.abs()).max_element());
+    let rounding = SIZE_ROUNDING * low.distance(high).max(low.abs().max(high.abs()).max_element());
     let mut out = Vec::new();
     for (k, edge) in brep.edges.iter().enumerate() {
         for (&v, t) in edge.ends.iter().zip(edge.range) {

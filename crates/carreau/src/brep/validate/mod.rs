@@ -156,6 +156,9 @@ impl Limits {
 
 /// Judges a model that [`Brep::check`] has passed. No finding means that it is valid, and near its mesh if one is given. Findings
 /// come by kind, then by the number of the face or edge.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn validate(
     brep: &Brep,
     reference: Option<&Reference>,

@@ -17,6 +17,9 @@ const SWEEPS: usize = 12;
 
 impl BSplineCurve {
     /// A curve with one control point per basis function.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if points and knots do not fit.
     pub fn new(knots: Knots, points: Vec<DVec3>) -> Result<Self> {
         if knots.count() != points.len() {
             return Err(Error::Bug(format!("{} control points on {} basis functions", points.len(), knots.count())));
@@ -25,6 +28,9 @@ impl BSplineCurve {
     }
 
     /// A polyline with the parameters 0, 1, 2, … at its points (two at least).
+    ///
+    /// # Errors
+    /// [`Error::Bug`] for fewer than two points.
     pub fn polyline(points: Vec<DVec3>) -> Result<Self> {
         Self::new(Knots::index(points.len().saturating_sub(1) as u32), points)
     }
@@ -77,6 +83,9 @@ impl BSplineCurve {
     /// ```text
     /// P0 ────────── P1        P0 ── · ── · ── P1     · at 1/3 and 2/3
     /// ```
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if the elevated points and knots do not fit.
     pub fn elevated(&self) -> Result<Self> {
         if self.knots.degree() != 1 {
             return Ok(self.clone());
@@ -157,6 +166,9 @@ impl BSplineCurve {
     }
 
     /// The same curve on a knot vector that contains its own.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] for knots that do not contain the curve's own.
     pub fn refined_to(&self, target: &Knots) -> Result<Self> {
         let mut out = self.clone();
         for (t, wanted) in target.distinct() {
@@ -172,6 +184,9 @@ impl BSplineCurve {
 
     /// Joins curves of the same degree end to end, over the union of their domains: each must begin where, and at the
     /// parameter at which, the one before ends. The joints get knots of the degree's multiplicity.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] for no curves, or curves that do not meet.
     pub fn joined(pieces: &[BSplineCurve]) -> Result<Self> {
         let Some((first, rest)) = pieces.split_first() else {
             return Err(Error::Bug("no curve to join".into()));

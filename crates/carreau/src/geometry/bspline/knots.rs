@@ -18,6 +18,9 @@ pub struct Knots {
 
 impl Knots {
     /// Checks a full knot vector.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for knots that are no knot vector.
     pub fn new(degree: usize, values: Vec<f64>) -> Result<Self> {
         let wrong = |what: &str| Err(Error::input(format!("a knot vector {what}"), "", ""));
         if !(1..=MAX_DEGREE).contains(&degree) {
@@ -41,6 +44,9 @@ impl Knots {
     }
 
     /// Knots at these strictly increasing break points (two at least), inner ones `multiplicity` times.
+    ///
+    /// # Errors
+    /// As [`Knots::new`].
     pub fn from_breaks(degree: usize, breaks: &[f64], multiplicity: usize) -> Result<Self> {
         let last = breaks.len().saturating_sub(1);
         let times = |k: usize| if k == 0 || k == last { degree + 1 } else { multiplicity };

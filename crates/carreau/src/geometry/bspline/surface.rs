@@ -29,6 +29,9 @@ pub struct Jet {
 
 impl BSplineSurface {
     /// A surface with one control point per pair of basis functions.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if points and knots do not fit.
     pub fn new(u: Knots, v: Knots, points: Vec<DVec3>) -> Result<Self> {
         if u.count() * v.count() != points.len() {
             return Err(Error::Bug(format!(
@@ -99,6 +102,9 @@ impl BSplineSurface {
     }
 
     /// The border curves: v = min, u = max, v = max, u = min; each in the sense of growing parameters.
+    ///
+    /// # Errors
+    /// [`Error::Bug`] if points and knots of a side do not fit.
     pub fn sides(&self) -> Result<[BSplineCurve; 4]> {
         let (m, n) = (self.u.count(), self.v.count());
         let row = |j: usize| (0..m).map(|i| self.control(i, j)).collect();
@@ -140,8 +146,9 @@ impl BSplineSurface {
     }
 }
 
-/// Limits of Newton's method.
+/// Most steps of Newton's method.
 pub(super) const MAX_STEPS: usize = 20;
+/// Most halvings of such a step.
 pub(super) const MAX_HALVINGS: i32 = 16;
 /// Steps that matter no more, as a share of the domain: their effect on the distance is of second order.
 pub(super) const TINY: f64 = 1e-8;

@@ -105,7 +105,7 @@ impl Frame {
 }
 
 /// Eigenvalues are equal whose difference squared is below this, the end of the range of exact squares.
-const ROUND: f64 = 1e-290;
+const EQUAL_SQUARED: f64 = 1e-290;
 
 /// A quadratic form on a tangent plane: a x² + 2 b x y + c y² in the coordinates of a [`Frame`].
 #[derive(Debug, Clone, Copy, Default)]
@@ -122,7 +122,7 @@ impl Form {
         let (mean, half) = (0.5 * (self.a + self.c), 0.5 * (self.a - self.c));
         let square = half * half + self.b * self.b;
         let radius = square.sqrt();
-        if !(square > ROUND) {
+        if !(square > EQUAL_SQUARED) {
             return ([mean - radius, mean + radius], [DVec3::ZERO; 2]);
         }
         // Of the two equivalent formulas the one without cancellation.

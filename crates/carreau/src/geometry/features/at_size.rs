@@ -29,13 +29,13 @@ use std::collections::VecDeque;
 /// Free tips per length, in edges of the usual size, from which sharp edges are looked at one by one. Parts have up to .16 and
 /// scans .26 to 3.2.
 const NOISY: f64 = 0.2;
-/// Elements are of the usual size where so many squares of them cover the surface.
+/// Number of squares that cover the surface where elements have the usual size.
 pub const USUAL_ELEMENTS: f64 = 3000.0;
 /// Edges above this share of the angle continue a strand.
 const WEAK_SHARE: f64 = 0.5;
 /// The surface turns by more than this share of the angle along them.
 const WEAK_TURN_SHARE: f64 = 0.7;
-/// The width is no less than so many edges of the mesh, or it would be noise that is averaged.
+/// Least width in edges of the mesh: over fewer of them, noise would be measured.
 const LEAST_EDGES: f64 = 2.0;
 /// Elements that a strand is long for every free tip that it has.
 const ELEMENTS_PER_TIP: f64 = 2.0;

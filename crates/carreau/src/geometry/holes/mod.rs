@@ -52,7 +52,7 @@ struct Patch {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Fills the holes of up to so many border edges, all by default.
+/// Fills holes, all of them or those of up to a number of border edges.
 ///
 /// # Errors
 /// [`Error::Numeric`] where a system cannot be solved, [`Error::Cancelled`], [`Error::Deadline`].

@@ -18,9 +18,9 @@ use rustc_hash::FxHashMap;
 /// A centre is added where it is farther from every corner than the lengths there, divided by this.
 const DENSITY: f64 = std::f64::consts::SQRT_2;
 /// Vertices that are added at most, for each border vertex squared: a disc needs about a twelfth.
-const MOST: usize = 2;
+const MOST_ADDED: usize = 2;
 /// Rounds of centres and flips.
-const ROUNDS: usize = 64;
+const REFINING_ROUNDS: usize = 64;
 /// Flips in a row at most, for each edge: they end by themselves but for rounding.
 const FLIPS: usize = 64;
 
@@ -34,9 +34,9 @@ pub fn refine(patch: &mut Patch, mesh: &SurfaceMesh, ring: &[u32], first: u32, c
         let edges = [point(k).distance(point(k + 1)), point(k).distance(point(k + n - 1))];
         length.insert(ring[k], 0.5 * (edges[0] + edges[1]));
     }
-    let most = (MOST * n * n).min(1_000_000);
+    let most = (MOST_ADDED * n * n).min(1_000_000);
     flip(patch, mesh, first, context)?;
-    for _ in 0..ROUNDS {
+    for _ in 0..REFINING_ROUNDS {
         let before = patch.points.len();
         for t in 0..patch.triangles.len() {
             context.check_every(t)?;
@@ -71,6 +71,7 @@ pub fn place(patch: &Patch, mesh: &SurfaceMesh, first: u32, v: u32) -> DVec3 {
 /// The triangles at every edge of the patch.
 struct Edges(FxHashMap<[u32; 2], [u32; 2]>);
 
+/// No triangle.
 const NONE: u32 = u32::MAX;
 
 fn key(a: u32, b: u32) -> [u32; 2] {

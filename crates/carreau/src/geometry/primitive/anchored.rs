@@ -32,8 +32,9 @@ use super::{Kind, Primitive, split, unit};
 use crate::numeric::levenberg::{Problem, System};
 use glam::{DQuat, DVec2, DVec3};
 
-/// Radii beyond this many sizes of the data are a plane's, half angles below this a cylinder's.
+/// Curvature, over that of the size of the data, below which a surface is a plane.
 const SMALLEST_CURVATURE: f64 = 1e-6;
+/// Half angle, in radians, below which a cone is a cylinder.
 const SMALLEST_ANGLE: f64 = 1e-4;
 /// Curvatures beyond this are steps gone astray: squares would overflow and make distances vanish.
 const LARGEST_CURVATURE: f64 = 1e9;

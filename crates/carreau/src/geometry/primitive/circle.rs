@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 /// Newton steps for the circle: convergence from 0 is monotone, a handful is usual.
-const MOST_STEPS: usize = 20;
+const CIRCLE_STEPS: usize = 20;
 
 /// The circle of least Σ (|p − c|² − r²)² / Σ 4|p − c|², centre and radius; `None` where the points lie on a line.
 ///
@@ -33,7 +33,7 @@ pub(crate) fn circle(points: impl Iterator<Item = DVec2> + Clone) -> Option<(DVe
     let a1 = variance * spread + 4.0 * area * spread - xz * xz - yz * yz;
     let a0 = xz * (xz * yy - yz * xy) + yz * (yz * xx - xz * xy) - variance * area;
     let mut root = 0.0;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..CIRCLE_STEPS {
         let value = a0 + root * (a1 + root * (a2 + root * a3));
         let slope = a1 + root * (2.0 * a2 + root * 3.0 * a3);
         let next = root - value / slope;

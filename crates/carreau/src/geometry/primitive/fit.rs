@@ -14,11 +14,12 @@ use std::ops::ControlFlow;
 /// Steps that a start has to show what it is worth.
 const TRIAL_STEPS: usize = 4;
 /// Steps of those that go on.
-const MOST_STEPS: usize = 60;
+const FINAL_STEPS: usize = 60;
 /// Number of starts that go on.
 const FINALISTS: usize = 3;
 /// The gain per step below which a minimisation stops, see [`Effort`]: at the minimum, or where it slows down.
 pub(super) const PATIENT: f64 = 1e-10;
+/// The same where a fit only has to be within a tolerance.
 const HASTY: f64 = 0.02;
 /// Costs that agree to this share are those of one minimum.
 const SAME: f64 = 1e-4;
@@ -178,7 +179,7 @@ pub(super) fn best(kind: Kind, scratch: &Scratch, enough: f64, gain: f64) -> Opt
         }
         None => ControlFlow::Continue(()),
     });
-    let last = Effort { iterations: MOST_STEPS, floor: if gain > PATIENT { enough } else { 0.0 }, gain };
+    let last = Effort { iterations: FINAL_STEPS, floor: if gain > PATIENT { enough } else { 0.0 }, gain };
     let (mut winner, mut least): (Option<Fit>, f64) = (None, f64::INFINITY);
     for (surface, _) in finalists.0.into_iter().flatten() {
         let Some((surface, cost)) = descend(&data, surface, last) else { continue };

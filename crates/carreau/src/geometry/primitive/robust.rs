@@ -18,9 +18,11 @@ use std::ops::ControlFlow;
 const TUKEY: f64 = 4.685;
 /// Standard deviation of a normal distribution over its median absolute value.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
-const ROUNDS: usize = 20;
+/// Most rounds of weights.
+const WEIGHING_ROUNDS: usize = 20;
 /// Rounds that look for the bulk of the points, before those that weigh it.
 const SEARCH_ROUNDS: usize = 8;
+/// Steps of the minimisation in each round.
 const STEPS_PER_ROUND: usize = 8;
 /// A relative change of the root mean square distance that ends the rounds.
 const SETTLED: f64 = 1e-6;
@@ -46,7 +48,7 @@ pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut
     let sample = scratch.sample();
     let mut winner: Option<(RobustFit, f64)> = None;
     let mut receiver = |start: Option<Anchored>| {
-        let found = start.and_then(|start| settle(start, sample.points, &mut distances, &mut weights));
+        let found = start.and_then(|start| converge(start, sample.points, &mut distances, &mut weights));
         if let Some((fit, scale)) = found
             && winner.is_none_or(|(_, least)| scale < least)
         {
@@ -66,7 +68,7 @@ pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut
         let inliers = scratch.without(|p| found.fit.primitive.distance(p).abs() > TUKEY * scale);
         let again = best(kind, &inliers, SMALLEST_SCALE, PATIENT)
             .and_then(|fit| Anchored::of(&fit.primitive, central(sample.points)?));
-        let again = again.and_then(|start| settle(start, sample.points, &mut distances, &mut weights));
+        let again = again.and_then(|start| converge(start, sample.points, &mut distances, &mut weights));
         winner = again.filter(|(_, other)| *other < scale).or(winner);
     }
     (scratch.weights, scratch.distances) = (weights, distances);
@@ -75,7 +77,7 @@ pub fn fit_robust(kind: Kind, points: &[DVec3], normals: &[DVec3], scratch: &mut
 }
 
 /// Iterates from a start until the distances no longer change; returns also their scale.
-fn settle(
+fn converge(
     start: Anchored,
     points: &[DVec3],
     distances: &mut Vec<f64>,
@@ -87,7 +89,7 @@ fn settle(
     let (mut surface, _) = descend(&all, start, Effort::full(steps, 0.0))?;
     let mut fit = measured(&all, &surface)?;
     let mut inliers = 1.0;
-    for round in 0..ROUNDS {
+    for round in 0..WEIGHING_ROUNDS {
         let weight = if round < SEARCH_ROUNDS { geman_mcclure } else { tukey };
         if reweigh(&fit.primitive, points, weight, distances, weights) <= SMALLEST_SCALE {
             break;

@@ -14,9 +14,10 @@ use crate::numeric::levenberg::solve_cholesky;
 use glam::{DVec2, DVec3};
 use std::ops::ControlFlow::{self, Continue};
 
-/// Leanings of the axis tried for cones and tori. To second order a patch does not tell them: curvature across the profile
-/// is cos φ / (distance from the axis).
+/// Leanings of the axis, in radians, that are tried for cones. To second order a patch does not tell them: curvature
+/// across the profile is cos φ / (distance from the axis).
 const CONE_ANGLES: [f64; 5] = [0.0, 0.5, -0.5, 1.1, -1.1];
+/// The same for tori.
 const TORUS_ANGLES: [f64; 5] = [0.0, 0.8, -0.8, 1.3, -1.3];
 
 /// Points in the unit box with what is known of the normals.

@@ -19,7 +19,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Rounds of pair removal before giving up.
-const ROUNDS: usize = 64;
+const REMOVAL_ROUNDS: usize = 64;
 
 /// The dual partition; `None` where the directions lie in a plane or the heuristic finds no four-valent graph.
 pub fn partition(directions: &[DVec3]) -> Option<Connection> {
@@ -80,7 +80,7 @@ impl Graph<'_> {
 
     /// Steps 2 and 3.
     fn pair_up(&mut self) -> Option<()> {
-        for _ in 0..ROUNDS {
+        for _ in 0..REMOVAL_ROUNDS {
             let threes = self.threes();
             if threes.is_empty() {
                 return (0..self.directions.len() as u32).all(|v| self.valence(v) == 4).then_some(());

@@ -19,7 +19,7 @@ mod map;
 mod orange;
 mod search;
 
-pub use search::Search;
+pub use search::PartitionSearch;
 
 use glam::DVec3;
 
@@ -44,7 +44,7 @@ pub struct Connection {
 
 /// The quads at every vertex.
 #[derive(Debug, Default)]
-struct Around {
+struct QuadsAtVertices {
     starts: Vec<u32>,
     quads: Vec<u32>,
 }
@@ -76,7 +76,7 @@ impl Connection {
 
     /// Moves vertices about the sphere to enlarge the least determinant of the quads at each: a pattern search with
     /// shrinking steps. `around` is working memory.
-    fn relax(&mut self, directions: &[DVec3], around: &mut Around) {
+    fn relax(&mut self, directions: &[DVec3], around: &mut QuadsAtVertices) {
         around.fill(self);
         let mut step = 0.25;
         for _ in 0..24 {
@@ -133,7 +133,7 @@ impl Connection {
     }
 }
 
-impl Around {
+impl QuadsAtVertices {
     fn fill(&mut self, c: &Connection) {
         self.starts.clear();
         self.starts.push(0);
@@ -215,7 +215,7 @@ pub(super) mod tests {
         #[test]
         fn every_star_is_included(n in 3usize..13, numbers in prop::collection::vec(-1.0f64..1.0, 600)) {
             if let Some(directions) = star(&numbers, n, 15.0) {
-                let c = Search::default().partition(&directions).clone();
+                let c = PartitionSearch::default().partition(&directions).clone();
                 assert_partition(&c, n);
                 prop_assert!(c.least_determinant(&directions) > 0.0, "{}", c.least_determinant(&directions));
             }
@@ -240,7 +240,7 @@ pub(super) mod tests {
             [-0.5093096254395499, -0.7720546701966934, -0.38017797366772865],
         ];
         let directions = directions.map(DVec3::from_array);
-        let c = Search::default().partition(&directions).clone();
+        let c = PartitionSearch::default().partition(&directions).clone();
         assert_partition(&c, 12);
         assert!(c.least_determinant(&directions) > 0.0);
     }
@@ -248,7 +248,7 @@ pub(super) mod tests {
     #[test]
     fn six_axes_are_a_cube() {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
-        let c = Search::default().partition(&axes).clone();
+        let c = PartitionSearch::default().partition(&axes).clone();
         assert_partition(&c, 6);
         let mut valence = [0; 8];
         c.quads.as_flattened().iter().for_each(|&v| valence[v as usize] += 1);
@@ -261,7 +261,7 @@ pub(super) mod tests {
             (0..5).map(|k| DVec3::from((glam::DVec2::from_angle(1.2 * f64::from(k)), 0.0))).collect();
         let tilted: Vec<DVec3> = flat.iter().map(|d| (*d + DVec3::Z).normalize()).collect();
         for directions in [flat, tilted] {
-            let c = Search::default().partition(&directions).clone();
+            let c = PartitionSearch::default().partition(&directions).clone();
             assert_partition(&c, 5);
             assert!(c.least_determinant(&directions) > 0.0);
         }

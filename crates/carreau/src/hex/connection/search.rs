@@ -1,6 +1,6 @@
-//! The best of many partitions; memory is kept from one branching to the next.
+//! Chooses the best of many partitions for a branching. Memory is kept from one branching to the next.
 
-use super::{Around, Connection, dual, orange};
+use super::{Connection, QuadsAtVertices, dual, orange};
 use glam::DVec3;
 
 /// Axes that orange slices are tried on.
@@ -9,8 +9,9 @@ const AXES: usize = 200;
 const LEAST_GAP: f64 = 1e-6;
 /// Candidates whose vertices are moved.
 const FINALISTS: usize = 4;
-/// Scores from which on no more candidates are looked for, at three directions and at more.
+/// Least determinant, at three directions, from which on no more candidates are looked for.
 const FAIR: f64 = 0.12;
+/// The same at more than three directions.
 const GOOD: f64 = 0.3;
 
 /// How a partition can be made.
@@ -24,16 +25,16 @@ enum Recipe {
 
 /// Looks for partitions; keeps its memory from one branching to the next.
 #[derive(Debug, Default)]
-pub struct Search {
+pub struct PartitionSearch {
     best: Connection,
     tried: Connection,
     dual: Option<Connection>,
     candidates: Vec<(f64, Recipe)>,
     order: Vec<(f64, usize)>,
-    around: Around,
+    around: QuadsAtVertices,
 }
 
-impl Search {
+impl PartitionSearch {
     /// The best partition found for at least three unit directions, no two of them equal.
     pub fn partition(&mut self, directions: &[DVec3]) -> &Connection {
         self.dual = if directions.len() > 3 { dual::partition(directions) } else { None };

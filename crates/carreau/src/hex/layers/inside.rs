@@ -1,4 +1,4 @@
-//! How the inside of a mesh follows its wall.
+//! Moves the inside of a mesh along with its wall.
 
 use super::wall::{Wall, within};
 use crate::context::Context;
@@ -6,8 +6,9 @@ use crate::error::Result;
 use crate::mesh::{HEX_EDGES, HexMesh};
 use glam::DVec3;
 
-/// Sweeps of the harmonic displacement, and its over-relaxation.
+/// Sweeps of the harmonic displacement.
 const SWEEPS: usize = 120;
+/// Over-relaxation of each sweep, between 1 and 2.
 const RELAXATION: f64 = 1.6;
 
 /// The edges of a mesh around each vertex, and how its inside follows the wall.

@@ -1,6 +1,6 @@
-//! The wall of a mesh, how thick the layers are on it, and their cells.
+//! The wall of a mesh: the thickness of the layers on it, and their cells.
 
-use super::{LayerFigures, Layers, ROUNDS};
+use super::{LayerFigures, Layers, THINNING_ROUNDS};
 use crate::error::{Error, Result};
 use crate::geometry::hexes::is_certified;
 use crate::geometry::search_tree::TriangleTree;
@@ -10,15 +10,15 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 /// Layers take this share of the way to the opposite wall at most: 70 % of the radius of a tube.
-const ROOM: f64 = 0.35;
+const MOST_OF_WAY: f64 = 0.35;
 /// The thickness changes by at most this share of the way along the wall.
 const SLOPE: f64 = 0.5;
-/// Layers are thinned to this share around weak cells, in so many rounds at most.
+/// Share of their thickness to which layers are thinned around weak cells, round by round.
 const THINNED: f64 = 0.75;
 /// Where normals of faces at a vertex differ much the way is not made longer than this for the thickness to hold.
 const LONGEST_WAY: f64 = 1.5;
 /// Layers this near to the thickness asked for count as such.
-const NEAR: f64 = 0.1;
+const NEARLY_AS_ASKED: f64 = 0.1;
 
 /// The wall of a mesh.
 pub(super) struct Wall {
@@ -53,7 +53,7 @@ impl Wall {
         let inward = inward(mesh, &quads, &vertices, &planes);
         let room = room(mesh, &quads, &vertices, &inward);
         let mut wall = Wall { quads, cells, vertices, inward, thickness: Vec::new(), planes, on_boundary };
-        wall.thickness = room.into_iter().map(|room| thickness.min(ROOM * room)).collect();
+        wall.thickness = room.into_iter().map(|room| thickness.min(MOST_OF_WAY * room)).collect();
         wall.even_out(mesh);
         wall
     }
@@ -72,7 +72,7 @@ impl Wall {
             .filter_map(|[a, b]| Some((self.place(a)?, self.place(b)?, SLOPE * at(a).distance(at(b)))))
             .collect();
         // Every side is met in both senses, and the reach of a thin place ends after some rings.
-        for _ in 0..ROUNDS {
+        for _ in 0..THINNING_ROUNDS {
             let mut any = false;
             for &(a, b, step) in &sides {
                 let (ta, tb) = (self.thickness[a], self.thickness[b]);
@@ -131,7 +131,7 @@ impl Wall {
             let depth = q.iter().map(|&v| (mesh.points[v as usize] - points[v as usize]).dot(normal)).sum::<f64>();
             let share = 0.25 * depth / total;
             area += vector.length();
-            if (share - 1.0).abs() <= NEAR {
+            if (share - 1.0).abs() <= NEARLY_AS_ASKED {
                 good += vector.length();
             }
             if share < least.0 {

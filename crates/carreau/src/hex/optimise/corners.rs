@@ -1,4 +1,4 @@
-//! The least scaled Jacobian itself, made smooth.
+//! The least scaled Jacobian itself, as a smooth function.
 //!
 //! The energy of a cell (energy.rs) is least for a box. A cell that cannot become one, for example a wedge in a narrow cleft, has
 //! a large energy whatever its angles, and the worst energy is not where the worst angle is. Where that energy is as small as it

@@ -19,6 +19,7 @@ use crate::mesh::HEX_EDGES;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use glam::DVec3;
 
+/// Weight θ of the volume term against the shape term.
 const THETA: f64 = 1.0 / 128.0;
 /// Regularised determinants below this count as zero.
 const LEAST_CHI: f64 = 1e-280;

@@ -11,7 +11,7 @@
 
 use super::corners::corner_energy;
 use super::energy::CellEnergy;
-use super::{MANY_CELLS, Optimiser, SETTLED};
+use super::{CONVERGED, MANY_CELLS, Optimiser};
 use crate::context::Context;
 use crate::error::Result;
 use crate::numeric::lbfgs::Stop;
@@ -19,11 +19,13 @@ use glam::DVec3;
 
 /// How nearly the soft maximum is the largest.
 const SOFT: f64 = 20.0;
-/// How narrow the band of corners near to the least of the mesh is, and what these count.
-const NARROW: f64 = 40.0;
+/// Inverse width, in scaled Jacobians, of the band of corners near to the least of the mesh.
+const BAND: f64 = 40.0;
+/// Weight of the corners in that band.
 const GUARD: f64 = 10.0;
-/// The share of the energy.
-const BARRIER: f64 = 0.01;
+/// Weight of the energy, which keeps cells from folding inside.
+const ENERGY_SHARE: f64 = 0.01;
+/// Iterations of the minimisation on meshes of up to [`MANY_CELLS`] cells; larger ones get fewer in proportion.
 const ITERATIONS: f64 = 300.0;
 
 impl Optimiser<'_> {
@@ -31,14 +33,14 @@ impl Optimiser<'_> {
     pub(super) fn straighten(&self, points: &mut Vec<DVec3>, least: f64, context: &Context) -> Result<()> {
         // Large meshes get fewer.
         let share = (MANY_CELLS / self.hexes.len() as f64).min(1.0);
-        let stop = Stop { iterations: (share * ITERATIONS) as usize, decrease: SETTLED };
+        let stop = Stop { iterations: (share * ITERATIONS) as usize, decrease: CONVERGED };
         self.minimise_cells(points, stop, context, |p, energy| {
             let (sum, by_sum) = corner_energy(p, SOFT, 1.0);
-            let (near, by_near) = corner_energy(p, NARROW, least);
+            let (near, by_near) = corner_energy(p, BAND, least);
             CellEnergy {
-                value: sum.ln() / SOFT + near * GUARD + BARRIER * energy.value,
+                value: sum.ln() / SOFT + near * GUARD + ENERGY_SHARE * energy.value,
                 gradient: std::array::from_fn(|c| {
-                    by_sum[c] / (SOFT * sum) + by_near[c] * GUARD + energy.gradient[c] * BARRIER
+                    by_sum[c] / (SOFT * sum) + by_near[c] * GUARD + energy.gradient[c] * ENERGY_SHARE
                 }),
                 least: energy.least,
             }

@@ -52,11 +52,13 @@ pub struct Spring {
     pub across: f64,
 }
 
-/// Rounds of each step.
+/// Most rounds of untangling.
 const UNTANGLE_ROUNDS: usize = 30;
+/// Most rounds of new targets and weights.
 const WEIGHT_ROUNDS: usize = 4;
-/// No task is smaller than this.
+/// Least number of cells per task: enough work to pay for one.
 const MIN_CELLS: usize = 512;
+/// Least number of vertices per task.
 const MIN_VERTICES: usize = 4096;
 /// More cells than this are unfolded by patches first, fewer all together.
 const FEW_CELLS: usize = 4000;
@@ -87,14 +89,15 @@ const DRIFT: f64 = 2.0;
 /// For the inside of a mesh whose boundary stays.
 pub const INNER: Effort = Effort { powers: &[(4, 40), (8, 60)], attempts: &[] };
 
-/// The power that a mesh is delivered with; what comes before it need not settle as well. Shares of the energy that ten
-/// iterations must gain.
+/// The power of the energy that a mesh is delivered with; what comes before it need not converge as well.
 const LAST_POWER: i32 = 8;
+/// Share of the energy that ten iterations must gain before the last power.
 const PASSED: f64 = 1e-3;
-const SETTLED: f64 = 3e-4;
+/// The same at the last power.
+const CONVERGED: f64 = 3e-4;
 
 /// The share of the energy beside the least scaled Jacobian.
-const BARRIER: f64 = 0.1;
+const BARRIER_SHARE: f64 = 0.1;
 
 /// Determinants above this share of the target count as positive.
 const VALID: f64 = 1e-6;
@@ -282,7 +285,7 @@ impl<'a> Optimiser<'a> {
         iterations: usize,
         context: &Context,
     ) -> Result<()> {
-        let stop = Stop { iterations, decrease: if power < LAST_POWER { PASSED } else { SETTLED } };
+        let stop = Stop { iterations, decrease: if power < LAST_POWER { PASSED } else { CONVERGED } };
         let (mut evaluations, mut cells) = (0, Vec::new());
         let value = |x: &[DVec3], g: &mut [DVec3]| {
             context.check()?;
@@ -310,8 +313,8 @@ impl<'a> Optimiser<'a> {
         self.minimise_cells(points, stop, context, |p, energy| {
             let (value, gradient) = corner_energy(p, beta, usual);
             CellEnergy {
-                value: value + BARRIER * energy.value,
-                gradient: std::array::from_fn(|c| gradient[c] + BARRIER * energy.gradient[c]),
+                value: value + BARRIER_SHARE * energy.value,
+                gradient: std::array::from_fn(|c| gradient[c] + BARRIER_SHARE * energy.gradient[c]),
                 least: energy.least,
             }
         })

@@ -1,7 +1,7 @@
-//! Patches: a cell with its surroundings, improved alone.
+//! Patches: a cell with its surroundings, optimised on its own.
 //!
-//! A few hundred cells take so many iterations as they need, and no step is cut short by what happens elsewhere. Patches
-//! without a common cell are worked on side by side; what does no cell good is not taken.
+//! A few hundred cells get as many iterations as they need, and nothing that happens elsewhere cuts a step short. Patches
+//! without a common cell are optimised side by side; a patch that improves no cell is not taken.
 //!
 //! ```text
 //! ┌──┬──┬──┬──┬──┐
@@ -19,11 +19,11 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Shares of the way that a patch goes, until no cell is folded when all that is tied is in place.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const PATCH_WAYS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Factors β of the least scaled Jacobian in turn, with the iterations of each.
 const SHARPER: [(f64, usize); 3] = [(15.0, 40), (30.0, 40), (60.0, 40)];
 /// Inside once more, when the boundary is where it belongs.
-const INSIDE: (i32, usize) = (16, 60);
+const INSIDE_AGAIN: (i32, usize) = (16, 60);
 /// What the mean quality of the mesh loses counts so much against what its worst cell gains.
 const LOSS: f64 = 2.0;
 
@@ -34,7 +34,7 @@ pub trait Ties: Sync {
     /// Whether a vertex stays where it is.
     fn is_fixed(&self, vertex: u32) -> bool;
     /// Where a vertex has to be that was moved here, if it is not free.
-    fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3>;
+    fn tied_place(&self, vertex: u32, at: DVec3) -> Option<DVec3>;
 }
 
 impl Ties for Optimiser<'_> {
@@ -47,7 +47,7 @@ impl Ties for Optimiser<'_> {
         self.fixed.get(vertex as usize) == Some(&true)
     }
 
-    fn settled(&self, _: u32, _: DVec3) -> Option<DVec3> {
+    fn tied_place(&self, _: u32, _: DVec3) -> Option<DVec3> {
         None
     }
 }
@@ -162,9 +162,9 @@ impl Patch {
         (0..self.hexes.len()).map(|h| self.quality(places, h)).sum::<f64>() / self.of as f64
     }
 
-    /// The least quality of the first cell, which the patch is about, and of those that have become worse. What was and stays
-    /// worse than the first cell keeps nothing from being better. It is not bought with the others': where a patch is most of
-    /// the mesh, that may cost more than it gives.
+    /// The least quality of the centre cell and of all cells that got worse. Cells that were already worse than the centre cell,
+    /// and did not get worse, are ignored. An improvement is rejected if other cells pay for it, because where a patch is most
+    /// of the mesh that may cost more than it gains.
     pub fn worth(&self, places: &[DVec3]) -> f64 {
         let worse = (1..self.hexes.len()).filter_map(|h| {
             let now = self.quality(places, h);
@@ -219,7 +219,7 @@ impl Descent<'_> {
     /// When what is tied is in its place.
     fn finish(&self, optimiser: &Optimiser, patch: &Patch, places: &mut Vec<DVec3>, context: &Context) -> Result<()> {
         match self {
-            Descent::Energy(_) => optimiser.descend(places, 0.0, INSIDE.0, INSIDE.1, context),
+            Descent::Energy(_) => optimiser.descend(places, 0.0, INSIDE_AGAIN.0, INSIDE_AGAIN.1, context),
             Descent::Mean => optimiser.straighten(places, patch.worst(places), context),
             Descent::Corners => {
                 let (beta, iterations) = SHARPER[SHARPER.len() - 1];
@@ -231,7 +231,7 @@ impl Descent<'_> {
 
 /// The places of a patch's vertices after the descent from some places, on what they are tied to; `None` where a cell has no
 /// certificate there.
-pub fn settled(
+pub fn descended(
     patch: &Patch,
     from: &[DVec3],
     ties: &impl Ties,
@@ -246,7 +246,7 @@ pub fn settled(
     }
     optimiser.fix(patch.fixed.clone());
     descent.run(&mut optimiser, patch, &mut places, ties, context)?;
-    let found = SHARES.iter().find_map(|&share| put(patch, from, ties, &optimiser, &places, share));
+    let found = PATCH_WAYS.iter().find_map(|&share| put(patch, from, ties, &optimiser, &places, share));
     let Some((there, is_tied)) = found else { return Ok(None) };
     places = there;
     if is_tied.contains(&true) {
@@ -271,7 +271,7 @@ fn put(
     let mut is_tied = vec![false; there.len()];
     for k in (0..there.len()).filter(|&k| !patch.fixed[k]) {
         there[k] = there[k].lerp(places[k], share);
-        if let Some(to) = ties.settled(patch.vertices[k], there[k]) {
+        if let Some(to) = ties.tied_place(patch.vertices[k], there[k]) {
             (there[k], is_tied[k]) = (to, true);
         }
     }

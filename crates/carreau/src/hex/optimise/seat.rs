@@ -1,17 +1,17 @@
-//! Vertices that are not on what they are tied to are put there, each with its surroundings alone.
+//! Moves vertices onto what they are tied to (the surface, a rim), each with its surroundings only.
 
-use super::patches::{Descent, Mesh, Patch, Ties, settled};
+use super::patches::{Descent, Mesh, Patch, Ties, descended};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-/// Patches in all.
+/// Most patches in all.
 const SEATINGS: usize = 1500;
-/// Rings around vertices that are to be put in place, and powers of the energy with the iterations of each: what is tied
-/// comes first.
+/// Rings of cells around vertices that are put in place, one attempt after the other.
 const SEATING: [usize; 3] = [2, 3, 5];
+/// Powers of the energy of these attempts, with the iterations of each: what is tied comes first.
 const SEATS: [(i32, usize); 3] = [(1, 60), (2, 60), (4, 60)];
 
 /// Puts vertices onto what they are tied to, each with its surroundings alone, wider and wider ones; returns those that are
@@ -40,7 +40,7 @@ pub fn seat(
             let one = |cells: &Vec<u32>| {
                 let patch = Patch::new(&mesh, here, cells, ties);
                 let least = least.min(patch.worst(&patch.places));
-                let places = settled(&patch, &patch.places, ties, &Descent::Energy(&SEATS), context)?
+                let places = descended(&patch, &patch.places, ties, &Descent::Energy(&SEATS), context)?
                     .filter(|p| patch.worst(p) >= least);
                 Ok(places.map(|p| (patch, p)))
             };
@@ -81,7 +81,7 @@ mod tests {
 
     impl Ties for Top<'_> {
         fn springs(&self, vertex: u32, at: DVec3) -> Vec<Spring> {
-            let to = self.settled(vertex, at);
+            let to = self.tied_place(vertex, at);
             let spring = |to| Spring { vertex, to, normal: DVec3::Z, along: 1000.0, across: 1e-3 };
             to.map(spring).into_iter().collect()
         }
@@ -90,7 +90,7 @@ mod tests {
             self.1[vertex as usize] && !self.has(vertex)
         }
 
-        fn settled(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
+        fn tied_place(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
             self.has(vertex).then(|| DVec3::new(at.x, at.y, f64::from(SIDE)))
         }
     }

@@ -1,4 +1,4 @@
-//! A gradient of a cell against differences of its value, for tests.
+//! Compares a gradient with differences of the value, for tests.
 
 use crate::geometry::hexes::Corners;
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Folded cells, each with its surroundings alone.
+//! Untangles folded cells, each with its surroundings only.
 
 use super::patches::{Mesh, Patch};
 use super::{Effort, Optimiser, VALID};
@@ -10,9 +10,10 @@ use rustc_hash::FxHashSet;
 
 /// Rings around folded cells, round after round.
 const UNFOLDING: [usize; 4] = [2, 3, 4, 6];
-/// Where more than one of so many cells is folded, they are no exceptions.
+/// If more than one cell of this many is folded, folded cells are no exceptions, and the whole mesh is untangled.
 const EXCEPTIONS: usize = 10;
-/// Folded cells are given up, for each number of rings, when patches in vain have had so many times as many cells as the mesh.
+/// For each number of rings, folded cells are given up when the patches that failed have had this many times as many cells as the
+/// mesh.
 const IN_VAIN: usize = 1;
 
 /// Unfolds the folded cells where they are few; whether none is left.
@@ -32,7 +33,7 @@ pub fn unfold(all: &Optimiser, points: &mut [DVec3], effort: &Effort, context: &
     Ok(folded.is_empty())
 }
 
-/// Unfolds patches of so many rings around folded cells; how many cells those had that stay folded.
+/// Unfolds patches of a number of rings around folded cells. Returns how many cells those patches had that stay folded.
 fn unfold_patches(
     mesh: &Mesh,
     all: &Optimiser,

@@ -1,4 +1,4 @@
-//! The coarsest cells about a skeleton, drawn to the surface; then halved, level by level, and put onto it.
+//! The coarsest cells about a skeleton, pulled to the surface; then halved level by level and put onto it.
 
 use super::ready::{INSIDE, Ready};
 use crate::context::Context;
@@ -18,11 +18,13 @@ use crate::hex::tubes::warn_of_poor;
 use crate::mesh::{SurfaceMesh, boundary_faces, split_quad};
 use glam::DVec3;
 
-/// Segments longer than this, in radii, are halved, at most so many times.
+/// Length, in radii, from which on segments are halved.
 const UNEVEN: f64 = 3.0;
+/// Most times that they are.
 const EVENINGS: usize = 3;
-/// Segments are halved where the surface is far, when cells have been halved so often, and at most so many times.
+/// Number of halvings of the cells after which segments are halved where the surface is far.
 const FOLLOWED: u32 = 1;
+/// Most times that they are.
 const FOLLOWINGS: usize = 3;
 /// Where a larger share of the boundary vertices could not be put onto the surface they are not looked after with the cells
 /// around them.
@@ -30,15 +32,18 @@ const FEW_STUCK: f64 = 0.05;
 /// Cells with vertices that cannot be put there are taken for so much farther from the surface.
 const STUCK: f64 = 1.5;
 /// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
-const KEPT: [f64; 2] = [0.4, 0.2];
+const KEPT_WHEN_SEATED: [f64; 2] = [0.4, 0.2];
 /// Where the surface is farther than wanted the boundary reaches what is farther than this.
 const REACHED: f64 = 0.01;
 /// How the boundary of the coarsest cells is compared with the surface.
 pub(super) const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements: 0, normals: false };
-/// How the springs to the surface grow stiff: for the coarsest cells, after each halving, for vertices left behind, at last.
+/// How the springs to the surface become stiff for the coarsest cells.
 const FIRST: Rise = Rise { strength: [0.05, 100.0], rounds: 9, power: 1, iterations: 30 };
+/// The same after each halving.
 const NEXT: Rise = Rise { strength: [1.0, 100.0], rounds: 3, power: 2, iterations: 30 };
+/// The same for vertices that are left off the surface.
 const AGAIN: Rise = Rise { strength: [100.0, 1000.0], rounds: 2, power: 4, iterations: 25 };
+/// The same at last.
 const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterations: 25 };
 
 /// The skeleton made ready, and the coarsest cells about it, drawn to the surface.
@@ -51,7 +56,7 @@ pub(super) struct Coarse {
     pub(super) warnings: Vec<String>,
     /// Boundary vertices that cannot be put onto the surface.
     pub(super) left: usize,
-    /// These are so many that the shape is not made of tubes: nothing else is tried.
+    /// Whether these are so numerous that the shape is not made of tubes; then nothing else is tried.
     pub(super) is_hopeless: bool,
     /// The largest distance of the boundary from the surface: what spans the room between two branches shows here. Infinite
     /// where a cell is folded.
@@ -108,7 +113,7 @@ impl Coarse {
         let TubeMesh { points, hexes, .. } = &mut tube;
         let mut optimiser = Optimiser::new(points, hexes);
         fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
-        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT[0]);
+        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT_WHEN_SEATED[0]);
         let left = stuck(&free, &skin);
         let is_valid = optimiser.is_valid(points);
         let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
@@ -151,7 +156,7 @@ impl Coarse {
             if level == levels {
                 fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
                 let mut free = Vec::new();
-                for (attempt, kept) in KEPT.into_iter().enumerate() {
+                for (attempt, kept) in KEPT_WHEN_SEATED.into_iter().enumerate() {
                     if attempt > 0 {
                         // What cannot be put onto the surface at once may have room when its neighbours are there.
                         optimiser.fix(free.iter().map(|f| !f).collect());

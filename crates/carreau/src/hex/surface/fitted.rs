@@ -1,5 +1,4 @@
-//! Ways to fit cells onto a surface that are tried where the first one is not good. The result that misses what is wanted by
-//! least counts.
+//! Fallbacks for fitting hexes to the surface. The attempt with the smallest shortfall is returned.
 
 use super::MANY_TRIED;
 use super::coarse::{COARSELY, Coarse, skin_of};
@@ -14,15 +13,18 @@ use crate::mesh::boundary_faces;
 use crate::skeleton::Closed;
 use std::cell::OnceCell;
 
-/// Results are good where the surface is this near to the boundary, at most and on average, and the boundary to the surface, as
-/// shares of the diagonal, no vertex is off the surface, and no scaled Jacobian is smaller than this.
+/// A result is good where the surface is this near to the boundary at most, and on average, and the boundary to the
+/// surface, as shares of the diagonal, and no vertex is off the surface.
 const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
-const POOR: f64 = 0.4;
+/// Least scaled Jacobian of a good result.
+const POOR_RESULT: f64 = 0.4;
 /// Where short cells are poor no segment becomes shorter than this, in radii.
 const LONGER: f64 = 0.6;
-/// What a fold lacks, vertices off the surface, and so large a share of them more.
+/// Shortfall of a mesh with a folded cell: more than that of all else.
 const FOLDED: f64 = 100.0;
-const OFF: f64 = 2.0;
+/// Shortfall of a mesh with vertices off the surface.
+const OFF_SURFACE: f64 = 2.0;
+/// Share of the boundary vertices off the surface that adds one to the shortfall.
 const MANY_OFF: f64 = 0.01;
 /// Cells this much farther from the surface than the nearest ones are a second try.
 const SECOND: f64 = 1.25;
@@ -199,7 +201,7 @@ impl<'a> Fitted<'a> {
 
     /// Whether cells have poor shapes, or would have them with all vertices on the surface; finer ones may be the reason.
     fn is_poor(&self) -> bool {
-        self.cells.ready.freely && (self.least < POOR || self.cells.left > 0)
+        self.cells.ready.freely && (self.least < POOR_RESULT || self.cells.left > 0)
     }
 
     /// By how much distances miss what is wanted, zero for not at all: each counts by the share that is too much.
@@ -210,8 +212,8 @@ impl<'a> Fitted<'a> {
     /// By how much the cells miss what is wanted in all.
     fn lacks(&self) -> f64 {
         let off = self.cells.left as f64 / self.cells.tube.points.len() as f64;
-        let poor = (1.0 - self.least / POOR).max(0.0);
+        let poor = (1.0 - self.least / POOR_RESULT).max(0.0);
         let folded = if self.least > 0.0 { 0.0 } else { FOLDED };
-        self.far_by() + poor + folded + if self.cells.left > 0 { OFF + off / MANY_OFF } else { 0.0 }
+        self.far_by() + poor + folded + if self.cells.left > 0 { OFF_SURFACE + off / MANY_OFF } else { 0.0 }
     }
 }

@@ -1,4 +1,5 @@
-//! The skeleton of a surface made ready for cells: extracted or given, cleaned, led to the ends, with nodes for the size asked for.
+//! Prepares the skeleton of a surface for meshing: extracted or given, cleaned up, led to the ends, resampled for the
+//! size asked for.
 
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -12,18 +13,20 @@ use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-/// Steps along the branches, in radii, and levels of halving across and along, where no size is asked for.
-const STEP: f64 = 1.2;
+/// Step along the branches, in radii, where no size is asked for.
+const SURFACE_STEP: f64 = 1.2;
+/// Levels of halving across where no size is asked for.
 const ACROSS: u32 = 2;
+/// Levels of halving along where no size is asked for.
 const ALONG: u32 = 1;
 /// There is less halving where it would make more hexes than these.
 const MOST_UNASKED: f64 = 300_000.0;
 /// Steps are at most this long, in radii, and cells at least this much longer than wide before they are made finer across.
-const LONGEST: f64 = 1.6;
+const LONGEST_RATIO: f64 = 1.6;
 /// None becomes shorter than this, in radii.
 const SHORTEST: f64 = 0.3;
 /// Where a node is nearer to the surface than its neighbours let expect, its radius is this share of theirs.
-const LEAST: f64 = 0.6;
+const LEAST_RADIUS: f64 = 0.6;
 /// The first cells take this share of the room about the skeleton.
 pub(super) const INSIDE: f64 = 0.85;
 
@@ -55,7 +58,7 @@ impl Ready {
         let _stage = context.stage("skeleton");
         let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
         let freely = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
-        let lid_of_node = prepare(&mut net, forks, target, &mut options, &mut warnings)?;
+        let lid_of_node = clean_up_for_surface(&mut net, forks, target, &mut options, &mut warnings)?;
         check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
         Ok(Ready { net, options, lid_of, freely, evenly: freely, shortest: SHORTEST, warnings })
@@ -85,7 +88,7 @@ pub(super) fn skeleton_of(
 
 /// Clean-up with the shares of branchings that become one and the angle of forks that get a trunk, resampling and the size
 /// asked for; the answer says in which lid (from 1) a node lies, zero for none.
-fn prepare(
+fn clean_up_for_surface(
     net: &mut CurveNet,
     [merge, narrow]: [f64; 2],
     target: &Target,
@@ -113,7 +116,7 @@ fn prepare(
         *net = sized(net, round, options);
         let around = net.incidence();
         for v in (0..net.points.len()).filter(|&v| around.valence(v as u32) != 1) {
-            net.radii[v] = target.room(net.points[v]).max(LEAST * net.radii[v]);
+            net.radii[v] = target.room(net.points[v]).max(LEAST_RADIUS * net.radii[v]);
         }
     } else {
         options.refine_across.get_or_insert(ACROSS);
@@ -134,7 +137,7 @@ fn tips_of(net: &CurveNet) -> usize {
 /// layer of cells.
 fn sized(net: &CurveNet, round: usize, options: &mut HexOptions) -> CurveNet {
     if options.hexes.is_none() && options.edge_length.is_none() {
-        let sized = resample::resample(net, Step::Eased(STEP, mean_radius(net)));
+        let sized = resample::resample(net, Step::Eased(SURFACE_STEP, mean_radius(net)));
         if options.refine_across.is_none() && options.refine_along == 0 {
             let segments = sized.edges.len();
             for [across, along] in [[ACROSS, ALONG], [ACROSS, 0], [1, 0], [0, 0]] {
@@ -161,7 +164,7 @@ fn sized(net: &CurveNet, round: usize, options: &mut HexOptions) -> CurveNet {
     for across in levels {
         options.refine_across = Some(across);
         let fits = |n: &CurveNet| options.hexes_of(n.edges.len(), round) <= wanted;
-        let longest = resample::resample(net, eased(LONGEST / f64::from(1 << across.min(2)) * 2.0));
+        let longest = resample::resample(net, eased(LONGEST_RATIO / f64::from(1 << across.min(2)) * 2.0));
         if fits(&longest) {
             return finest(net, eased, fits);
         }

@@ -13,16 +13,20 @@ use crate::io::vtk_cells::check_writable;
 use crate::mesh::{Column, RawMesh};
 use rustc_hash::FxHashMap;
 
-const FORMAT: &str = "Abaqus";
+/// The name of the format in warnings.
+const ABAQUS: &str = "Abaqus";
 /// Characters of the longest label.
-const LONGEST_NAME: usize = 80;
+const LONGEST_LABEL: usize = 80;
 /// Numbers on a line of a set.
 const PER_LINE: usize = 16;
 
-/// Faces of cells in the order of their numbers S1, S2 …, as places in VTK's corner order.
+/// Faces of tetrahedra in the order of their numbers S1, S2 …, as places in VTK's corner order.
 const TET: &[&[usize]] = &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
+/// The same for hexahedra.
 const HEX: &[&[usize]] = &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]];
+/// The same for wedges.
 const WEDGE: &[&[usize]] = &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
+/// The same for pyramids.
 const PYRAMID: &[&[usize]] = &[&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]];
 
 /// Cells of one kind.
@@ -41,7 +45,7 @@ fn blocks(mesh: &RawMesh) -> [Block<'_>; 4] {
 pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<String>> {
     check_writable(mesh)?;
     let mut warnings = Vec::new();
-    let faces = SmallFaces::of(mesh, FORMAT, &mut warnings);
+    let faces = SmallFaces::of(mesh, ABAQUS, &mut warnings);
     let solid = !mesh.cells.is_empty();
     out.extend_from_slice(b"*HEADING\nwritten by carreau\n*NODE\n");
     let unused = nodes_without_an_element(mesh);
@@ -63,21 +67,21 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
         }
     }
     columns.retain(|_, column| matches!(column, Column::Label(_)));
-    let of_faces = of_columns(mesh, &columns, &mut names, LONGEST_NAME);
+    let of_faces = of_columns(mesh, &columns, &mut names, LONGEST_LABEL);
     if solid {
         write_surfaces(mesh, &faces, &of_faces, out, &mut warnings);
     } else {
         of_faces.iter().for_each(|set| push_set(out, "*ELSET, ELSET", set, |face| shells[face as usize]));
     }
-    let of_cells = of_labels(mesh, "cell", &mesh.cells.tags, &mut names, LONGEST_NAME);
+    let of_cells = of_labels(mesh, "cell", &mesh.cells.tags, &mut names, LONGEST_LABEL);
     of_cells.iter().for_each(|set| push_set(out, "*ELSET, ELSET", set, |cell| cell + 1));
-    let mut of_nodes = of_columns(mesh, &mesh.attributes.vertex, &mut names, LONGEST_NAME);
-    of_nodes.extend(of_edges(mesh, &mut names, LONGEST_NAME));
+    let mut of_nodes = of_columns(mesh, &mesh.attributes.vertex, &mut names, LONGEST_LABEL);
+    of_nodes.extend(of_edges(mesh, &mut names, LONGEST_LABEL));
     of_nodes.iter().for_each(|set| push_set(out, "*NSET, NSET", set, |node| node + 1));
     if !mesh.cells.pyramids.is_empty() {
         warnings.push("the pyramids are elements C3D5, which Abaqus has and CalculiX has not".into());
     }
-    warnings.extend(left_out(mesh, FORMAT));
+    warnings.extend(left_out(mesh, ABAQUS));
     Ok(warnings)
 }
 
@@ -204,8 +208,8 @@ fn write_surfaces(mesh: &RawMesh, faces: &SmallFaces, sets: &[Set], out: &mut Ve
         push_set(out, "*NSET, NSET", &Set { name: set.name.clone(), members: nodes }, |node| node + 1);
     }
     if missing > 0 {
-        warnings.push(format!("{FORMAT}: {missing} faces that are no sides of cells were left out"));
+        warnings.push(format!("{ABAQUS}: {missing} faces that are not sides of cells were left out"));
     } else if sets.is_empty() && !mesh.faces.is_empty() {
-        warnings.push(format!("{FORMAT}: the faces have no labels and were left out, they are sides of the cells"));
+        warnings.push(format!("{ABAQUS}: the faces have no labels and were left out, they are sides of the cells"));
     }
 }

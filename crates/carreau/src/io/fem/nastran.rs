@@ -14,9 +14,10 @@ use crate::words::counted;
 use std::collections::BTreeMap;
 use std::io::Write;
 
-const FORMAT: &str = "Nastran";
+/// The name of the format in warnings.
+const NASTRAN: &str = "Nastran";
 /// Characters of a name in a comment.
-const LONGEST_NAME: usize = 80;
+const LONGEST_COMMENT_NAME: usize = 80;
 /// The largest number in a field of eight characters.
 const MOST: usize = 99_999_999;
 /// Characters of a long field.
@@ -43,7 +44,7 @@ impl Properties {
         if number == next {
             let fallback = || if solid { format!("cells_{label}") } else { format!("{column}_{label}") };
             let word = mesh.attributes.name(column, label).map_or_else(fallback, str::to_string);
-            self.names.push((if solid { "PSOLID" } else { "PSHELL" }, names.take(&word, LONGEST_NAME)));
+            self.names.push((if solid { "PSOLID" } else { "PSHELL" }, names.take(&word, LONGEST_COMMENT_NAME)));
         }
         number
     }
@@ -52,9 +53,9 @@ impl Properties {
 pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<String>> {
     check_writable(mesh)?;
     let mut warnings = Vec::new();
-    let faces = SmallFaces::of(mesh, FORMAT, &mut warnings);
+    let faces = SmallFaces::of(mesh, NASTRAN, &mut warnings);
     if mesh.points.len().max(faces.faces.len() + mesh.cells.len()) > MOST {
-        return Err(Error::input("Nastran's fields count to 99,999,999", "", "write another format"));
+        return Err(Error::input("Nastran's fields cannot count beyond 99,999,999", "", "write another format"));
     }
     let mut names = Names::default();
     let mut properties = Properties::default();
@@ -84,16 +85,16 @@ pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<
     let rounded = mesh.points.iter().flat_map(|p| p.to_array()).filter(|&x| parsed(&field(x)) != Some(x)).count();
     if rounded > 0 {
         warnings.push(format!(
-            "{FORMAT}'s fields have {WIDE} characters: {}",
+            "{NASTRAN}'s fields have {WIDE} characters: {}",
             counted(rounded, "coordinate is rounded", "coordinates are rounded")
         ));
     }
     if !mesh.cells.is_empty() && !mesh.faces.is_empty() {
         warnings.push(format!(
-            "{FORMAT}: the faces are shells with properties of their own, leave these out of the analysis"
+            "{NASTRAN}: the faces are shells with properties of their own, leave these out of the analysis"
         ));
     }
-    warnings.extend(left_out(mesh, FORMAT));
+    warnings.extend(left_out(mesh, NASTRAN));
     Ok(warnings)
 }
 
@@ -106,9 +107,9 @@ fn sets(mesh: &RawMesh, faces: &SmallFaces, reference: &str, names: &mut Names) 
             *labels = faces.values(labels).into_owned();
         }
     }
-    let of_elements = of_columns(mesh, &columns, names, LONGEST_NAME);
-    let mut of_nodes = of_columns(mesh, &mesh.attributes.vertex, names, LONGEST_NAME);
-    of_nodes.extend(of_edges(mesh, names, LONGEST_NAME));
+    let of_elements = of_columns(mesh, &columns, names, LONGEST_COMMENT_NAME);
+    let mut of_nodes = of_columns(mesh, &mesh.attributes.vertex, names, LONGEST_COMMENT_NAME);
+    of_nodes.extend(of_edges(mesh, names, LONGEST_COMMENT_NAME));
     [of_elements, of_nodes]
 }
 

@@ -14,8 +14,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
+/// The first bytes of a GLB file.
 const MAGIC: &[u8] = b"glTF";
+/// The kind of the chunk with the JSON.
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
+/// The kind of the chunk with the buffer.
 const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
 
 /// Unpadded base64 is accepted.

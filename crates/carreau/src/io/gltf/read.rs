@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Points and corners that a mesh may have for each byte of its files. A file may use one mesh many times; one that
 /// expands beyond this is meant to exhaust the memory.
-const EXPANSION: usize = 16;
+const MESH_EXPANSION: usize = 16;
 
 /// Extensions a file may require because they change nothing about the meshes, or are understood.
 const HARMLESS: [&str; 6] =
@@ -61,10 +61,12 @@ impl<T: Clone> Optional<T> {
     }
 }
 
-/// Normal, texture coordinates and colour of vertices that have none.
+/// Normal of vertices that have none.
 const NO_NORMAL: [f64; 3] = [0.0; 3];
+/// Texture coordinates of vertices that have none.
 const NO_UV: [f64; 2] = [0.0; 2];
-const WHITE: [u8; 4] = [255; 4];
+/// Colour of vertices that have none: white.
+const NO_COLOR: [u8; 4] = [255; 4];
 
 /// Puts the mesh together.
 struct Builder<'a> {
@@ -234,7 +236,7 @@ impl<'a> Builder<'a> {
         self.mesh.points.extend(points);
         self.normals.append(normals, count, NO_NORMAL);
         self.uvs.append(uvs, count, NO_UV);
-        self.colors.append(colors, count, WHITE);
+        self.colors.append(colors, count, NO_COLOR);
         self.check_size()?;
         match (u32::try_from(first), u32::try_from(self.mesh.points.len())) {
             (Ok(first), Ok(end)) => Ok((first, end - first)),
@@ -301,7 +303,7 @@ impl<'a> Builder<'a> {
     fn check_size(&self) -> Result<()> {
         let size = self.mesh.points.len() + self.corners;
         let bytes = self.source.bytes.len() + self.accessors.buffers.external_size();
-        if size <= bytes.saturating_mul(EXPANSION).min(u32::MAX as usize / 3) {
+        if size <= bytes.saturating_mul(MESH_EXPANSION).min(u32::MAX as usize / 3) {
             return Ok(());
         }
         Err(self.error(format!(

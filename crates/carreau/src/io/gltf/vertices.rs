@@ -10,6 +10,7 @@ use crate::mesh::{BODIES, Column, RawMesh};
 use rustc_hash::FxHashMap;
 
 pub type Color = [u8; 4];
+/// Colour of vertices that have none.
 const WHITE: Color = [255; 4];
 
 /// Whether these are the unit normals that glTF asks for.

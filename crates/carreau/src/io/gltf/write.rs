@@ -15,11 +15,15 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
 
+/// Component type of 32-bit floats.
 const FLOAT: u32 = 5126;
+/// Component type of 32-bit unsigned integers.
 const UNSIGNED_INT: u32 = 5125;
+/// Component type of 16-bit unsigned integers.
 const UNSIGNED_SHORT: u32 = 5123;
-/// Targets of buffer views: vertex attributes and indices.
+/// Target of buffer views with vertex attributes.
 const ARRAY_BUFFER: u32 = 34962;
+/// Target of buffer views with indices.
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
 /// Writes a `.gltf` file with an embedded buffer; returns warnings about what it cannot hold.

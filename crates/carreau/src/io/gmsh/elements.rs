@@ -64,6 +64,7 @@ impl Shape {
 pub(super) const HEX27: [usize; 27] =
     [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26];
 
+/// Elements of first order.
 const FIRST_ORDER: [Shape; 8] =
     [Shape::Line, Shape::Triangle, Shape::Quad, Shape::Tet, Shape::Hex, Shape::Wedge, Shape::Pyramid, Shape::Point];
 
@@ -85,6 +86,7 @@ const HIGHER_ORDER: [(Shape, &[(i32, usize)]); 7] = [
     ),
 ];
 
+/// Codes and numbers of nodes of pyramids of higher order.
 const PYRAMIDS: [(i32, usize); 9] =
     [(14, 14), (118, 30), (119, 55), (120, 91), (121, 140), (122, 204), (123, 285), (124, 385), (19, 13)];
 

@@ -8,6 +8,7 @@ pub(super) enum NodeIndex {
     Sorted(Vec<(u64, u32)>),
 }
 
+/// No node has this tag.
 const NONE: u32 = u32::MAX;
 
 impl NodeIndex {

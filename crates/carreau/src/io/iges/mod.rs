@@ -38,6 +38,9 @@ use global::{ascii, global_fields, push_lines};
 use records::Writer;
 
 /// Appends the file's bytes.
+///
+/// # Errors
+/// [`Error::Options`] for options that make no sense, [`Error::Input`] for a model of more records than IGES can number.
 pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()> {
     options.check()?;
     let mut writer = Writer::default();
@@ -61,11 +64,14 @@ pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()>
     Ok(())
 }
 
+/// The version of carreau, for the header.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Sequence numbers have seven digits.
 const MAX_LINES: u32 = 9_999_999;
 
-/// Status numbers: blank, subordinate, use, hierarchy; two digits each.
+/// Status number of an entity that stands for itself; two digits each for blank, subordinate, use, hierarchy.
 const INDEPENDENT: &str = "00000000";
+/// Status number of an entity that belongs to another.
 const DEPENDENT: &str = "00010000";
+/// Status number of such a curve in the parameter plane.
 const PARAMETRIC: &str = "00010500";

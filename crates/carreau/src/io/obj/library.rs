@@ -20,7 +20,7 @@ use std::path::{Component, Path, PathBuf};
 /// The face column of materials.
 const MATERIAL: &str = "material";
 /// Bytes of the largest library that is read: it is text, a few hundred bytes a material.
-const LARGEST: u64 = 16 << 20;
+const LARGEST_LIBRARY: u64 = 16 << 20;
 
 /// The libraries that a statement `mtllib` names: one whose name has blanks, or several.
 pub fn read_beside(mesh: &Path, names: &str, notes: &mut Vec<String>) -> Vec<MaterialLibrary> {
@@ -54,11 +54,11 @@ fn load(mesh: &Path, name: &str) -> Option<Vec<u8>> {
     }
     let file = File::open(mesh.parent().unwrap_or(Path::new("")).join(name)).ok()?;
     let found = file.metadata().ok()?;
-    if !found.is_file() || found.len() > LARGEST {
+    if !found.is_file() || found.len() > LARGEST_LIBRARY {
         return None;
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST).read_to_end(&mut bytes).ok()?;
+    file.take(LARGEST_LIBRARY).read_to_end(&mut bytes).ok()?;
     Some(bytes)
 }
 

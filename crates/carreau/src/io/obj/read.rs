@@ -123,7 +123,7 @@ impl Largest {
         }
     }
 
-    /// The index, where there are not so many elements.
+    /// The index, if it is beyond the elements.
     fn beyond(&self, count: usize) -> Option<u32> {
         self.index.filter(|&i| i as usize >= count)
     }

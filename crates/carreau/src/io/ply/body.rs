@@ -41,7 +41,7 @@ pub trait Body {
     /// Where the file goes on, if it does.
     fn rest(&self) -> Option<String>;
 
-    /// Checks that so many values or rows can follow.
+    /// Checks that the rest of the file can hold a number of values or rows.
     #[inline]
     fn room_for(&self, count: u64, size: usize, what: impl Display) -> Result<usize> {
         if count <= (self.remaining() / size.max(1)) as u64 {

@@ -18,12 +18,19 @@ use super::body::{Table, Values};
 use crate::mesh::{Column, Columns};
 use std::collections::BTreeMap;
 
+/// Usual names of a normal's components.
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// Usual names of a colour's components.
 const COLOR: [&str; 4] = ["red", "green", "blue", "alpha"];
+/// Usual names of texture coordinates.
 const UV: [&str; 2] = ["s", "t"];
+/// Other names of texture coordinates.
 const OTHER_UV: [&str; 2] = ["texture_u", "texture_v"];
+/// Endings of the components of other vectors.
 const VECTOR_ENDINGS: [&str; 3] = ["_x", "_y", "_z"];
+/// Endings of the components of other pairs.
 const PAIR_ENDINGS: [&str; 2] = ["_u", "_v"];
+/// Endings of the components of other colours.
 const COLOR_ENDINGS: [&str; 4] = ["_red", "_green", "_blue", "_alpha"];
 
 /// The type of a property that is written.

@@ -127,7 +127,9 @@ impl Header {
                     };
                     return Ok((Header { encoding, elements, end }, scanner));
                 }
-                Some(other) => return Err(scanner.error(format!("'{}' is no line of a PLY header", shown(other)))),
+                Some(other) => {
+                    return Err(scanner.error(format!("'{}' is not a valid line of a PLY header", shown(other))));
+                }
             }
         }
         Err(scanner.error("the header has no line 'end_header': the file is cut off"))
@@ -139,7 +141,7 @@ fn read_encoding(scanner: &mut Scanner) -> Result<Encoding> {
         Some(b"ascii") => Ok(Encoding::Text),
         Some(b"binary_little_endian") => Ok(Encoding::LittleEndian),
         Some(b"binary_big_endian") => Ok(Encoding::BigEndian),
-        other => Err(scanner.error(format!("'{}' is no format of PLY", shown(other.unwrap_or_default())))),
+        other => Err(scanner.error(format!("'{}' is not a PLY format", shown(other.unwrap_or_default())))),
     }
 }
 
@@ -174,7 +176,7 @@ fn read_property(scanner: &mut Scanner, element: &Element) -> Result<Property> {
 
 fn read_type(scanner: &mut Scanner) -> Result<Type> {
     let word = scanner.word_on_line().unwrap_or_default();
-    Type::named(word).ok_or_else(|| scanner.error(format!("'{}' is no type of PLY", shown(word))))
+    Type::named(word).ok_or_else(|| scanner.error(format!("'{}' is not a PLY type", shown(word))))
 }
 
 fn read_name(scanner: &mut Scanner) -> Result<String> {

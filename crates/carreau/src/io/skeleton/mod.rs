@@ -78,7 +78,7 @@ pub fn write_skeleton(path: &Path, net: &CurveNet) -> Result<Vec<String>> {
 
 fn unknown(path: &Path) -> Error {
     let known = [SKELETON_EXTENSIONS, POLYLINE_EXTENSIONS].concat().join(", ");
-    Error::read(path, Place::File, format!("'.{}' is no skeleton format; known are: {known}", extension(path)))
+    Error::read(path, Place::File, format!("'.{}' is not a skeleton format; known are: {known}", extension(path)))
 }
 
 /// Line of a text file with its words.

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Column, CurveNet, NetBuilder, RawMesh};
 use std::path::Path;
 
+/// Names of point columns that hold radii, in lower case; the second one is VMTK's.
 const RADIUS_COLUMNS: [&str; 2] = ["radius", "maximuminscribedsphereradius"];
 
 pub(super) fn read(path: &Path) -> Result<CurveNet> {

@@ -29,7 +29,7 @@ pub(super) fn read(source: &Source) -> Result<CurveNet> {
 /// Parents are found from the first node of every component on.
 pub(super) fn write(net: &CurveNet, out: &mut Vec<u8>) -> Result<()> {
     if net.cycles().iter().any(|&c| c > 0) {
-        return Err(Error::input("SWC holds trees, this net has cycles", "", "write .cgr instead"));
+        return Err(Error::input("SWC holds only trees, but this skeleton has cycles", "", "write .cgr instead"));
     }
     let around = net.incidence();
     let mut parent = vec![None; net.points.len()];

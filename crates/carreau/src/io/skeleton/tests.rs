@@ -51,7 +51,7 @@ fn what_no_skeleton_can_mean_is_refused() {
         ("word.cgr", format!("{head}v 2 0 x\ne 0 1"), 5, "line 3: a number is expected, found 'x'"),
         ("short.cgr", format!("{head}v 2 0\ne 0 1"), 5, "line 3: a node needs 4 fields, there are 3"),
         ("letter.cgr", format!("{head}f 0 1 2"), 5, "'v' or 'e' is expected, found 'f'"),
-        ("twice.swc", "1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n2 0 2 0 0 1 1".into(), 3, "the id 2 is there twice, on line 2"),
+        ("twice.swc", "1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n2 0 2 0 0 1 1".into(), 3, "id 2 is used twice, first on line 2"),
         ("orphan.swc", "1 0 0 0 0 1 -1\n2 0 1 0 0 1 7".into(), 3, "no node 7"),
         ("fields.swc", "1 0 0 0 0 1".into(), 5, "needs 7 fields"),
         ("head.skel", "ID".into(), 5, "the number of nodes"),
@@ -67,7 +67,7 @@ fn what_no_skeleton_can_mean_is_refused() {
 fn what_can_be_mended_is_noted() {
     for (name, text, says) in [
         ("count.cgr", "# D:3 NV:3 NE: 1\nv 0 0 0 1\nv 1 0 0 1\ne 0 1", "the header says NV:3, the file has 2"),
-        ("double.cgr", "v 0 0 0 1\nv 1 0 0 1\ne 0 1\ne 1 0", "1 edges are there twice"),
+        ("double.cgr", "v 0 0 0 1\nv 1 0 0 1\ne 0 1\ne 1 0", "1 edges are listed twice"),
         ("one.cg", "v 0 0 0\nv 1 0 0\nv 2 0 0\ne 1 2\ne 2 3", "count nodes from 1"),
         ("gaps.skel", "ID\n2\n0 0 0 0 1 1 7\n7 1 0 0 1 1 0", "ids have gaps: 2 nodes from 0 to 7"),
         ("one.skel", "ID\n2\n0 0 0 0 1 1 1\n1 1 0 0 1 0", "0 lists 1, but 1 does not list 0"),

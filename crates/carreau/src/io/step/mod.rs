@@ -26,6 +26,9 @@ use crate::error::Result;
 use rustc_hash::FxHashMap;
 
 /// Appends the file's bytes.
+///
+/// # Errors
+/// [`Error::Options`](crate::Error::Options) for options that make no sense.
 pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()> {
     options.check()?;
     let mut writer = Writer { out, last: 0, points: FxHashMap::default(), points_2d: FxHashMap::default() };

@@ -10,11 +10,11 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Bytes that a part may unpack to for each of the file's: text of coordinates shrinks to a fourth, of repeated ones to a
 /// thirtieth. What expands beyond is meant to exhaust the memory.
-const EXPANSION: u64 = 200;
+const PART_EXPANSION: u64 = 200;
 /// Bytes that any file may unpack to.
 const ALWAYS: u64 = 1 << 20;
 /// Bytes that no part may exceed.
-const LARGEST: u64 = 4 << 30;
+const LARGEST_PART: u64 = 4 << 30;
 /// Where the model is unless a relationship says otherwise.
 const MODEL: &str = "3D/3dmodel.model";
 /// The end of the type of the relationship that names the model.
@@ -31,10 +31,10 @@ pub struct Package<'a> {
 impl<'a> Package<'a> {
     pub fn open(source: &'a Source<'a>) -> Result<Self> {
         let wrong = |e: zip::result::ZipError| {
-            source.error(Place::File, format!("this is no 3MF package (a ZIP archive): {e}"))
+            source.error(Place::File, format!("this is not a 3MF package (a ZIP archive): {e}"))
         };
         let archive = ZipArchive::new(Cursor::new(source.bytes)).map_err(wrong)?;
-        let left = (source.bytes.len() as u64).saturating_mul(EXPANSION).clamp(ALWAYS, LARGEST);
+        let left = (source.bytes.len() as u64).saturating_mul(PART_EXPANSION).clamp(ALWAYS, LARGEST_PART);
         Ok(Package { source, archive, left })
     }
 
@@ -56,7 +56,7 @@ impl<'a> Package<'a> {
             return Err(self.error(name, "it unpacks to more than a model of this size can have"));
         }
         self.left -= bytes.len() as u64;
-        String::from_utf8(bytes).map_err(|_| self.error(name, "it is no UTF-8 text"))
+        String::from_utf8(bytes).map_err(|_| self.error(name, "it is not UTF-8 text"))
     }
 
     /// The name of the part with the model.
@@ -77,12 +77,14 @@ pub fn parsed(text: &str) -> std::result::Result<Document<'_>, roxmltree::Error>
     Document::parse_with_options(text, ParsingOptions { allow_dtd: false, ..ParsingOptions::default() })
 }
 
+/// The part that names the kinds of the others.
 const TYPES: &str = concat!(
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",
     "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">",
     "<Default Extension=\"rels\" ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/>",
     "<Default Extension=\"model\" ContentType=\"application/vnd.ms-package.3dmanufacturing-3dmodel+xml\"/></Types>\n"
 );
+/// The part that points to the model.
 const RELATIONSHIPS: &str = concat!(
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",
     "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">",

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// How deep components may be nested.
 const DEEPEST: usize = 32;
 /// Vertices and corners for each byte of the file: a file may use one object many times.
-const EXPANSION: usize = 64;
+const USE_EXPANSION: usize = 64;
 
 pub fn read(source: &Source) -> Result<RawMesh> {
     let mut package = Package::open(source)?;
@@ -84,7 +84,7 @@ impl<'a> Builder<'a> {
         let text = self.package.part(part)?;
         let document = parsed(&text).map_err(|e| {
             let what = e.to_string().replace(char::is_control, "?");
-            self.error(format!("part '{}' is no well-formed XML: {what}", shown(part.as_bytes())))
+            self.error(format!("part '{}' is not well-formed XML: {what}", shown(part.as_bytes())))
         })?;
         let mut model = Model::of(self.source, part, &document)?;
         self.unread += model.unread_groups;
@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
     }
 
     fn check_size(&self) -> Result<()> {
-        let most = self.source.bytes.len().saturating_mul(EXPANSION).min(u32::MAX as usize / 3);
+        let most = self.source.bytes.len().saturating_mul(USE_EXPANSION).min(u32::MAX as usize / 3);
         if self.size <= most {
             return Ok(());
         }

@@ -12,9 +12,11 @@ use crate::mesh::{BODIES, Column, LengthUnit, RawMesh};
 use crate::words::counted;
 use std::collections::BTreeMap;
 
-const FORMAT: &str = "3MF";
+/// The name of the format in warnings.
+const FORMAT_3MF: &str = "3MF";
 /// Number of the group of materials or colours.
 const GROUP: u32 = 1;
+/// What a model part begins with, up to its unit.
 const HEAD: &str = concat!(
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n",
     "<model xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" ",
@@ -22,7 +24,7 @@ const HEAD: &str = concat!(
 );
 
 pub fn write(mesh: &RawMesh, _: &WriteOptions, out: &mut Vec<u8>) -> Result<Vec<String>> {
-    require_surface(mesh, FORMAT)?;
+    require_surface(mesh, FORMAT_3MF)?;
     let mut warnings = Vec::new();
     let looks = Looks::of(mesh);
     let (triangles, parents) = mesh.faces.fan();
@@ -224,13 +226,13 @@ impl Part<'_> {
 fn left_out(mesh: &RawMesh, looks: &Looks, body: Option<&str>) -> Vec<String> {
     let a = &mesh.attributes;
     let held = |on: On, name: &str| looks.column.is_some_and(|(column, of)| column == name && of == on);
-    let vertex = columns_left_out(FORMAT, "vertex", &a.vertex, |name, _| held(On::Vertex, name));
-    let face = columns_left_out(FORMAT, "face", &a.face, |name, _| held(On::Face, name) || Some(name) == body);
-    let corner = columns_left_out(FORMAT, "corner", &a.corner, |name, _| held(On::Corner, name));
+    let vertex = columns_left_out(FORMAT_3MF, "vertex", &a.vertex, |name, _| held(On::Vertex, name));
+    let face = columns_left_out(FORMAT_3MF, "face", &a.face, |name, _| held(On::Face, name) || Some(name) == body);
+    let corner = columns_left_out(FORMAT_3MF, "corner", &a.corner, |name, _| held(On::Corner, name));
     let named = |column: &str| column == "material" || Some(column) == body;
-    let words = words_left_out(FORMAT, mesh, named, |column| column == "material");
+    let words = words_left_out(FORMAT_3MF, mesh, named, |column| column == "material");
     let library = a.libraries.iter().any(|library| !library.bytes.is_empty());
     let library =
         library.then(|| "3MF: of materials, name and colour are kept; textures and further values are left out".into());
-    [vertex, face, corner, edges_left_out(FORMAT, mesh), library].into_iter().flatten().chain(words).collect()
+    [vertex, face, corner, edges_left_out(FORMAT_3MF, mesh), library].into_iter().flatten().chain(words).collect()
 }

@@ -137,7 +137,7 @@ impl<'a> Walker<'a> {
         for _ in 0..n {
             let word = self.text.expect_word("a number")?;
             if values.push_word(word).is_none() {
-                return Err(self.text.error(format!("'{}' is no number of the announced type", shown(word))));
+                return Err(self.text.error(format!("'{}' is not a number of the announced type", shown(word))));
             }
         }
         Ok(values)
@@ -233,8 +233,8 @@ impl<'a> Walker<'a> {
             self.values(&head, length, of_type)
         };
         let (offsets, corners) = (part(n, "OFFSETS")?, part(size, "CONNECTIVITY")?);
-        let offsets: Vec<usize> = offsets.indices().ok_or_else(|| self.error(line, "an offset is no count"))?;
-        let corners = corners.indices().ok_or_else(|| self.error(line, "a corner is no index"))?;
+        let offsets: Vec<usize> = offsets.indices().ok_or_else(|| self.error(line, "an offset is not a count"))?;
+        let corners = corners.indices().ok_or_else(|| self.error(line, "a corner is not an index"))?;
         match offsets.split_first() {
             None => Ok(Block { ends: Vec::new(), corners, place: line.place }),
             Some((0, ends)) => Ok(Block { ends: ends.to_vec(), corners, place: line.place }),

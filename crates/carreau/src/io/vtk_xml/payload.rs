@@ -15,15 +15,15 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose};
 use std::borrow::Cow;
 use std::io::Read;
 
-/// All arrays of a file together may expand to so many bytes for each byte of the file: the most that zlib can reach.
-const EXPANSION: usize = 1100;
+/// Most bytes that all arrays of a file may expand to, for each byte of the file: the most that zlib can reach.
+const ZLIB_EXPANSION: usize = 1100;
 /// Memory that an lzma decoder may ask for, in KiB: enough for the dictionary of its highest preset.
 const LZMA_MEMORY_KIB: u32 = 80 << 10;
 /// First bytes of an lzma stream in the xz container.
 const XZ: &[u8] = b"\xfd7zXZ\0";
 
 /// Unpadded base64 is accepted, and bits behind the last byte are ignored.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
+const LENIENT_BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)
@@ -70,7 +70,7 @@ pub struct Payloads<'a> {
 impl<'a> Payloads<'a> {
     /// `file_size` bounds what the arrays may expand to.
     pub fn new(encoding: Encoding, appended: Appended<'a>, file_size: usize) -> Self {
-        Payloads { encoding, appended, budget: file_size.saturating_mul(EXPANSION) }
+        Payloads { encoding, appended, budget: file_size.saturating_mul(ZLIB_EXPANSION) }
     }
 
     /// The data of an inline array.
@@ -106,7 +106,7 @@ impl<'a> Payloads<'a> {
         let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
         for stream in text.split_inclusive(|&b| b == b'=').filter(|stream| *stream != b"=") {
             let digits = stream.strip_suffix(b"=").unwrap_or(stream);
-            BASE64.decode_vec(digits, &mut bytes).map_err(|e| format!("no valid base64: {e}"))?;
+            LENIENT_BASE64.decode_vec(digits, &mut bytes).map_err(|e| format!("no valid base64: {e}"))?;
         }
         Ok(bytes)
     }

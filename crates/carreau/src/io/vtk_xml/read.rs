@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts of polydata in the order of their cell data, and the attribute with the number of their cells.
-const POLYDATA: [(&str, &str, u8); 4] = [
+const POLYDATA_PARTS: [(&str, &str, u8); 4] = [
     ("Verts", "NumberOfVerts", kind::POLY_VERTEX),
     ("Lines", "NumberOfLines", kind::POLY_LINE),
     ("Polys", "NumberOfPolys", kind::POLYGON),
@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
             let shift = points.len();
             self.points(piece, &mut points)?;
             if self.polydata {
-                for (name, count, kind) in POLYDATA {
+                for (name, count, kind) in POLYDATA_PARTS {
                     if let Some(part) = element(piece, name) {
                         self.cells(piece, part, Some(kind), count, (shift, points.len() - shift), &mut cells)?;
                     }
@@ -142,7 +142,7 @@ impl<'a> Reader<'a> {
             let coordinates = self.values(node)?.into_floats();
             let (found, rest) = coordinates.as_chunks();
             if !rest.is_empty() {
-                return Err(self.error(node, format!("{} coordinates are no multiple of 3", coordinates.len())));
+                return Err(self.error(node, format!("{} coordinates are not a multiple of 3", coordinates.len())));
             }
             points.extend(found.iter().map(|&p| DVec3::from_array(p)));
         }
@@ -227,7 +227,7 @@ impl<'a> Reader<'a> {
 
     fn width(&self, node: Node) -> Result<usize> {
         let width = node.attribute("NumberOfComponents").map_or(Some(1), |n| n.trim().parse().ok());
-        width.filter(|&n| n > 0).ok_or_else(|| self.error(node, "NumberOfComponents is no positive number"))
+        width.filter(|&n| n > 0).ok_or_else(|| self.error(node, "NumberOfComponents is not a positive number"))
     }
 
     /// The numbers of a data array.
@@ -247,7 +247,7 @@ impl<'a> Reader<'a> {
         };
         let bytes = bytes.map_err(|what| self.error(node, what))?;
         if !bytes.len().is_multiple_of(of_type.size()) {
-            return Err(self.error(node, format!("{} bytes are no whole number of values", bytes.len())));
+            return Err(self.error(node, format!("{} bytes are not a whole number of values", bytes.len())));
         }
         Ok(of_type.decode(&bytes, self.payloads.encoding.endian))
     }
@@ -256,7 +256,7 @@ impl<'a> Reader<'a> {
         let mut values = of_type.empty();
         for word in text(node).split_ascii_whitespace() {
             if values.push_word(word.as_bytes()).is_none() {
-                let what = format!("'{}' is no number of the announced type", shown(word.as_bytes()));
+                let what = format!("'{}' is not a number of the announced type", shown(word.as_bytes()));
                 return Err(self.error(node, what));
             }
         }

@@ -19,6 +19,10 @@ pub struct NetBuilder {
 
 impl NetBuilder {
     /// Adds a node; `line` is where the file has it. A missing radius is no error here.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a coordinate or radius that is not finite, a negative radius, or an id
+    /// that is used twice.
     pub fn node(&mut self, id: i64, point: DVec3, radius: Option<f64>, line: u64) -> Result<()> {
         let place = || format!("line {line}, node {id}");
         if !point.is_finite() || radius.is_some_and(|r| !r.is_finite()) {
@@ -28,15 +32,15 @@ impl NetBuilder {
             return Err(Error::input(
                 format!("the radius is negative: {r}"),
                 place(),
-                "give a positive radius, or none",
+                "give a positive radius, or leave it out",
             ));
         }
         if let Some(&first) = self.at.get(&id) {
             let first = self.lines[first as usize];
-            return Err(Error::input(format!("the id {id} is there twice, on line {first} too"), place(), "renumber"));
+            return Err(Error::input(format!("id {id} is used twice, first on line {first}"), place(), "renumber"));
         }
         if self.net.points.len() >= u32::MAX as usize {
-            return Err(Error::input("the net has too many nodes", place(), ""));
+            return Err(Error::input("the skeleton has too many nodes", place(), ""));
         }
         self.at.insert(id, self.net.points.len() as u32);
         self.net.points.push(point);
@@ -62,11 +66,15 @@ impl NetBuilder {
     }
 
     /// The net.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for an empty skeleton, an edge to a node that does not exist, or of a node
+    /// with itself.
     pub fn finish(mut self) -> Result<CurveNet> {
         for &([a, b], line) in &self.links {
             let place = || format!("line {line}, edge {a}-{b}");
             if a == b {
-                return Err(Error::input("an edge joins a node with itself", place(), "remove it"));
+                return Err(Error::input("an edge joins a node with itself", place(), "remove the edge"));
             }
             match (self.at.get(&a), self.at.get(&b)) {
                 (Some(&a), Some(&b)) => self.net.edges.push([a, b]),
@@ -87,7 +95,7 @@ impl NetBuilder {
         }
         let twice = self.net.drop_multiple_edges();
         if twice > 0 {
-            self.net.notes.push(format!("{twice} edges are there twice: one of each was kept"));
+            self.net.notes.push(format!("{twice} edges are listed twice: one of each was kept"));
         }
         Ok(self.net)
     }

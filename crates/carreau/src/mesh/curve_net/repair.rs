@@ -29,7 +29,11 @@ impl CurveNet {
         net.merge_coincident(&mut warnings);
         net.drop_isolated(&mut warnings);
         if net.edges.is_empty() {
-            return Err(Error::input("no edge of the skeleton has a length", "", "give nodes at different places"));
+            return Err(Error::input(
+                "all segments of the skeleton have zero length",
+                "",
+                "give nodes at different places",
+            ));
         }
         match radius {
             Some(r) => net.radii.fill(r),
@@ -55,12 +59,12 @@ impl CurveNet {
         self.edges.iter_mut().for_each(|e| *e = e.map(|v| leader[v as usize]));
         let gone = self.drop_multiple_edges() - no_length;
         warnings.push(format!(
-            "{} nodes lie at the place of another and were merged, first {}; {no_length} edges had no length",
+            "{} nodes were merged with another at the same place, first {}; {no_length} edges had no length",
             merged.len(),
             self.ids[example]
         ));
         if gone > 0 {
-            warnings.push(format!("{gone} edges join the same places as others and were dropped"));
+            warnings.push(format!("{gone} edges were dropped, because they join the same places as others"));
         }
         let keep: Vec<bool> = leader.iter().zip(0..).map(|(&l, v)| l == v).collect();
         self.retain_nodes(&keep);

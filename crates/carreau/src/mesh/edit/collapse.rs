@@ -47,6 +47,9 @@ impl EditMesh {
     }
 
     /// Whether the topology stays when this edge is collapsed: the link condition. Geometry is not looked at.
+    ///
+    /// # Errors
+    /// The reason why the edge may not be collapsed.
     pub fn check_collapse(&self, h: u32) -> Result<(), CollapseError> {
         let (a, b, o) = (self.vertex(h), self.head(h), self.opposite(h));
         if o != NONE && self.is_border(a) && self.is_border(b) {

@@ -43,6 +43,7 @@ pub struct Corner {
     pub wedge: u32,
 }
 
+/// A corner of a removed triangle.
 const REMOVED: Corner = Corner { vertex: NONE, opposite: NONE, curve: NONE, wedge: NONE };
 
 /// A triangle mesh that can be changed; see the module's head.
@@ -275,9 +276,9 @@ impl EditMesh {
 
     /// The half-edges that leave a vertex, counter-clockwise; on a border the first has no opposite.
     #[inline]
-    pub fn around(&self, v: u32) -> Around<'_> {
+    pub fn around(&self, v: u32) -> OutgoingHalfEdges<'_> {
         let first = self.start[v as usize];
-        Around { mesh: self, first, at: first }
+        OutgoingHalfEdges { mesh: self, first, at: first }
     }
 
     /// Every neighbour of a vertex, counter-clockwise.
@@ -375,13 +376,13 @@ pub struct Compact {
 
 /// Half-edges that leave a vertex; see [`EditMesh::around`].
 #[derive(Clone)]
-pub struct Around<'a> {
+pub struct OutgoingHalfEdges<'a> {
     mesh: &'a EditMesh,
     first: u32,
     at: u32,
 }
 
-impl Iterator for Around<'_> {
+impl Iterator for OutgoingHalfEdges<'_> {
     type Item = u32;
 
     #[inline]

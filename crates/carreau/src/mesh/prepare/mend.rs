@@ -14,8 +14,8 @@ use super::{body_labels, doubles};
 use crate::context::Context;
 use crate::error::Result;
 
-/// Rounds of senses and sheets at most: two settle all but surfaces that fold onto themselves many times.
-const ROUNDS: usize = 16;
+/// Rounds of senses and sheets at most: two agree_and_separate all but surfaces that fold onto themselves many times.
+const MENDING_ROUNDS: usize = 16;
 
 /// Which steps are taken.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +77,7 @@ pub(in crate::mesh) fn mend(
     if steps.doubles {
         work.drop_doubles(context)?;
     }
-    let paired = work.settle(context)?;
+    let paired = work.agree_and_separate(context)?;
     let Work { mut soup, sheet, turned, doubles, .. } = work;
     let copies = if steps.sheets { separate(&mut soup, mesh, &sheet) } else { 0 };
     context.check()?;
@@ -136,8 +136,8 @@ impl<'a> Work<'a> {
     }
 
     /// Looks for senses and sheets in turn. Returns the edges whose sheets come apart, by vertices of the file.
-    fn settle(&mut self, context: &Context) -> Result<Vec<[u32; 2]>> {
-        for _ in 0..ROUNDS {
+    fn agree_and_separate(&mut self, context: &Context) -> Result<Vec<[u32; 2]>> {
+        for _ in 0..MENDING_ROUNDS {
             context.check()?;
             self.agree();
             if !self.steps.sheets {

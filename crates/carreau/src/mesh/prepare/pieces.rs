@@ -1,4 +1,4 @@
-//! Which bodies stay: all of them, the largest, or those of some size.
+//! Chooses the bodies that are kept: all of them, the largest, or those of some size.
 
 use super::super::attributes::{Attributes, gather_columns};
 use super::super::id::VertexId;

@@ -1,4 +1,4 @@
-//! What the preparation did, in numbers, places and one line.
+//! The report of the preparation: numbers, places, and one line of text.
 
 use super::super::repair::Soup;
 use super::super::surface::SurfaceMesh;

@@ -1,4 +1,4 @@
-//! Whether there is anything to prepare: in one pass over what the mesh knows already.
+//! Decides in one pass whether there is anything to prepare.
 
 use super::super::connectivity::{Connectivity, faces_with_repeats, umbrellas};
 use super::super::disjoint_sets::DisjointSets;

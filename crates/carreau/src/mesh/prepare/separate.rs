@@ -1,4 +1,4 @@
-//! Every sheet of a vertex gets a vertex of its own: that of the file, where it had one.
+//! Gives every sheet at a vertex a vertex of its own: that of the file, if it had one.
 
 use super::super::connectivity::copies_of_edge;
 use super::super::half_edges::HalfEdges;

@@ -31,11 +31,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Below this mean ratio a triangle is flat (1: equilateral).
-const FLAT: f64 = 1e-4;
+const FLAT_RATIO: f64 = 1e-4;
 /// A needle has an edge shorter than this share of its longest.
 const NEEDLE: f64 = 1e-3;
 /// Rounds of flips and collapses; a long row of caps takes one round each in the worst order.
-const ROUNDS: usize = 64;
+const FLAT_ROUNDS: usize = 64;
 
 /// What was done about degenerate faces.
 #[derive(Default)]
@@ -49,7 +49,7 @@ pub struct Removed {
 /// Removes faces without area.
 pub fn remove(soup: &mut Soup, diagonal: f64, context: &Context) -> Result<Removed> {
     let mut done = Removed { collapsed_faces: remove_repeats(soup), ..Removed::default() };
-    for _ in 0..ROUNDS {
+    for _ in 0..FLAT_ROUNDS {
         context.check()?;
         let flat = flat_faces(soup, diagonal);
         if flat.is_empty() {
@@ -117,7 +117,8 @@ fn is_flat(p: [DVec3; 3], diagonal: f64) -> bool {
     let [a, b, c] = p.map(|q| (q - p[0]) / longest);
     let area = triangle_area_vector(a, b, c).length();
     let squares: f64 = l.iter().map(|x| (x / longest) * (x / longest)).sum();
-    area * (longest / diagonal) * (longest / diagonal) <= DEGENERATE_AREA && 4.0 * 3f64.sqrt() * area / squares < FLAT
+    area * (longest / diagonal) * (longest / diagonal) <= DEGENERATE_AREA
+        && 4.0 * 3f64.sqrt() * area / squares < FLAT_RATIO
 }
 
 /// Lengths of the edges that leave each corner.

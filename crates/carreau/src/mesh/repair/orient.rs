@@ -1,4 +1,4 @@
-//! Closed components look outward, cavities inward.
+//! Turns closed components outward and cavities inward.
 
 use super::soup::Soup;
 use crate::mesh::connectivity::Connectivity;

@@ -1,4 +1,4 @@
-//! Triangles that methods can rely on: repaired only where that is needed.
+//! Repairs triangles only where methods could not rely on them.
 
 use super::{RepairOptions, repair};
 use crate::context::Context;
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{CornerId, NONE, Side, SurfaceMesh, Triangles, area_vector, safe_length};
 
 /// Faces with less area, relative to the squared diagonal, count as flat.
-const FLAT: f64 = 1e-14;
+const FLAT_AREA: f64 = 1e-14;
 
 /// A triangulated mesh (without attributes, if it had polygons) without flat or repeated faces, consistently oriented, cut
 /// into sheets where it is not manifold; and a sentence for everything that was done. A sound mesh is only triangulated.
@@ -36,7 +36,7 @@ pub fn divided(mesh: &SurfaceMesh) -> Result<SurfaceMesh> {
 }
 
 fn needs_repair(mesh: &SurfaceMesh) -> bool {
-    is_flawed(mesh, FLAT) || !is_umbrella(mesh)
+    is_flawed(mesh, FLAT_AREA) || !is_umbrella(mesh)
 }
 
 /// Whether a mesh has faces of no more area than this share of the squared diagonal, edges that are not manifold or

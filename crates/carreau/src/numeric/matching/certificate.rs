@@ -32,8 +32,11 @@ pub const NO_BLOSSOM: u32 = u32::MAX;
 
 /// Checks that a matching is one, that its cost is stated correctly, and that its certificate proves it optimal.
 ///
-/// Takes linear time, but for a logarithm where blossoms are nested. Fails with [`Error::Bug`]; with [`Error::Input`] or
-/// [`Error::Options`] for a graph that [`minimum_cost_matching`](super::minimum_cost_matching) would not have taken.
+/// Takes linear time, but for a logarithm where blossoms are nested.
+///
+/// # Errors
+/// [`Error::Bug`] if the matching is not proven to be optimal, [`Error::Input`] or [`Error::Options`] for a graph that
+/// [`minimum_cost_matching`](super::minimum_cost_matching) would not have taken.
 pub fn certify(edges: &[Edge], unmatched: &[i64], matching: &Matching) -> Result<()> {
     check_input(edges, unmatched)?;
     check(edges, unmatched, matching).map_err(|what| Error::Bug(format!("minimum-cost matching: {what}")))

@@ -26,7 +26,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use family::{Family, Set};
 use graph::{Graph, NONE};
-use search::Search;
+use search::TreeSearch;
 
 /// An edge between two different nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,10 +92,10 @@ const PATIENCE: usize = 4;
 /// pairs come first. Where many nodes have to be left, though, the duals that the first of them leaves behind help all
 /// others to give up soon. So if a round did not settle half of the nodes, the next one doubles the limit as soon as
 /// too much work has gone into trees that were cut off.
-fn solve<'a>(graph: &'a Graph<'a>, first_limit: usize, context: &Context) -> Result<Search<'a>> {
+fn solve<'a>(graph: &'a Graph<'a>, first_limit: usize, context: &Context) -> Result<TreeSearch<'a>> {
     let (radii, mates) = start::greedy(graph);
     let mut left: Vec<u32> = (0..).zip(&mates).filter(|&(_, &mate)| mate == NONE).map(|(v, _)| v).collect();
-    let mut search = Search::new(graph, Family::new(&radii, &mates));
+    let mut search = TreeSearch::new(graph, Family::new(&radii, &mates));
     let mut limit = first_limit;
     let mut patience = usize::MAX;
     while !left.is_empty() {

@@ -48,7 +48,7 @@ pub(super) struct Counts {
 }
 
 /// The matching found so far and the tree that grows in it.
-pub(super) struct Search<'a> {
+pub(super) struct TreeSearch<'a> {
     graph: &'a Graph<'a>,
     pub(super) family: Family,
     pub(super) counts: Counts,
@@ -69,9 +69,9 @@ pub(super) struct Search<'a> {
     sets: Vec<u32>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> TreeSearch<'a> {
     pub(super) fn new(graph: &'a Graph<'a>, family: Family) -> Self {
-        Search {
+        TreeSearch {
             graph,
             family,
             counts: Counts::default(),

@@ -12,6 +12,7 @@
 //! ```
 
 use super::piece::Piece;
+use crate::mesh::NONE;
 
 /// All chains, and how the borders of the pieces are composed of them.
 pub struct Chains {
@@ -34,8 +35,6 @@ pub struct ChainUse {
     /// Where in the outline the use begins.
     pub start: u32,
 }
-
-const NONE: u32 = u32::MAX;
 
 /// One side of a mesh edge on the border of a piece.
 struct Segments {

@@ -20,10 +20,10 @@ use glam::DVec3;
 
 /// Largest angle inside a face by which it may bend from cell to cell, by its cosine (half a degree). The rule of
 /// [`weigh`] is checked besides.
-const BEND: f64 = 0.999_962;
+const CELL_BEND: f64 = 0.999_962;
 
 /// Cells of a bicubic face meet at less than this, by the cosine (30°).
-const CREASE: f64 = 0.866;
+const CELL_CREASE: f64 = 0.866;
 
 /// Cuts a patch into blocks of curved cells of one kind that do not bend and that weigh right; `kind` says `None` of cells
 /// that are no part of any.
@@ -34,7 +34,7 @@ pub fn divide(scene: &Scene, patch: u32, kind: &dyn Fn(u32, u32) -> Option<u32>)
     while let Some(block) = open.pop() {
         let [m, n] = block.size;
         let kind = |r: u32, c: u32| kind(block.from[0] + r, block.from[1] + c);
-        let bends = |axis: usize, at: u32, along: u32| bends(scene, &block, [axis as u32, at, along], BEND);
+        let bends = |axis: usize, at: u32, along: u32| bends(scene, &block, [axis as u32, at, along], CELL_BEND);
         let bad = |axis: usize, at: u32| {
             (0..block.size[1 - axis]).any(|along| {
                 let [before, behind] = [at - 1, at].map(|k| if axis == 0 { kind(k, along) } else { kind(along, k) });
@@ -101,7 +101,7 @@ fn bends(scene: &Scene, block: &Block, [axis, at, along]: [u32; 3], least: f64) 
 pub fn is_creased(scene: &Scene, block: &Block) -> bool {
     let lines = (0..2).flat_map(|axis| (1..block.size[axis]).map(move |at| (axis, at)));
     let mut edges = lines.flat_map(|(axis, at)| (0..block.size[1 - axis]).map(move |along| [axis as u32, at, along]));
-    edges.any(|edge| bends(scene, block, edge, CREASE))
+    edges.any(|edge| bends(scene, block, edge, CELL_CREASE))
 }
 
 fn weighs_right(scene: &Scene, block: Block) -> Result<bool> {

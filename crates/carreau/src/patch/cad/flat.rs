@@ -11,14 +11,14 @@ use glam::DVec3;
 /// How far vertices may be off a plane, as a share of the mean edge: between facets of a curved surface the angle is larger.
 const FLAT_SHARE: f64 = 1e-4;
 /// The same as a share of the diagonal: readers find the borders of faces again within this.
-const MOST: f64 = 1e-6;
+const FARTHEST_SHARE: f64 = 1e-6;
 /// The same as a share of volume through area of a closed surface: planes that all err to one side change the volume by this share.
 const THIN: f64 = 1e-5;
 /// Coordinates of single precision are exact to this share of the largest one.
 const SINGLE: f64 = 2.4e-7;
 /// Largest angle between the normals of a triangle and its region, by its cosine (20°), unless rounding explains it.
 const TURN: f64 = 0.94;
-/// A region is a lid beside another one if it is so many times as wide.
+/// Width over that of a neighbour from which on a region is a lid beside it.
 const LID: f64 = 2.0;
 
 /// Which triangles lie in a plane with neighbours.
@@ -164,7 +164,7 @@ impl Grower<'_> {
         plane.normal()
     }
 
-    /// Whether a triangle lies in the plane, within so many times the flatness.
+    /// Whether a triangle lies in the plane, within a multiple of the flatness.
     fn joins(&self, from: u32, t: u32, plane: &Plane, slack: f64) -> bool {
         if self.labels.get(from as usize) != self.labels.get(t as usize) {
             return false;
@@ -197,7 +197,10 @@ fn flatness(mesh: &SurfaceMesh) -> f64 {
         }
     }
     let mean = if count > 0.0 { sum / count } else { 0.0 };
-    (FLAT_SHARE * mean).min(THIN * thickness(mesh)).max(SINGLE * largest).clamp(1e-9 * diagonal, MOST * diagonal)
+    (FLAT_SHARE * mean)
+        .min(THIN * thickness(mesh))
+        .max(SINGLE * largest)
+        .clamp(1e-9 * diagonal, FARTHEST_SHARE * diagonal)
 }
 
 /// Volume through area of a closed surface, without limit for an open one.

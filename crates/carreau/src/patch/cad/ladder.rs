@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
 /// Diagonals of cells sharper than this stay edges, by the cosine (30°).
-const CREASE: f64 = 0.866;
+const DIAGONAL_CREASE: f64 = 0.866;
 /// Most times that all is put together; what still changes then falls.
 const ROUNDS: usize = 12;
 
@@ -131,7 +131,7 @@ pub fn build(
         }
         candidates.retain(|(_, smooth)| smooth.is_some());
     }
-    Err(Error::Bug("the faces of a model were never settled".into()))
+    Err(Error::Bug("the faces of a model were never decided".into()))
 }
 
 /// What every cell is; triangles of curved cells leave their flat regions.
@@ -145,7 +145,7 @@ fn cells(scene: &Scene, flats: &mut Flats, labels: &Labels) -> Vec<Vec<Cell>> {
         let (x, y) = (vector(w[0]), vector(w[1]));
         match () {
             () if a != NONE && a == b => Cell::Flat,
-            () if x.dot(y) < CREASE * x.length() * y.length() => Cell::Split,
+            () if x.dot(y) < DIAGONAL_CREASE * x.length() * y.length() => Cell::Split,
             () if labels.kind(w[0].index()) != labels.kind(w[1].index()) => Cell::Split,
             () => Cell::Curved,
         }

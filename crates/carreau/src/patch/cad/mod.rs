@@ -78,7 +78,7 @@ pub enum Fit {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BrepOptions {
-    /// What the faces of patches are to be.
+    /// What kind of surface each patch becomes.
     pub fit: Fit,
     /// Largest distance of a vertex from a bicubic surface.
     pub tolerance: Length,
@@ -118,11 +118,11 @@ pub struct Faces {
 pub struct CadModel {
     /// The model; `brep.faces.len()` is the number of faces of the file.
     pub brep: Brep,
-    /// How many faces are what.
+    /// Number of faces by kind.
     pub faces: Faces,
     /// Relative errors of area and volume when they are integrated by the default rule of OpenCASCADE.
     pub mass_error: [f64; 2],
-    /// What a user should know: stray voids, degenerate triangles.
+    /// Warnings for the user, one sentence each: stray voids, degenerate triangles.
     pub warnings: Vec<String>,
 }
 
@@ -149,7 +149,12 @@ struct PieceSurface {
 ///
 /// Patches that touch themselves (closed strips, tori, slits) become several faces, so there may be more faces than
 /// patches. Edges with more than two faces, or with two that are oriented differently, are not shared: their shells are
-/// open. Fails with [`crate::Error::Input`] where patches and leftovers do not fit the mesh.
+/// open.
+///
+/// # Errors
+/// [`Error::Input`](crate::Error::Input) if patches and leftovers do not fit the mesh,
+/// [`Error::Options`](crate::Error::Options) for a tolerance that is no length,
+/// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn to_brep(
     mesh: &SurfaceMesh,
     patches: &[Patch],
@@ -180,6 +185,9 @@ pub fn to_brep(
 
 /// Edges of a mesh at which patches for a CAD file ought to end, besides sharp ones: the borders of flat regions that are
 /// wide against what lies beside them, and between faces of different bodies, groups, materials or colours.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn borders(mesh: &SurfaceMesh, ctx: &Context) -> Result<Vec<[VertexId; 2]>> {
     let labels = Labels::new(mesh);
     Ok(Flats::new(mesh, &labels.of, ctx)?.borders(mesh, &labels.of))

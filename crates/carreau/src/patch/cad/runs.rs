@@ -13,12 +13,11 @@ use super::fit::ChainCurve;
 use super::piece::Piece;
 use super::scene::Scene;
 use crate::error::Result;
+use crate::mesh::NONE;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 use std::sync::Arc;
-
-const NONE: u32 = u32::MAX;
 
 /// The curves of chains beside bicubic faces, by the vertices of the chain.
 #[derive(Default)]

@@ -21,7 +21,7 @@ pub struct Scene<'a> {
 }
 
 /// Height over longest side below which a triangle has no plane.
-const FLAT: f64 = 1e-11;
+const FLAT_TRIANGLE: f64 = 1e-11;
 /// How far a corner of such a triangle is moved, as a share of the bounding-box diagonal.
 const NUDGE: f64 = 1e-9;
 
@@ -107,7 +107,7 @@ fn is_flat(corners: [DVec3; 3]) -> bool {
     let scale = side.length();
     let Some(axis) = side.try_normalize() else { return true };
     let height = (c - a) - axis * axis.dot(c - a);
-    height.length() <= FLAT * scale
+    height.length() <= FLAT_TRIANGLE * scale
 }
 
 /// Fails where patches or leftover triangles do not fit the mesh; a cell with a repeated corner is refused, too.

@@ -19,7 +19,7 @@ pub struct Shells {
 }
 
 /// Smallest volume of a solid as a share of area^1.5; below that a closed shell is flat.
-const FLAT: f64 = 1e-12;
+const FLAT_SHELL: f64 = 1e-12;
 
 /// A closed shell as a solid body.
 struct Body {
@@ -120,7 +120,7 @@ impl Body {
     /// 1, −1, or 0 for a flat body.
     fn sign(&self) -> i32 {
         let area: f64 = self.cells.iter().map(|c| area(*c)).sum();
-        if self.volume.abs() > FLAT * area.powf(1.5) { self.volume.signum() as i32 } else { 0 }
+        if self.volume.abs() > FLAT_SHELL * area.powf(1.5) { self.volume.signum() as i32 } else { 0 }
     }
 
     fn contains(&self, p: DVec3) -> bool {

@@ -23,7 +23,7 @@ use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::bspline::{BSplineSurface, Knots};
-use crate::mesh::{FaceId, SurfaceMesh, VertexId};
+use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -49,13 +49,16 @@ pub struct QuadCell {
     pub next: [u32; 4],
 }
 
-const NONE: u32 = u32::MAX;
 /// Largest area of the bounding rectangle for each cell.
 const SPREAD: u64 = 16;
 /// Most lines that are tried in each direction for a cut.
 const TRIALS: usize = 12;
 
 /// Builds the model of all polygons and leftover triangles; see [`super::to_brep`].
+///
+/// # Errors
+/// [`Error::Input`] if polygons and leftovers do not fit the mesh,
+/// [`Error::Cancelled`], [`Error::Deadline`].
 pub fn to_trimmed_brep(
     mesh: &SurfaceMesh,
     polygons: &[QuadPolygon],

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use std::sync::LazyLock;
 
 /// Most Gauss points of the rule in one direction.
-const MOST: usize = 61;
+const MOST_POINTS: usize = 61;
 /// Error of the rule that a divided face may have, as a share of its area: a tenth of what all together may have.
 const SHARE: f64 = 1e-5;
 
@@ -116,7 +116,7 @@ fn plane_area(brep: &Brep, of: &EdgeUse, [base, x, y]: [DVec3; 3]) -> [f64; 2] {
 
 /// Gauss points of a border curve.
 fn border_points(degree: usize, spans: usize) -> usize {
-    (2 * (degree + 1) * spans).clamp(4, MOST)
+    (2 * (degree + 1) * spans).clamp(4, MOST_POINTS)
 }
 
 fn integral([a, b]: [f64; 2], count: usize, f: impl Fn(f64) -> f64) -> f64 {
@@ -174,8 +174,8 @@ impl Run {
                 line.map(|x| speed * x)
             })
         };
-        let area = sum([along, across(u).max(across(v)).min(MOST)])[0];
-        let both = along.max(across(v)).min(MOST);
+        let area = sum([along, across(u).max(across(v)).min(MOST_POINTS)])[0];
+        let both = along.max(across(v)).min(MOST_POINTS);
         let volume = sum([both, both])[1];
         let exact = self.exact(surface, origin);
         Weighed { rule: Weight { area, volume }, exact: Weight { area: exact[0], volume: exact[1] } }
@@ -242,10 +242,10 @@ fn integral_of([a, b]: [f64; 2], count: usize, f: impl Fn(f64) -> [f64; 2]) -> [
     terms.fold([0.0; 2], |s, y| [s[0] + y[0], s[1] + y[1]])
 }
 
-/// Points in −1..=1 and weights of the Gauss–Legendre rule of so many points, 1 to 61.
+/// Points in −1..=1 and weights of the Gauss–Legendre rule with 1 to 61 points.
 fn gauss(count: usize) -> &'static [(f64, f64)] {
-    static RULES: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (1..=MOST).map(legendre).collect());
-    &RULES[count.clamp(1, MOST) - 1]
+    static RULES: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (1..=MOST_POINTS).map(legendre).collect());
+    &RULES[count.clamp(1, MOST_POINTS) - 1]
 }
 
 /// The roots of a Legendre polynomial by Newton's method, and their weights.

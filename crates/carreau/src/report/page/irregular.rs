@@ -1,4 +1,4 @@
-//! Where quads and hexahedra are not arranged as on a chessboard.
+//! Finds the vertices and edges at which quads and hexahedra are not arranged as on a chessboard.
 
 use crate::mesh::{HalfEdges, Polygons, boundary_faces, irregular_hex_edges};
 

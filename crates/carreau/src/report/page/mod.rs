@@ -40,7 +40,9 @@ use pack::{Packed, pack};
 use serde::Serialize;
 use serde_json::Value;
 
+/// The bundled viewer.
 const SCRIPT: &str = include_str!("viewer.js");
+/// Its style sheet.
 const STYLES: &str = include_str!("viewer.css");
 
 /// Models, and the run that made them, for one HTML file.

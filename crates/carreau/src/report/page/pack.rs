@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Layers that give the colours at first, the first that a scene has.
 const SHOWN: &[&str] = &["patch", "region", "truth", "group"];
 /// Colours of a ramp.
-const STEPS: usize = 256;
+const RAMP_COLOURS: usize = 256;
 
 /// Everything of a page but its record.
 #[derive(Serialize)]
@@ -115,7 +115,7 @@ struct PackedMarkers {
 
 /// Packs all scenes; their arrays go into the container.
 pub fn pack(scenes: &[Scene], into: &mut Container) -> Packed {
-    let mut ramp = |scale| into.u8(ramp_colors(scale, STEPS).into_iter().flatten());
+    let mut ramp = |scale| into.u8(ramp_colors(scale, RAMP_COLOURS).into_iter().flatten());
     let ramps = Ramps { sequential: ramp(Scale::Sequential(None)), diverging: ramp(Scale::Diverging(None)) };
     let scenes = scenes.iter().map(|s| Frame::of(s).scene(s, into)).collect();
     Packed { format: 1, bytes: into.len(), ramps, scenes }

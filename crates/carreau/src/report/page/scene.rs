@@ -35,9 +35,9 @@ const SIGNED: &[&str] = &["kmin", "kmax"];
 /// The lines of motorcycle graphs.
 const GRAPH: &str = "motorcycle graph";
 /// Crosses of a field along the diagonal.
-const CROSSES: f64 = 48.0;
+const PAGE_CROSSES: f64 = 48.0;
 /// Edges sharper than this are features where curvature is measured, in degrees.
-const CREASE: f64 = 25.0;
+const CURVATURE_CREASE: f64 = 25.0;
 
 /// A model and its layers.
 #[derive(Debug, Clone)]
@@ -159,7 +159,7 @@ impl Scene {
             let column = Column::Vector3(directions.iter().map(DVec3::to_array).collect());
             scene.layers.push(Layer::new(name, On::Face, column));
         }
-        let frames = arms(field, CROSSES).unwrap_or_default();
+        let frames = arms(field, PAGE_CROSSES).unwrap_or_default();
         Ok(scene
             .lines("frame field", Style::Field, Path::Segments(frames))
             .lines("features", Style::Feature, Path::Edges(field.features.clone()))
@@ -250,7 +250,7 @@ impl Scene {
             return Ok(self);
         }
         let mesh = SurfaceMesh::new(self.points.clone(), self.faces.clone())?;
-        let limits = FeatureOptions { angle_deg: Some(CREASE), ..FeatureOptions::default() };
+        let limits = FeatureOptions { angle_deg: Some(CURVATURE_CREASE), ..FeatureOptions::default() };
         let features = feature_edges(&mesh, &limits)?;
         let triangles = Triangles::of(&mesh).ok_or_else(|| Error::Bug("a triangle is no triangle".into()))?;
         let found = curvature(triangles, &features.corners, &CurvatureOptions::default(), context)?;

@@ -10,10 +10,13 @@ use glam::Vec3;
 
 /// Direction of the key light in camera axes.
 const KEY: Vec3 = Vec3::new(-0.40, 0.62, 0.675);
-/// Light from all around, from the key light, from the headlight, and the part that the sky has more than the ground.
+/// Light from all around.
 const AMBIENT: f32 = 0.27;
+/// Light from the key light.
 const KEY_LIGHT: f32 = 0.46;
+/// Light from the headlight.
 const HEADLIGHT: f32 = 0.25;
+/// Light that the sky has more than the ground.
 const SKY: f32 = 0.14;
 
 /// The colour of every sample of a band, without its apron.

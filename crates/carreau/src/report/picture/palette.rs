@@ -115,6 +115,7 @@ const SEQUENTIAL: [Rgb; 9] = [
     [170, 220, 50],
     [253, 231, 37],
 ];
+/// Colours of diverging scales, blue to white to red.
 const DIVERGING: [Rgb; 7] =
     [[22, 63, 128], [55, 120, 190], [146, 190, 224], [242, 241, 238], [240, 178, 124], [205, 101, 52], [125, 45, 20]];
 

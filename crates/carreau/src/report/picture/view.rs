@@ -1,4 +1,4 @@
-//! From where to look.
+//! Chooses where to look from.
 
 use crate::mesh::Polygons;
 use glam::{DVec2, DVec3};

@@ -38,7 +38,7 @@ pub const STIFFNESS: f64 = 1e-4;
 /// bend nothing.
 const HELD: f64 = 1e6;
 /// Rounds of parameter correction.
-const CORRECTIONS: usize = 3;
+const CURVE_CORRECTIONS: usize = 3;
 /// Distance from a straight line, as a share of its length, at which a vertex is on it: the rounding of its coordinates.
 const STRAIGHT: f64 = 1e-14;
 /// Attempts to fit a section of one chain; what is left then becomes polylines.
@@ -236,7 +236,7 @@ fn smooth(points: &[DVec3], weights: &[f64], mut t: Vec<f64>, tolerance: f64) ->
     loop {
         let knots = Knots::from_breaks(3, &breaks, 1)?;
         let mut best: Option<Smooth> = None;
-        for _ in 0..=CORRECTIONS {
+        for _ in 0..=CURVE_CORRECTIONS {
             let curve = least_squares(&knots, points, weights, &t)?;
             for (t, p) in t.iter_mut().zip(points).skip(1).take(points.len() - 2) {
                 *t = curve.project(*p, *t);

@@ -26,7 +26,7 @@ use side::Frame;
 use surface::Problem;
 
 /// Largest angle by which a surface may bend at an inner knot, by its cosine (one degree).
-const BEND: f64 = 0.999_85;
+const KNOT_BEND: f64 = 0.999_85;
 /// Places at which a line is looked at for bends.
 const PLACES: u32 = 8;
 
@@ -77,7 +77,7 @@ fn bends(surface: &BSplineSurface) -> bool {
         knots.distinct().filter(|&(t, times)| t > low && t < high && times >= knots.degree()).any(|(t, _)| {
             (0..=PLACES).map(|k| a + (b - a) * f64::from(k) / f64::from(PLACES)).any(|s| {
                 let (before, behind) = (normal(t - step, s), normal(t + step, s));
-                before.dot(behind) < BEND * before.length() * behind.length()
+                before.dot(behind) < KNOT_BEND * before.length() * behind.length()
             })
         })
     };

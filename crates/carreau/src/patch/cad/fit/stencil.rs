@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// Reach of the coupling: the largest degree.
 const REACH: usize = 3;
+/// Entries of a row of the coupling.
 const WIDTH: usize = 2 * REACH + 1;
 type Row = [f64; WIDTH * WIDTH];
 
@@ -16,7 +17,7 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// A zero matrix over a net of so many columns and rows, border included.
+    /// A zero matrix over a net of columns and rows, border included.
     pub fn new(columns: usize, rows: usize) -> Self {
         Stencil { columns, rows, entries: vec![[0.0; WIDTH * WIDTH]; columns * rows] }
     }

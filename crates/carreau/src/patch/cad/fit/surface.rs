@@ -33,7 +33,7 @@ struct Plan {
 }
 
 /// Rounds of parameter correction.
-const CORRECTIONS: usize = 3;
+const SURFACE_CORRECTIONS: usize = 3;
 /// Rounds of refinement.
 const LEVELS: usize = 12;
 
@@ -142,7 +142,7 @@ impl<'a> Problem<'a> {
         let mut parameters = from.map_or_else(|| self.first_parameters(), |f| f.parameters.clone());
         let mut net = self.first_net(&u, &v)?;
         let mut best: Option<Fitted> = None;
-        for _ in 0..=CORRECTIONS {
+        for _ in 0..=SURFACE_CORRECTIONS {
             self.least_squares(&u, &v, &parameters, &mut net);
             let surface = BSplineSurface::new(u.clone(), v.clone(), net.clone())?;
             for k in self.inner() {
