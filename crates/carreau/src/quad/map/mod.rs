@@ -43,7 +43,7 @@ use framed::{Framed, next};
 use locate::Locator;
 use seamless::Map;
 use tuning::{
-    CANCELLED, FAILED, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
+    CANCELLED, FAILED, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
     WORKING_SMALLEST,
 };
 
@@ -97,7 +97,7 @@ impl QuadMap {
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
         match Framed::new(&coarse, &field) {
-            Ok(framed) => Self::of_frames(framed, fewest(source, wish.length), wish, context),
+            Ok(framed) => Self::of_frames(framed, fewest(source), wish, context),
             Err(why) => Ok(Err(why)),
         }
     }
@@ -197,7 +197,7 @@ impl QuadMap {
             length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();
         }
         self.stretch_curves(flat, |curve, fewest| (fewest + SPARE) / length[curve]);
-        self.fewest.iter().zip(length).map(|(&fewest, length)| length < fewest as f64 + TIGHT).collect()
+        self.fewest.iter().zip(length).map(|(&n, length)| n > 0 && length < n as f64 + TIGHT).collect()
     }
 
     /// How many edges curves lack of those that they need; they are to be longer the next time.
@@ -232,14 +232,11 @@ fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
     })
 }
 
-/// The fewest edges that keep every curve of a surface; none where no number does. Creases that fade out are as rough as their
-/// scan: they may ask for little more than quads of a length have anyway.
-fn fewest(source: &Source, length: f64) -> Vec<usize> {
-    let most = |curve: &Curve| match source.fades {
-        true => (MORE_EDGES * curve.length() / length).ceil() as usize,
-        false => MOST_EDGES,
-    };
-    curves(source).iter().map(|curve| curve.fewest(source, most(curve).min(MOST_EDGES)).unwrap_or(0)).collect()
+/// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases that fade out are as rough as
+/// their scan: they ask for nothing.
+fn fewest(source: &Source) -> Vec<usize> {
+    let of = |curve: &Curve| curve.fewest(source, MOST_EDGES).filter(|&n| n > 1 && !source.fades).unwrap_or(0);
+    curves(source).iter().map(of).collect()
 }
 
 #[cfg(test)]

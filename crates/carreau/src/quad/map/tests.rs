@@ -177,7 +177,7 @@ fn the_number_of_quads_is_met() {
         let length = (source.area / quads as f64).sqrt();
         let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
         let (framed, _) = framed(&source, &context);
-        let mut map = QuadMap::of_frames(framed, fewest(&source, length), &wish, &context).unwrap().unwrap();
+        let mut map = QuadMap::of_frames(framed, fewest(&source), &wish, &context).unwrap().unwrap();
         let work = map.quads(&wish, &context).unwrap().unwrap();
         assert!(work.faces.len().abs_diff(quads) * 20 <= quads, "{} of {quads}", work.faces.len());
     }
@@ -189,8 +189,7 @@ fn quads_are_smaller_where_others_came_to_nothing_and_their_number_is_met() {
     let (quads, source) = (2000, source("tube-tree", &context));
     let length = (source.area / quads as f64).sqrt();
     let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
-    let mut map =
-        QuadMap::of_frames(framed(&source, &context).0, fewest(&source, length), &wish, &context).unwrap().unwrap();
+    let mut map = QuadMap::of_frames(framed(&source, &context).0, fewest(&source), &wish, &context).unwrap().unwrap();
     let before = map.quads(&wish, &context).unwrap().unwrap();
     let heights = |work: &super::Work| -> Vec<f64> {
         work.faces.iter().map(|face| face.iter().map(|&v| work.points[v as usize].z).sum::<f64>() / 4.0).collect()

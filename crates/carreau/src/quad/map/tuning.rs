@@ -58,8 +58,6 @@ pub const SPARE: f64 = 0.4;
 pub const TIGHT: f64 = 1.0;
 /// More edges than this are not looked for along one feature curve: it would take as many chords for every one of them.
 pub const MOST_EDGES: usize = 2_000;
-/// Creases that fade out get so many times more edges than quads of the wanted length have along them, no more.
-pub const MORE_EDGES: f64 = 1.5;
 /// Orders around faces that stay negative, and rings of faces around them.
 pub const LOCAL_ORDERS: usize = 40;
 pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];
