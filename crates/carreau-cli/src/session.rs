@@ -272,7 +272,9 @@ impl Session {
             for name in
                 ["region", "patch", "u", "v"].into_iter().filter(|name| source.attributes.face.contains_key(*name))
             {
-                self.warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
+                self.warn(format!(
+                    "the method: the face property '{name}' of the input is replaced by that of the result"
+                ));
             }
         }
         Ok(())

@@ -184,7 +184,8 @@ impl Segment {
         let result = of_file(&prepared, context.install(|| segment::segment(mesh, &wanted, &context))?);
         tell(session, &result);
         for name in ["region", "primitive", "fit_error"].into_iter().filter(|n| mesh.attributes.face.contains_key(*n)) {
-            session.warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
+            session
+                .warn(format!("the method: the face property '{name}' of the input is replaced by that of the result"));
         }
         let mut out = labelled(prepared.into_input(), &result);
         session.draw(&out)?;

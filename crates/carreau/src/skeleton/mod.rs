@@ -262,7 +262,8 @@ fn close_and_check(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usi
         warnings.push(format!("{} open ends were closed by lids", closed.lids.len()));
     }
     if let Some(bent) = closed.lids.iter().position(|l| l.flatness > lids::BENT) {
-        warnings.push(format!("the border of open end {} is far from plane, so that its lid is only a guess", bent + 1));
+        warnings
+            .push(format!("the border of open end {} is far from plane, so that its lid is only a guess", bent + 1));
     }
     let topology = Topology::of(&closed.mesh);
     let box_volume = closed.mesh.diagonal().powi(3);
