@@ -402,18 +402,13 @@ class QuadResult(_MeshResult):
     __slots__ = ()
 
     @property
-    def tracks(self) -> NDArray[np.uint32]:
-        """Edges along the motorcycle graph that the quads were made in, (k, 2)."""
-        return self._arrays["tracks"]
-
-    @property
     def quads(self) -> NDArray[np.uint32]:
         """Vertices of the quads, (q, 4)."""
         return self.mesh.faces  # type: ignore[return-value]
 
     @property
     def rungs(self) -> tuple[Mapping[str, int], ...]:
-        """The rung of the ladder that each region between features needed."""
+        """How the quads of each region between features were made: 1 by the map, 3 of pairs of triangles, 4 of every triangle."""
         return self.record["rungs"]
 
 

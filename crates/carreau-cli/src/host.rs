@@ -44,8 +44,6 @@ pub enum Found {
     Field(RawMesh, Field),
     /// A motorcycle graph, and the mesh that it is drawn into.
     Graph(RawMesh, MotorcycleGraph),
-    /// A mesh of quads, and its edges along the motorcycle graph.
-    Quads(RawMesh, Vec<[u32; 2]>),
     /// A skeleton.
     Skeleton(Skeleton),
     /// A mesh of hexahedra.

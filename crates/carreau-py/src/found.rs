@@ -31,8 +31,6 @@ enum Kind {
     Patches(PatchResult),
     Field(Box<Field>),
     Graph(Box<MotorcycleGraph>),
-    /// Edges along the motorcycle graph.
-    Quads(Vec<[u32; 2]>),
     Skeleton(Box<Skeleton>),
     Hexes(Box<HexResult>),
 }
@@ -58,7 +56,6 @@ impl From<Outcome> for Found {
             Some(host::Found::Patches(mesh, layout)) => (Kind::Patches(layout), Some(mesh)),
             Some(host::Found::Field(mesh, field)) => (Kind::Field(Box::new(field)), Some(mesh)),
             Some(host::Found::Graph(mesh, graph)) => (Kind::Graph(Box::new(graph)), Some(mesh)),
-            Some(host::Found::Quads(mesh, tracks)) => (Kind::Quads(tracks), Some(mesh)),
             Some(host::Found::Skeleton(skeleton)) => (Kind::Skeleton(Box::new(skeleton)), None),
             Some(host::Found::Hexes(hexes)) => {
                 let mesh = hexes.raw();
@@ -135,9 +132,6 @@ impl Found {
                 all.set_item("singular_vertices", views::owned_list(py, inner().map(|s| s.vertex).collect())?)?;
                 all.set_item("singular_quads", views::owned_list(py, inner().map(|s| s.quads).collect())?)?;
             }
-            Kind::Quads(tracks) => {
-                all.set_item("tracks", views::table(this.as_any(), tracks.as_flattened(), 2)?)?;
-            }
             Kind::None | Kind::Mesh | Kind::Hexes(_) => {}
         }
         Ok(all)
@@ -197,7 +191,6 @@ impl Found {
         Ok(Some(match (&self.kind, &self.mesh) {
             (Kind::Field(found), _) => Scene::of_field("field", found)?,
             (Kind::Graph(found), _) => Scene::of_graph("graph", found)?,
-            (Kind::Quads(tracks), Some(mesh)) => Scene::of_mesh("result", mesh)?.tracks(tracks),
             (Kind::Skeleton(found), _) => {
                 Scene::of_surface("skeleton", &found.closed.mesh)?.net("skeleton", &found.net).show("plain")
             }

@@ -286,7 +286,7 @@ impl Demo {
     fn quads(&self, session: &mut Session, name: &str, mesh: &SurfaceMesh, input: &str) -> Result<Drawn, Error> {
         let result = quad::quads(mesh, &QuadOptions::default(), &session.context)?;
         let (q, count) = (result.quality, result.mesh.face_count());
-        let (out, tracks) = (RawMesh::from(result.mesh), result.tracks);
+        let out = RawMesh::from(result.mesh);
         let file = self.write(session, name, "-quads", &out)?;
         let picture = self.draw(session, name, "-quads", &out)?;
         let caption = format!(
@@ -298,7 +298,7 @@ impl Demo {
         );
         let figure =
             self.figure(session, name, "quads", caption, picture, &[("triangles", input), ("quads", &file)])?;
-        Ok((figure, Scene::of_mesh("quads", &out)?.tracks(&tracks)))
+        Ok((figure, Scene::of_mesh("quads", &out)?))
     }
 
     /// The skeleton of the sample tube-tree to hexes.

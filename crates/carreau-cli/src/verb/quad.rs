@@ -106,12 +106,12 @@ impl Quad {
         warn_missing(&result.missing, &prepared, session);
         describe(session, &result);
         tell_features(&result.features, session);
-        let (mut quads, tracks, found) = (RawMesh::from(result.mesh), result.tracks, result.features);
+        let (mut quads, found) = (RawMesh::from(result.mesh), result.features);
         session.carry(&prepared.mesh, &mut quads)?;
         let mesh = quads;
-        let scene = |name| Ok(with_dropped(Scene::of_mesh(name, &mesh)?.tracks(&tracks), &found));
+        let scene = |name| Ok(with_dropped(Scene::of_mesh(name, &mesh)?, &found));
         session.deliver_as(&mesh, self.output.as_deref(), scene)?;
-        session.keep(|| Found::Quads(mesh, tracks));
+        session.keep(|| Found::Mesh(mesh));
         Ok(())
     }
 }

@@ -137,11 +137,6 @@ impl<'a> Ring<'a> {
         })
     }
 
-    /// The worst of the shapes.
-    pub fn worst(&self, at: DVec3) -> f64 {
-        self.shapes(at).flatten().fold(f64::INFINITY, f64::min)
-    }
-
     /// Whether none of the shapes is worse than that.
     pub fn holds(&self, at: DVec3, least: f64) -> bool {
         self.shapes(at).flatten().all(|shape| shape >= least)

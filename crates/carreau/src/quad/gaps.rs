@@ -4,7 +4,6 @@ use super::quality::halves;
 use super::source::Source;
 use super::work::Work;
 use crate::geometry::closest::closest_on_triangle;
-use crate::geometry::normals::unit;
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::NONE;
 use glam::DVec3;
@@ -19,50 +18,9 @@ const ROUGH: f64 = 0.5;
 const APART: f64 = 0.5;
 const FINEST: f64 = 100.0;
 
-/// A place that wants smaller quads.
-#[derive(Debug, Clone, Copy)]
-pub struct Tight {
-    pub place: DVec3,
-    /// The direction in which the surface bends.
-    pub way: DVec3,
-    /// How long edges along it may be.
-    pub length: f64,
-}
-
-/// How far quads are from the surface.
-pub struct Gap {
-    pub largest: f64,
-    /// Where it is more than allowed.
-    pub tight: Vec<Tight>,
-}
-
-impl Gap {
-    pub fn new(work: &Work, source: &Source, gaps: &[DVec3], far: f64) -> Self {
-        let largest = gaps.iter().map(|gap| gap.length()).fold(0.0, f64::max);
-        let beyond = (0..gaps.len()).filter(|&q| gaps[q].length() > far);
-        Gap { largest, tight: beyond.flat_map(|q| tight(work, source, q, far / gaps[q].length())).collect() }
-    }
-}
-
-/// Directions of a quad that bend less than this share of the other are not to blame.
-const STRAIGHT: f64 = 0.4;
-
-/// In which directions a quad is too long, where what is allowed is a share of what it is off by.
-fn tight(work: &Work, source: &Source, q: usize, share: f64) -> impl Iterator<Item = Tight> + use<> {
-    let face = work.faces.face(q);
-    let p = [0, 1, 2, 3].map(|k| work.points[face[k] as usize]);
-    let gap = |p: DVec3| to_surface(source, work.region[q], p);
-    let sag = |a: DVec3, b: DVec3| (gap(a.midpoint(b)) - gap(a).midpoint(gap(b))).length();
-    let place = p.iter().sum::<DVec3>() / 4.0;
-    let found = [[[p[0], p[1]], [p[3], p[2]]], [[p[0], p[3]], [p[1], p[2]]]].map(|pair: [[DVec3; 2]; 2]| {
-        let ways = pair.map(|[a, b]| b - a);
-        let longest = ways[0].length().max(ways[1].length());
-        let sags = pair.map(|[a, b]| sag(a, b));
-        // The sag of an arc grows with the square of its chord.
-        (Tight { place, way: unit(ways[0] + ways[1]), length: longest * share.sqrt() }, sags[0].max(sags[1]))
-    });
-    let most = found[0].1.max(found[1].1);
-    found.into_iter().filter(move |f| f.1 >= STRAIGHT * most).map(|f| f.0)
+/// How far quads are from the surface at most.
+pub fn largest(gaps: &[DVec3]) -> f64 {
+    gaps.iter().map(|gap| gap.length()).fold(0.0, f64::max)
 }
 
 /// The way from a point to a region.
@@ -168,35 +126,4 @@ fn places(source: &Source, face: usize, apart: f64) -> Vec<DVec3> {
 
 fn longer(a: DVec3, b: DVec3) -> DVec3 {
     if b.length_squared() > a.length_squared() { b } else { a }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::work::Place;
-    use super::*;
-    use crate::context::Context;
-    use crate::geometry::features::FeatureOptions;
-
-    #[test]
-    fn a_quad_on_a_cylinder_is_too_long_around_it_only() {
-        let context = Context::new();
-        let mesh = crate::sample::make("open-cylinder", None, &context).unwrap();
-        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
-        let source = Source::new(&mesh, &options, &context).unwrap();
-        let (low, high) = source.surface.mesh.bounds();
-        let (middle, radius) = (low.midpoint(high), 0.5 * (high.x - low.x));
-        let at = |angle: f64, z: f64| middle + DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
-        let work = Work {
-            points: vec![at(-0.4, -0.3), at(0.4, -0.3), at(0.4, 0.3), at(-0.4, 0.3)],
-            place: vec![Place::Region(0); 4],
-            faces: std::iter::once(&[0u32, 1, 2, 3][..]).collect(),
-            region: vec![0],
-            features: Vec::new(),
-        };
-        let found: Vec<Tight> = tight(&work, &source, 0, 0.25).collect();
-        let [only] = found[..] else { panic!("{found:?}") };
-        assert!(only.way.y.abs() > 0.99, "{:?}", only.way);
-        let chord = 2.0 * radius * 0.4f64.sin();
-        assert!((only.length - 0.5 * chord).abs() < 1e-9 * chord, "a quarter of the sag is half of the chord");
-    }
 }

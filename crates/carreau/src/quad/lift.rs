@@ -8,7 +8,7 @@
 //! ```
 
 use super::around::{Around, Ring};
-use super::gaps::{Gap, Gaps};
+use super::gaps::{Gaps, largest};
 use super::nudge::nudge;
 use super::smooth::{GOOD, SHARES};
 use super::source::Source;
@@ -28,7 +28,7 @@ const PROGRESS: f64 = 0.97;
 const LITTLE: f64 = 0.01;
 
 /// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
-pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> {
+pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
     let _stage = context.stage("lift");
     let around = &Around::new(work);
     let far = FAR * source.diagonal;
@@ -75,7 +75,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<Gap> 
         }
     }
     let now = nudge(work, around, &mut gaps, now, context)?;
-    Ok(Gap::new(work, source, &now, far))
+    Ok(largest(&now))
 }
 
 /// The vertices of quads that are too far from the surface.

@@ -72,14 +72,6 @@ fn sorted(mut t: [u32; 3]) -> [u32; 3] {
     t
 }
 
-/// Triangles and the quads that the best of them make in pairs, by shape alone.
-pub fn paired_triangles(points: &[DVec3], triangles: &[[u32; 3]], context: &Context) -> Result<Polygons> {
-    let mesh = SurfaceMesh::from_triangles(points.to_vec(), triangles)?;
-    let Some(t) = Triangles::of(&mesh) else { return Ok(Polygons::from_triangles(triangles)) };
-    let frames = vec![[DVec3::ZERO; 2]; t.len()];
-    pairs(t, |_| false, &frames, context)
-}
-
 /// The best pairs.
 fn pairs(
     t: Triangles<'_>,

@@ -75,8 +75,8 @@ fn joined(mesh: &SurfaceMesh, pairs: &[[CornerId; 2]]) -> Result<(SurfaceMesh, V
     Ok((next, number))
 }
 
-/// Cuts quads open along features; of `tracks`, edges by their ends, what runs there is on one side.
-pub fn cut_open(work: &mut Work, tracks: &mut [[u32; 2]], is_cut: impl Fn(u32) -> bool) {
+/// Cuts quads open along features.
+pub fn cut_open(work: &mut Work, is_cut: impl Fn(u32) -> bool) {
     let half_edges = HalfEdges::new(&work.faces, work.points.len());
     let cut: FxHashSet<[u32; 2]> = work.features.iter().filter(|f| is_cut(f.1)).map(|f| in_order(f.0)).collect();
     let whole = vec![false; work.faces.len()];
@@ -88,9 +88,6 @@ pub fn cut_open(work: &mut Work, tracks: &mut [[u32; 2]], is_cut: impl Fn(u32) -
     }
     let next = work.faces.next_corners();
     let copies = |ends: [u32; 2]| copies_of_edge(ends, &half_edges, &number, &next).unwrap_or_default();
-    for ends in tracks {
-        *ends = copies(*ends).first().copied().unwrap_or(*ends);
-    }
     let of_feature = |&(ends, curve): &([u32; 2], u32)| copies(ends).into_iter().map(move |ends| (ends, curve));
     work.features = work.features.iter().flat_map(of_feature).collect();
     work.faces.corners_mut().copy_from_slice(&number);
@@ -144,16 +141,14 @@ mod tests {
             let (mesh, places) = sewn(&loose).unwrap().unwrap();
             assert_eq!((counts(&mesh), places.len()), (counts(&whole), edges));
             let mut work = work_of(&mesh, &places);
-            let mut tracks = [work.features[0].0, work.features[1].0];
-            cut_open(&mut work, &mut tracks, |curve| curve == 7);
+            cut_open(&mut work, |curve| curve == 7);
             let cut = work.to_mesh().unwrap();
             assert_eq!(counts(&cut), counts(&loose));
             assert_eq!(work.place.len(), work.points.len());
             // Both sides of every edge, and all are edges of a quad.
             assert_eq!(work.features.len(), 2 * edges);
             let half_edges = HalfEdges::new(&work.faces, work.points.len());
-            let all = work.features.iter().map(|f| f.0).chain(tracks);
-            assert!(all.into_iter().all(|[a, b]| half_edges.find(a, b).is_some()));
+            assert!(work.features.iter().all(|&([a, b], _)| half_edges.find(a, b).is_some()));
             // Nothing is where it was not.
             let at = |mesh: &SurfaceMesh| {
                 let corners = mesh.faces().corners().iter();
@@ -170,7 +165,7 @@ mod tests {
         for (slit, loops) in [(vec![[1, 4]], 1), (vec![[1, 4], [4, 7]], 2)] {
             let mut work = work_of(&grid, &FxHashSet::default());
             work.features = slit.iter().map(|&ends| (ends, 0)).chain([([0, 1], 1), ([1, 2], 1)]).collect();
-            cut_open(&mut work, &mut [], |curve| curve == 0);
+            cut_open(&mut work, |curve| curve == 0);
             let mesh = work.to_mesh().unwrap();
             let topology = Topology::of(&mesh);
             assert_eq!((topology.boundary_loops, topology.components), (loops, loops), "one piece has one loop");
@@ -199,7 +194,7 @@ mod tests {
         assert!(topology.manifold && topology.closed && topology.consistently_oriented, "{topology:?}");
         assert_eq!((topology.components, places.len()), (2, 11));
         let mut work = work_of(&mesh, &places);
-        cut_open(&mut work, &mut [], |_| true);
+        cut_open(&mut work, |_| true);
         assert_eq!(counts(&work.to_mesh().unwrap()), counts(&loose));
     }
 

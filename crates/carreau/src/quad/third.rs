@@ -1,14 +1,13 @@
 //! Rung 3, with the number of quads met as nearly as it goes: again with other lengths, and less close to a surface that bends so
 //! much that following it takes too many.
 
-use super::budget::Budget;
-use super::gaps::Gap;
 use super::halve::{Middle, halve};
+use super::judged::Judged;
 use super::pair::paired;
 use super::smooth::smooth;
 use super::source::Source;
 use super::work::Work;
-use super::{LEFT_OUT, LOST, QuadOptions, WITHIN, lifted, off, quality, take_back, validate};
+use super::{QuadOptions, WITHIN, lifted, off, quality, take_back, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 
@@ -17,6 +16,9 @@ const RUNS: usize = 6;
 const SHORTER: f64 = 0.7;
 /// No other is tried where the last one came no nearer by this share of the number.
 const NEARER: f64 = 0.04;
+/// Quads smoothed in all runs, in those that a length asks for, and where that is few: a run makes far more where a surface is rough.
+const MOST_SETTLED: f64 = 64.0;
+const LEAST_SETTLED: f64 = 64_000.0;
 /// Quads of less than this share of the wanted length would be far too many.
 const SHORTEST: f64 = 0.45;
 /// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
@@ -28,13 +30,16 @@ const TOO_MANY: f64 = 2.5;
 /// Where so many times too many are refused, more are not tried.
 const HOPELESS: f64 = 10.0;
 
-/// The quads, and how far they are from the surface; `None` where the validator refuses.
+/// Quads farther from the surface than this share of their edges are for the next method.
+const LOST: f64 = 1.0;
+
+/// The quads; `None` where the validator refuses.
 pub fn third(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
     context: &Context,
-) -> Result<Option<(Work, Gap)>> {
+) -> Result<Option<Judged>> {
     if options.rung > 3 {
         return Ok(None);
     }
@@ -63,7 +68,9 @@ pub fn third(
     if search.best.is_none() {
         warnings.push(format!("rung 3 was refused: {}", search.refused));
     }
-    Ok(search.best)
+    let Some((work, gap)) = search.best else { return Ok(None) };
+    let quads = options.edge_length.is_none().then_some(options.quads);
+    Judged::new(work, source, gap, quads, context).map(Some)
 }
 
 /// One length after the other.
@@ -74,7 +81,7 @@ struct Search<'a> {
     length: f64,
     /// Triangles and their pairs that would have been far too many quads, the most first.
     passed: Vec<Work>,
-    best: Option<(Work, Gap)>,
+    best: Option<(Work, f64)>,
     /// Why the last one came to nothing.
     refused: String,
     context: &'a Context,
@@ -86,16 +93,16 @@ impl Search<'_> {
         let (source, wanted) = (self.source, self.options.quads);
         let feature_deg = self.options.features.angle_deg.unwrap_or(180.0);
         let (mut length, mut loose) = (self.length, 1.0);
-        let mut budget = Budget::new(2.0 * source.area / length.powi(2));
+        let most = (MOST_SETTLED * 2.0 * source.area / length.powi(2)).max(LEAST_SETTLED);
+        let mut settled = 0.0;
         for _ in 0..RUNS {
-            if budget.is_spent() || length < SHORTEST * self.length {
+            if settled > most || length < SHORTEST * self.length {
                 break;
             }
             let Some(coarse) = attempt(paired(source, length, loose, feature_deg, self.context))? else {
                 length *= SHORTER;
                 continue;
             };
-            budget.triangles(coarse.faces.len());
             // Every corner becomes a quad.
             let count = coarse.faces.corners().len();
             let ratio = count as f64 / wanted as f64;
@@ -104,7 +111,7 @@ impl Search<'_> {
                 (length, loose) = (length * ratio.sqrt(), looser(loose));
                 continue;
             }
-            budget.quads(count);
+            settled += count as f64;
             let Some(made) = self.judged(&coarse)? else {
                 // Rung 4 makes fewer, and is not refused.
                 if ratio > HOPELESS && count > source.surface.mesh.faces().corners().len() {
@@ -140,7 +147,7 @@ impl Search<'_> {
     }
 
     /// Triangles and their pairs halved and smoothed; `None` where the validator refuses.
-    fn judged(&mut self, coarse: &Work) -> Result<Option<(Work, Gap)>> {
+    fn judged(&mut self, coarse: &Work) -> Result<Option<(Work, f64)>> {
         let (source, context) = (self.source, self.context);
         let mut work = halve(coarse, source, Middle::OnSurface);
         source.hold(&mut work);
@@ -149,7 +156,7 @@ impl Search<'_> {
         let gap = lifted(&mut work, source, context)?;
         let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
         if why.is_none() && quality::straying(&work, source, context)? > LOST {
-            why = Some(LEFT_OUT.into());
+            why = Some("it leaves part of the surface out".into());
         }
         let holds = why.is_none();
         self.refused = why.unwrap_or_default();

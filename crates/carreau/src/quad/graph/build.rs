@@ -1,10 +1,10 @@
 //! From a sheet with walls to nodes, tracks, arcs and patches.
 
-use super::super::draw::{Drawn, place};
-use super::super::layout::{self, Layout, loops, patch_of};
-use super::super::sheet::{Sheet, Wall};
 use super::super::source::Source;
 use super::super::work::Place;
+use super::draw::{Drawn, place};
+use super::layout::{self, Layout, loops, patch_of};
+use super::sheet::{Sheet, Wall};
 use super::{Arc, CUT, FEATURE, MotorcycleGraph, Node, NodeKind, Patch, Side, Start, TRACK, Track, TrackKind};
 use crate::error::Result;
 use crate::mesh::{Column, NONE, SurfaceMesh, TaggedEdge, VertexId};
@@ -36,8 +36,7 @@ impl<'a> Builder<'a> {
         let lines = lines(drawn);
         let ends: FxHashSet<u32> = lines.iter().flat_map(|(_, line)| [line[0], line[line.len() - 1]]).collect();
         let is_fixed = |v: u32| ends.contains(&v) || place(sheet, &drawn.coarse, v) == Some(Place::Fixed);
-        // Without a limit of the sag: nobody counts quads here.
-        let layout = Layout::new(sheet, f64::INFINITY, is_fixed)?;
+        let layout = Layout::new(sheet, is_fixed)?;
         let (patch, count) = patch_of(sheet);
         let mut quads = vec![0; 3 * sheet.triangles.len()];
         for (h, k) in loops(sheet, &patch, count)?.into_iter().flatten().flatten() {

@@ -12,10 +12,14 @@
 //! `build` collects all this from what tracks were drawn into.
 
 mod build;
+mod cut;
+mod draw;
+mod layout;
+mod sheet;
 #[cfg(test)]
 mod tests;
+mod trace;
 
-use super::draw::{FINER, draw};
 use super::source::Source;
 use super::{check_size, sized};
 use crate::context::Context;
@@ -23,6 +27,7 @@ use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, SurfaceMesh, UnitScale, VertexId};
 use build::Builder;
+use draw::{FINER, draw};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

@@ -298,17 +298,3 @@ fn wrong_options_and_meshes_are_refused() {
     let empty = triangles(&[DVec3::ZERO], &[]);
     assert!(matches!(of(&empty, GraphOptions::default()), Err(Error::Input { .. })));
 }
-
-#[test]
-fn quads_run_along_their_graph_on_the_first_rungs_alone() {
-    let mesh = part("wedge");
-    for rung in [1, 3] {
-        let options = crate::quad::QuadOptions { quads: 800, rung, ..crate::quad::QuadOptions::default() };
-        let quads = crate::quad::quads(&mesh, &options, &Context::new()).unwrap();
-        let half_edges = quads.mesh.half_edges();
-        assert!(quads.tracks.iter().all(|&[a, b]| half_edges.find(a, b).is_some()));
-        let features: Vec<[u32; 2]> = quads.mesh.tagged_edges.iter().map(|e| key(e.ends[0].0, e.ends[1].0)).collect();
-        assert!(quads.tracks.iter().all(|&[a, b]| !features.contains(&key(a, b))));
-        assert_eq!(quads.tracks.is_empty(), rung == 3);
-    }
-}

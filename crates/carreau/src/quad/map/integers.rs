@@ -6,26 +6,29 @@
 
 use super::flat::Flat;
 use super::lattice::{Lattice, Unknowns};
-use super::tuning::{CANDIDATES, LOCAL_ORDERS, LOCAL_RINGS, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
+use super::tuning::{CANDIDATES, FIRST, HEAVY, LOCAL_ORDERS, LOCAL_RINGS, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::dense::{cholesky, inverse, solve};
 
 /// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
-/// are to be longer the next time, here and for who calls again.
-pub fn choose(flat: &mut Flat, stretch: &mut [f64], context: &Context) -> Result<bool> {
+/// are to be longer the next time, here and for who calls again. `is_tight`: feature curves, by number, whose edges are to have the
+/// cells of their length, whatever the others have.
+pub fn choose(flat: &mut Flat, stretch: &mut [f64], is_tight: &[bool], context: &Context) -> Result<bool> {
     let mut best: Option<(usize, Flat)> = None;
     let mut random = Random(1);
     for order in 0..ORDERS {
         context.check()?;
         let mut tried = flat.clone();
         let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch);
-        let Some(q) = rounded(&unknowns, (order > 0).then_some(&mut random), context)? else { continue };
+        // Curves that insist may leave others no room.
+        let is_tight = if order % 2 == 0 { is_tight } else { &[] };
+        let Some(q) = rounded(&unknowns, is_tight, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, stretch, &mut random, context)?;
+            bad = search(&mut tried, stretch, is_tight, &mut random, context)?;
         }
         let mut tight: Vec<u32> =
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
@@ -68,24 +71,33 @@ fn assign(flat: &mut Flat, unknowns: &Unknowns, q: &[f64]) {
 }
 
 /// All unknowns, one edge after the other; `None` where they cannot all be whole.
-fn rounded(unknowns: &Unknowns, random: Option<&mut Random>, context: &Context) -> Result<Option<Vec<f64>>> {
+fn rounded(
+    unknowns: &Unknowns,
+    is_tight: &[bool],
+    random: Option<&mut Random>,
+    context: &Context,
+) -> Result<Option<Vec<f64>>> {
     let length = |e: usize| unknowns.real[2 * e].hypot(unknowns.real[2 * e + 1]);
     let mut keys: Vec<f64> = (0..unknowns.edges.len()).map(length).collect();
     if let Some(random) = random {
         keys.iter_mut().for_each(|key| *key *= 1.0 + SHAKE * (2.0 * random.share() - 1.0));
     }
+    let is_first = |e: usize| is_tight.get(unknowns.curve[e] as usize).copied().unwrap_or(false);
+    keys.iter_mut().enumerate().filter(|(e, _)| is_first(*e)).for_each(|(_, key)| *key *= FIRST);
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
     let Some(lattice) = Lattice::new(unknowns, &order, context)? else { return Ok(None) };
     context.check()?;
-    let weight: Vec<f64> = (0..unknowns.real.len()).map(|c| 1.0 / length(c / 2).max(1.0)).collect();
+    let weight = |c: usize| if is_first(c / 2) { HEAVY } else { 1.0 } / length(c / 2).max(1.0);
+    let weight: Vec<f64> = (0..unknowns.real.len()).map(weight).collect();
     let Some(mut rounding) = Rounding::new(unknowns, &lattice, &weight) else { return Ok(None) };
     context.check()?;
     let mut k = 0;
     while k < lattice.free.len() {
         context.check_every(k)?;
         let is_pair = k + 1 < lattice.free.len() && lattice.free[k] / 2 == lattice.free[k + 1] / 2;
-        rounding.fix(k, if is_pair { 2 } else { 1 });
+        let candidates = if is_first(lattice.free[k] as usize / 2) { 1 } else { CANDIDATES };
+        rounding.fix(k, if is_pair { 2 } else { 1 }, candidates);
         k += if is_pair { 2 } else { 1 };
     }
     let q = rounding.q;
@@ -127,12 +139,12 @@ impl<'a> Rounding<'a> {
         Some(Rounding { unknowns, lattice, factor, effect, z, q, whole: Vec::new() })
     }
 
-    /// Makes the next one or two free unknowns whole.
-    fn fix(&mut self, k: usize, count: usize) {
+    /// Makes the next one or two free unknowns whole; so many candidates are looked at.
+    fn fix(&mut self, k: usize, count: usize, most: usize) {
         let mut candidates = self.candidates(k, count);
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.whole.cmp(&b.whole)));
         let mut best: Option<(f64, &Candidate, Vec<f64>)> = None;
-        for candidate in candidates.iter().take(CANDIDATES) {
+        for candidate in candidates.iter().take(most) {
             let mut q = self.q.clone();
             for (effect, y) in self.effect[k..k + count].iter().zip(candidate.steps) {
                 q.iter_mut().zip(effect).for_each(|(q, e)| *q += e * y);
@@ -227,7 +239,13 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
 }
 
 /// Rounds again around the faces that are not positive, with what is farther given.
-fn search(flat: &mut Flat, stretch: &[f64], random: &mut Random, context: &Context) -> Result<usize> {
+fn search(
+    flat: &mut Flat,
+    stretch: &[f64],
+    is_tight: &[bool],
+    random: &mut Random,
+    context: &Context,
+) -> Result<usize> {
     for rings in LOCAL_RINGS {
         let mut done: Vec<u32> = Vec::new();
         while let Some(f) = bad_faces(flat).into_iter().find(|f| !done.contains(f)) {
@@ -237,7 +255,7 @@ fn search(flat: &mut Flat, stretch: &[f64], random: &mut Random, context: &Conte
                 context.check()?;
                 let mut tried = flat.clone();
                 let unknowns = Unknowns::new(&tried, ids.clone(), stretch);
-                let Some(q) = rounded(&unknowns, Some(random), context)? else { break };
+                let Some(q) = rounded(&unknowns, is_tight, Some(random), context)? else { break };
                 assign(&mut tried, &unknowns, &q);
                 let before = bad_faces(flat).len();
                 if repair(&mut tried) < before {

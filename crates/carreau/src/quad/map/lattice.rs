@@ -32,6 +32,8 @@ impl Form {
 pub struct Unknowns {
     /// A half-edge of every edge.
     pub edges: Vec<u32>,
+    /// The feature curve of every edge, or [`NONE`].
+    pub curve: Vec<u32>,
     /// What every component should be near.
     pub real: Vec<f64>,
     /// Components of the three edges of every face.
@@ -49,8 +51,14 @@ impl Unknowns {
         ids.iter().for_each(|&f| is_in[f as usize] = true);
         let is_all = ids.len() == flat.faces().count();
         let mut of = vec![None; flat.sides.len()];
-        let mut unknowns =
-            Unknowns { edges: Vec::new(), real: Vec::new(), faces: Vec::new(), ids: Vec::new(), zero: Vec::new() };
+        let mut unknowns = Unknowns {
+            edges: Vec::new(),
+            curve: Vec::new(),
+            real: Vec::new(),
+            faces: Vec::new(),
+            ids: Vec::new(),
+            zero: Vec::new(),
+        };
         for &f in &ids {
             let forms = [0, 1, 2].map(|k| {
                 let h = 3 * f + k;
@@ -61,6 +69,7 @@ impl Unknowns {
                 }
                 let (edge, turn, sign) = *of[h as usize].get_or_insert_with(|| {
                     unknowns.edges.push(h);
+                    unknowns.curve.push(side.curve);
                     let ends = [side.vertex, flat.side(next(h)).vertex].map(|v| stretch[v as usize]);
                     unknowns.real.extend((side.vector * (ends[0] * ends[1]).sqrt()).to_array());
                     (unknowns.edges.len() as u32 - 1, 0, 1.0)

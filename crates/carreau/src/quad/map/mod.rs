@@ -31,16 +31,21 @@ mod locate;
 mod seamless;
 mod tuning;
 
+use super::curve::{Curve, curves};
 use super::pair::{Follow, coarse, field_of};
 use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
-use flat::Flat;
-use framed::Framed;
+use crate::mesh::NONE;
+use flat::{Flat, Side};
+use framed::{Framed, next};
 use locate::Locator;
 use seamless::Map;
-use tuning::{CANCELLED, FAILED, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, WORKING_SMALLEST};
+use tuning::{
+    CANCELLED, FAILED, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
+    WORKING_SMALLEST,
+};
 
 pub use tuning::WORKING_EDGES;
 
@@ -65,6 +70,8 @@ pub struct QuadMap {
     scale: f64,
     /// How much longer edges are to be at every vertex of the working mesh, in quads.
     stretch: Vec<f64>,
+    /// The fewest edges that keep every feature curve, by its number.
+    fewest: Vec<usize>,
     /// The corners of the whole faces that the last quads came from, by quad.
     corners: Vec<[u32; 3]>,
 }
@@ -90,12 +97,17 @@ impl QuadMap {
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
         match Framed::new(&coarse, &field) {
-            Ok(framed) => Self::of_frames(framed, wish, context),
+            Ok(framed) => Self::of_frames(framed, fewest(source, wish.length), wish, context),
             Err(why) => Ok(Err(why)),
         }
     }
 
-    fn of_frames(mut framed: Framed, wish: &Wish, context: &Context) -> Result<std::result::Result<Self, String>> {
+    fn of_frames(
+        mut framed: Framed,
+        fewest: Vec<usize>,
+        wish: &Wish,
+        context: &Context,
+    ) -> Result<std::result::Result<Self, String>> {
         let _stage = context.stage("map");
         let cancelled = cancel::cancel(&mut framed, CANCELLED * wish.length, context)?;
         let cut = match cut::cut(&framed) {
@@ -112,7 +124,7 @@ impl QuadMap {
         let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
         let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
         let stretch = vec![1.0; framed.points.len()];
-        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, corners: Vec::new() }))
+        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, fewest, corners: Vec::new() }))
     }
 
     /// Quads before their vertices are moved, of the number that is wanted; or why there are none.
@@ -138,29 +150,32 @@ impl QuadMap {
         corners.into_iter().for_each(|v| self.stretch[v as usize] *= REFINED);
     }
 
-    /// Whole numbers in the size that gives the number of quads that is wanted.
+    /// Whole numbers in the size that gives the number of quads that is wanted, with as many edges along features as these need.
     fn whole(&mut self, wish: &Wish, context: &Context) -> Result<Option<Flat>> {
         let _stage = context.stage("numbers");
         let mut scale = self.scale;
-        let mut best: Option<(f64, f64, Flat)> = None;
+        let mut best: Option<((usize, f64), f64, Flat)> = None;
         let mut failed = 0;
         for _ in 0..SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
-            let holds = integers::choose(&mut tried, &mut self.stretch, context)?;
+            let is_tight = self.lengthen(&tried);
+            let holds = integers::choose(&mut tried, &mut self.stretch, &is_tight, context)?;
             let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
             let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
-            tracing::debug!(target: "carreau::quad", scale, holds, count, "whole");
             if holds {
+                let missing = self.missing(&tried);
+                tracing::debug!(target: "carreau::quad", scale, count, missing, "whole");
                 let off = ratio.ln().abs();
-                if best.as_ref().is_none_or(|b| off < b.0) {
-                    best = Some((off, scale, tried));
+                if best.as_ref().is_none_or(|b| (missing, off) < b.0) {
+                    best = Some(((missing, off), scale, tried));
                 }
-                if off < NUMBER {
+                if off < NUMBER && missing == 0 {
                     break;
                 }
                 scale /= ratio.sqrt();
             } else {
+                tracing::debug!(target: "carreau::quad", scale, "not whole");
                 // Another size, other numbers.
                 scale *= 1.01;
                 failed += 1;
@@ -174,6 +189,57 @@ impl QuadMap {
             whole
         }))
     }
+
+    /// Stretches curves that would have fewer edges than they need. Returns which ones have hardly more.
+    fn lengthen(&mut self, flat: &Flat) -> Vec<bool> {
+        let mut length = vec![0.0; self.fewest.len()];
+        for (curve, [a, b], side) in on_curves(flat) {
+            length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();
+        }
+        self.stretch_curves(flat, |curve, fewest| (fewest + SPARE) / length[curve]);
+        self.fewest.iter().zip(length).map(|(&fewest, length)| length < fewest as f64 + TIGHT).collect()
+    }
+
+    /// How many edges curves lack of those that they need; they are to be longer the next time.
+    fn missing(&mut self, whole: &Flat) -> usize {
+        let mut count = vec![0; self.fewest.len()];
+        for (curve, _, side) in on_curves(whole) {
+            count[curve] += side.cells.steps().unsigned_abs() as usize;
+        }
+        self.stretch_curves(whole, |curve, fewest| if (count[curve] as f64) < fewest { STRETCH } else { 1.0 });
+        self.fewest.iter().zip(&count).filter(|(_, count)| **count > 0).map(|(least, n)| least.saturating_sub(*n)).sum()
+    }
+
+    /// Makes the edges of curves longer by a factor of each, if it is more than one.
+    fn stretch_curves(&mut self, flat: &Flat, factor: impl Fn(usize, f64) -> f64) {
+        let mut by = vec![1.0f64; self.stretch.len()];
+        for (curve, ends, _) in on_curves(flat) {
+            let factor = factor(curve, self.fewest[curve] as f64);
+            ends.into_iter().filter(|_| factor.is_finite()).for_each(|v| by[v] = by[v].max(factor));
+        }
+        self.stretch.iter_mut().zip(by).for_each(|(stretch, by)| *stretch *= by);
+    }
+}
+
+/// The edges on feature curves, each once: the curve, the ends, and one of its sides.
+fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
+    let sides = flat.faces().flat_map(|f| 3 * f..3 * f + 3);
+    let is_first =
+        |h: &u32| flat.side(*h).curve != NONE && (flat.side(*h).opposite == NONE || *h < flat.side(*h).opposite);
+    sides.filter(is_first).map(|h| {
+        let ends = [h, next(h)].map(|h| flat.side(h).vertex as usize);
+        (flat.side(h).curve as usize, ends, flat.side(h))
+    })
+}
+
+/// The fewest edges that keep every curve of a surface; none where no number does. Creases that fade out are as rough as their
+/// scan: they may ask for little more than quads of a length have anyway.
+fn fewest(source: &Source, length: f64) -> Vec<usize> {
+    let most = |curve: &Curve| match source.fades {
+        true => (MORE_EDGES * curve.length() / length).ceil() as usize,
+        false => MOST_EDGES,
+    };
+    curves(source).iter().map(|curve| curve.fewest(source, most(curve).min(MOST_EDGES)).unwrap_or(0)).collect()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::integers::choose;
 use super::lattice::{Lattice, Unknowns};
 use super::locate::Locator;
 use super::seamless::{Map, seamless};
-use super::{QuadMap, Wish};
+use super::{QuadMap, Wish, fewest};
 use crate::context::Context;
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{HalfEdges, NONE, SurfaceMesh, Topology};
@@ -149,7 +149,7 @@ fn whole_faces_close_are_positive_and_their_quads_have_the_euler_number() {
         let (source, framed, map) = mapped(name, &context);
         let mut flat = Flat::new(&framed, &map);
         decimate(&mut flat, &framed.is_kept, &context).unwrap();
-        assert!(choose(&mut flat, &mut vec![1.0; framed.points.len()], &context).unwrap(), "{name}");
+        assert!(choose(&mut flat, &mut vec![1.0; framed.points.len()], &[], &context).unwrap(), "{name}");
         for f in flat.faces() {
             let cells = [0, 1, 2].map(|k| flat.side(3 * f + k).cells);
             assert_eq!(cells[0] + cells[1] + cells[2], super::cell::Cell::ZERO);
@@ -177,7 +177,7 @@ fn the_number_of_quads_is_met() {
         let length = (source.area / quads as f64).sqrt();
         let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
         let (framed, _) = framed(&source, &context);
-        let mut map = QuadMap::of_frames(framed, &wish, &context).unwrap().unwrap();
+        let mut map = QuadMap::of_frames(framed, fewest(&source, length), &wish, &context).unwrap().unwrap();
         let work = map.quads(&wish, &context).unwrap().unwrap();
         assert!(work.faces.len().abs_diff(quads) * 20 <= quads, "{} of {quads}", work.faces.len());
     }
@@ -189,7 +189,8 @@ fn quads_are_smaller_where_others_came_to_nothing_and_their_number_is_met() {
     let (quads, source) = (2000, source("tube-tree", &context));
     let length = (source.area / quads as f64).sqrt();
     let wish = Wish { length, quads: Some(quads), working: 0.9, feature_deg: 35.0 };
-    let mut map = QuadMap::of_frames(framed(&source, &context).0, &wish, &context).unwrap().unwrap();
+    let mut map =
+        QuadMap::of_frames(framed(&source, &context).0, fewest(&source, length), &wish, &context).unwrap().unwrap();
     let before = map.quads(&wish, &context).unwrap().unwrap();
     let heights = |work: &super::Work| -> Vec<f64> {
         work.faces.iter().map(|face| face.iter().map(|&v| work.points[v as usize].z).sum::<f64>() / 4.0).collect()

@@ -43,11 +43,23 @@ pub const CANDIDATES: usize = 14;
 /// Orders in which edges are rounded, one after the other until all faces are positive; lengths are shaken by this share.
 pub const ORDERS: usize = 10;
 pub const SHAKE: f64 = 0.4;
+/// Lengths of edges on features that need all of their cells count as this much when edges are put in order: they come first.
+pub const FIRST: f64 = 1e-6;
+/// They weigh so many times more than others where lengths do not add up: these give way.
+pub const HEAVY: f64 = 100.0;
 /// By how much edges around a face that has no cell are to be longer in the next order: ten of them make a limb of one cell one of
 /// two or three.
 pub const STRETCH: f64 = 1.1;
 /// By how much edges are to be longer where quads came to nothing: a limb of two cells around becomes one of three.
 pub const REFINED: f64 = 1.4;
+/// Curves are to be longer than they need to be by so many edges: rounding takes up to half of one. Those that are longer by less
+/// than the other number are rounded first.
+pub const SPARE: f64 = 0.4;
+pub const TIGHT: f64 = 1.0;
+/// More edges than this are not looked for along one feature curve: it would take as many chords for every one of them.
+pub const MOST_EDGES: usize = 2_000;
+/// Creases that fade out get so many times more edges than quads of the wanted length have along them, no more.
+pub const MORE_EDGES: f64 = 1.5;
 /// Orders around faces that stay negative, and rings of faces around them.
 pub const LOCAL_ORDERS: usize = 40;
 pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];

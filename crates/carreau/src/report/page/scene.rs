@@ -225,11 +225,6 @@ impl Scene {
         self
     }
 
-    /// Adds the edges of a mesh of quads that run along the motorcycle graph they were made in.
-    pub fn tracks(self, edges: &[[u32; 2]]) -> Self {
-        if edges.is_empty() { self } else { self.lines(GRAPH, Style::Track, Path::Edges(edges.to_vec())) }
-    }
-
     /// Adds a skeleton.
     pub fn net(mut self, name: impl Into<String>, net: &CurveNet) -> Self {
         let mut net = net.clone();

@@ -1,13 +1,13 @@
 //! From a surface to its motorcycle graph: coarse triangles, their frame field, tracks, and cuts where tracks leave patches
 //! that are no discs.
 
+use super::super::pair::{Coarse, Follow, coarse, field_of};
+use super::super::source::Source;
+use super::super::work::Place;
 use super::cut::open_holes;
 use super::layout::{Fault, audit};
-use super::pair::{Coarse, Follow, coarse, field_of};
 use super::sheet::Sheet;
-use super::source::Source;
 use super::trace::{Traced, cut, trace};
-use super::work::Place;
 use crate::context::Context;
 use crate::error::Result;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -69,7 +69,7 @@ fn mend(sheet: &mut Sheet, diagonal: f64, context: &Context) -> Result<[Vec<Vec<
         tried.insert(sheet.tail(start));
         along.extend(cut(sheet, start, diagonal, context)?);
     }
-    Ok([along, open_holes(sheet, |_| false)])
+    Ok([along, open_holes(sheet)])
 }
 
 /// Where a vertex of the sheet belongs, if it is on a feature.

@@ -11,15 +11,13 @@ use std::collections::BinaryHeap;
 /// Cuts of one surface.
 const CUTS: usize = 500;
 
-/// Cuts patches until each has one loop, where there is a way from one to another, but for those with triangles that stay as
-/// they are. Returns the vertices of the cuts.
-pub fn open_holes(sheet: &mut Sheet, stays: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
+/// Cuts patches until each has one loop, where there is a way from one to another. Returns the vertices of the cuts.
+pub fn open_holes(sheet: &mut Sheet) -> Vec<Vec<u32>> {
     let (mut cuts, mut given_up) = (Vec::new(), FxHashSet::default());
     for _ in 0..CUTS {
         let (patch, count) = patch_of(sheet);
         let Some(loops) = loops(sheet, &patch, count) else { break };
-        let closed =
-            |p: &usize| loops[*p].len() > 1 && !given_up.contains(&loops[*p][0][0].0) && !stays(loops[*p][0][0].0 / 3);
+        let closed = |p: &usize| loops[*p].len() > 1 && !given_up.contains(&loops[*p][0][0].0);
         let Some(p) = (0..count).find(closed) else { break };
         let around: Vec<Vec<u32>> =
             loops[p].iter().map(|list| list.iter().map(|&(h, _)| sheet.head(h)).collect()).collect();

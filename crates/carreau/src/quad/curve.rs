@@ -1,0 +1,229 @@
+//! Feature curves in the order of their length: where their vertices are, where they bend, and how many edges they need.
+//!
+//! ```text
+//!       ╭──────╮  curve          Edges are its chords. A place on it is kept where a chord is near and
+//!     ╱╌╌╌╌╌╌╌╌╌╌╲               about parallel, as the validator will have it: too few of them cut bends off.
+//!    ╱    chord   ╲
+//! ```
+
+use super::source::Source;
+use super::validate::{ALONG_DEG, NEAR};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Chords keep a place within these shares of the distance and of the angle that count: smoothing moves their ends.
+const SURE: f64 = 0.8;
+const PARALLEL: f64 = 0.9;
+/// A curve that turns by this angle needs a chord (radians): what is kept of a bend is within [`ALONG_DEG`] of its chord.
+const TURN: f64 = 2.0 * PARALLEL * ALONG_DEG / 180.0 * std::f64::consts::PI;
+
+/// A curve of the source.
+pub struct Curve {
+    points: Vec<DVec3>,
+    /// The length of the curve up to every point.
+    stations: Vec<f64>,
+    /// Where it bends, by stations in order; a closed curve begins at a bend if it has one.
+    pub bends: Vec<f64>,
+    /// It ends where it begins, in no corner.
+    pub is_closed: bool,
+}
+
+/// All curves, by number.
+pub fn curves(source: &Source) -> Vec<Curve> {
+    let mut edges: Vec<Vec<[u32; 2]>> = Vec::new();
+    for (&ends, &curve) in source.edges.iter().zip(&source.curve) {
+        if edges.len() <= curve as usize {
+            edges.resize(curve as usize + 1, Vec::new());
+        }
+        edges[curve as usize].push(ends);
+    }
+    edges.iter().zip(0u32..).map(|(edges, number)| Curve::new(source, edges, number)).collect()
+}
+
+/// Vertices in the order of a path through edges, from `first`; the first one comes again at the end of a closed path.
+pub fn in_order(edges: &[[u32; 2]], first: u32) -> Vec<u32> {
+    let mut at: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (e, ends) in edges.iter().enumerate() {
+        ends.iter().for_each(|&v| at.entry(v).or_default().push(e));
+    }
+    let (mut path, mut is_used) = (vec![first], vec![false; edges.len()]);
+    let mut last = first;
+    while let Some(&e) = at.get(&last).and_then(|list| list.iter().find(|&&e| !is_used[e])) {
+        is_used[e] = true;
+        let [a, b] = edges[e];
+        last = if a == last { b } else { a };
+        path.push(last);
+    }
+    path
+}
+
+impl Curve {
+    fn new(source: &Source, edges: &[[u32; 2]], number: u32) -> Self {
+        let point = |v: u32| source.surface.mesh.points()[v as usize];
+        let mut arms: BTreeMap<u32, usize> = BTreeMap::new();
+        edges.iter().flatten().for_each(|&v| *arms.entry(v).or_default() += 1);
+        let end = arms.iter().find(|&(&v, &n)| n == 1 || source.is_corner(point(v))).map(|(&v, _)| v);
+        let of_curve = source.bends.get(&number).map_or(&[][..], Vec::as_slice);
+        let is_bend = |p: DVec3| of_curve.contains(&p);
+        let first = end.or_else(|| arms.keys().copied().find(|&v| is_bend(point(v)))).unwrap_or(edges[0][0]);
+        let points: Vec<DVec3> = in_order(edges, first).into_iter().map(point).collect();
+        let mut stations = vec![0.0];
+        for k in 1..points.len() {
+            stations.push(stations[k - 1] + points[k].distance(points[k - 1]));
+        }
+        let is_closed = end.is_none();
+        let inner = usize::from(!is_closed)..points.len() - 1;
+        let bends = inner.filter(|&k| is_bend(points[k])).map(|k| stations[k]).collect();
+        Curve { points, stations, bends, is_closed }
+    }
+
+    pub fn length(&self) -> f64 {
+        self.stations[self.stations.len() - 1]
+    }
+
+    /// The point at a station; one beyond the ends of a closed curve comes round again.
+    pub fn at(&self, station: f64) -> DVec3 {
+        let station = if self.is_closed { station.rem_euclid(self.length()) } else { station };
+        let k = self.stations.partition_point(|&s| s < station).clamp(1, self.stations.len() - 1);
+        let [from, to] = [self.stations[k - 1], self.stations[k]];
+        let share = if to > from { ((station - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        self.points[k - 1].lerp(self.points[k], share)
+    }
+
+    /// The station of the nearest place.
+    pub fn station(&self, p: DVec3) -> f64 {
+        let mut nearest = (f64::INFINITY, 0.0);
+        for (w, s) in self.points.windows(2).zip(self.stations.windows(2)) {
+            let along = w[1] - w[0];
+            let share = ((p - w[0]).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let off = w[0].lerp(w[1], share).distance_squared(p);
+            if off < nearest.0 {
+                nearest = (off, s[0] + (s[1] - s[0]) * share);
+            }
+        }
+        nearest.1
+    }
+
+    /// The fewest edges that keep it, up to `most`, from bend to bend or evenly spaced where there are more bends than edges.
+    pub fn fewest(&self, source: &Source, most: usize) -> Option<usize> {
+        let turn = |w: &[DVec3]| (w[1] - w[0]).angle_between(w[2] - w[1]);
+        let turned: f64 = self.points.windows(3).map(turn).filter(|a| a.is_finite()).sum();
+        let least = ((turned / TURN).floor() as usize).max(1);
+        (least..=most).find(|&count| self.is_kept(&self.ticks(count), SURE * NEAR * source.diagonal))
+    }
+
+    /// Where so many edges begin and end: at bends, if there are enough, and evenly between them.
+    fn ticks(&self, count: usize) -> Vec<f64> {
+        let length = self.length();
+        let mut fixed = vec![0.0];
+        fixed.extend(self.bends.iter().copied().filter(|&b| b > 0.0));
+        fixed.push(length);
+        if count + 1 < fixed.len() {
+            return (0..=count).map(|k| length * k as f64 / count as f64).collect();
+        }
+        let mut pieces: Vec<(f64, usize)> = fixed.windows(2).map(|w| (w[1] - w[0], 1)).collect();
+        for _ in pieces.len()..count {
+            let longest = (0..pieces.len()).max_by(|&a, &b| {
+                let [a, b] = [a, b].map(|k| pieces[k].0 / pieces[k].1 as f64);
+                a.total_cmp(&b)
+            });
+            longest.into_iter().for_each(|k| pieces[k].1 += 1);
+        }
+        let mut ticks = vec![0.0];
+        for ((length, edges), start) in pieces.into_iter().zip(fixed) {
+            ticks.extend((1..=edges).map(|k| start + length * k as f64 / edges as f64));
+        }
+        ticks
+    }
+
+    /// Whether chords between ticks keep it: every piece that is of one edge and of one chord.
+    fn is_kept(&self, ticks: &[f64], near: f64) -> bool {
+        let cos = (PARALLEL * ALONG_DEG).to_radians().cos();
+        let ends: Vec<DVec3> = ticks.iter().map(|&t| self.between_ends(t)).collect();
+        let keeps = |k: usize, p: DVec3, along: DVec3| {
+            let chord = ends[k + 1] - ends[k];
+            let way = chord.normalize_or_zero();
+            let foot = ends[k] + way * (p - ends[k]).dot(way).clamp(0.0, chord.length());
+            way.dot(along).abs() >= cos && foot.distance(p) <= near
+        };
+        let (mut edge, mut own, mut from) = (0, 0, 0.0);
+        while edge + 1 < self.points.len() {
+            let is_last = own + 2 == ticks.len();
+            let to = if is_last { self.stations[edge + 1] } else { self.stations[edge + 1].min(ticks[own + 1]) };
+            let along = (self.points[edge + 1] - self.points[edge]).normalize_or_zero();
+            let ends_of_piece = [from, to].map(|station| self.between_ends(station));
+            let near_by = [own, own.saturating_sub(1), (own + 1).min(ticks.len() - 2)];
+            let is_kept = || ends_of_piece.iter().all(|&p| near_by.into_iter().any(|k| keeps(k, p, along)));
+            if to > from && along != DVec3::ZERO && !is_kept() {
+                return false;
+            }
+            from = to;
+            if to >= self.stations[edge + 1] {
+                edge += 1;
+            }
+            if !is_last && to >= ticks[own + 1] {
+                own += 1;
+            }
+        }
+        true
+    }
+
+    /// The point at a station from one end to the other.
+    fn between_ends(&self, station: f64) -> DVec3 {
+        if station >= self.length() { self.points[self.points.len() - 1] } else { self.at(station) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::validate::lost_features;
+    use super::super::work::Work;
+    use super::*;
+    use crate::context::Context;
+    use crate::geometry::features::FeatureOptions;
+    use crate::mesh::{Polygons, SurfaceMesh};
+    use std::f64::consts::TAU;
+
+    /// A flat ellipse, three times as long as wide: its border bends far more at two places than between them.
+    fn ellipse(sides: u32) -> Source {
+        let mut points = vec![DVec3::ZERO];
+        points.extend((0..sides).map(|k| {
+            let (sin, cos) = (TAU * f64::from(k) / f64::from(sides)).sin_cos();
+            DVec3::new(3.0 * cos, sin, 0.0)
+        }));
+        let mut faces = Polygons::new();
+        (0..sides).for_each(|k| faces.push(&[0, 1 + k, 1 + (k + 1) % sides]));
+        let mesh = SurfaceMesh::new(points, faces).unwrap();
+        Source::new(&mesh, &FeatureOptions::default(), &Context::new()).unwrap()
+    }
+
+    #[test]
+    fn as_many_edges_as_it_says_keep_a_curve_and_fewer_do_not() {
+        for sides in [14, 40, 400] {
+            let source = ellipse(sides);
+            let [curve] = &curves(&source)[..] else { panic!("one border") };
+            assert!(curve.is_closed);
+            assert_eq!(curve.points.len(), sides as usize + 1);
+            let least = curve.fewest(&source, 1000).unwrap();
+            assert_eq!(curve.fewest(&source, least - 1), None);
+            assert!(least <= sides as usize, "its own edges keep it");
+            let ticks = curve.ticks(least);
+            let points: Vec<DVec3> = ticks.iter().map(|&t| curve.between_ends(t)).collect();
+            let features = (0..least as u32).map(|k| ([k, k + 1], 0)).collect();
+            let chords = Work { points, features, ..Work::default() };
+            assert!(lost_features(&chords, &source, NEAR).is_empty(), "the validator agrees");
+        }
+    }
+
+    #[test]
+    fn stations_are_where_points_are() {
+        let source = ellipse(33);
+        let [curve] = &curves(&source)[..] else { panic!("one border") };
+        for k in 0..50 {
+            let station = curve.length() * f64::from(k) / 50.0;
+            assert!((curve.station(curve.at(station)) - station).abs() < 1e-9 * curve.length());
+        }
+        assert!(curve.bends.windows(2).all(|w| w[0] < w[1]));
+        assert!(curve.bends.iter().all(|&b| source.bends[&0].contains(&curve.at(b))));
+    }
+}
