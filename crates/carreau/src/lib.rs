@@ -5,7 +5,7 @@
 //!                        ┌─ segment ──── regions ───────────► cad ──► solids and shells (STEP, IGES)
 //!                        ├─ remesh ───── graded triangles
 //!   file ─► io ─► mesh ──┼─ patch ────── grids of quads on the given vertices ──► B-spline faces
-//!                        ├─ field ────── frames ─► motorcycle graph ─► quad ──► all-quad mesh
+//!                        ├─ field ────── frames ──► quad ──► all-quad mesh, or the motorcycle graph
 //!                        └─ skeleton ─── curves with radii ─────────► hex ───► hexahedra
 //! ```
 //!
@@ -124,7 +124,7 @@
 //! ## [`quad`]: all-quad meshes
 //!
 //! In: triangles. Out: quads only, in the number asked for, with every feature a path of edges. [`quad::motorcycle_graph`]
-//! gives the patches alone: tracks along a frame field, and what they enclose.
+//! gives patches for quads: tracks along a frame field, and what they enclose.
 //!
 //! ```
 //! use carreau::{Context, quad, sample};

@@ -106,7 +106,7 @@ impl Demo {
         let mut graphs = Section {
             title: "Motorcycle graphs",
             about: "Tracks along the frames, from every singular vertex and every corner with room for more than two quads: they \
-                    divide a part into the patches that quads are made in.",
+                    divide a part into patches for quads.",
             figures: Vec::new(),
         };
         let mut quads = Section {

@@ -26,7 +26,7 @@ use std::path::PathBuf;
 /// Tracks leave the singular vertices of the field and the corners of the features, all at the same speed, and stop at
 /// features and at tracks across their way. The output is a triangle mesh in which tracks are paths of edges, with the face
 /// properties patch and region. Edges are tagged (1 features, 2 tracks, 3 cuts through patches that would have holes) if
-/// the format has tags, and written as lines otherwise. `quad` starts from this graph.
+/// the format has tags, and written as lines otherwise.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     carreau motorcycle part.stl -o graph.vtp --picture graph.png\n  \

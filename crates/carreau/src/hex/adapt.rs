@@ -76,7 +76,7 @@ fn sag_across(tube: &TubeMesh, hex: usize, quad: [u32; 4], target: &Target) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hex::{Padding, refine, sew};
+    use crate::hex::{Padding, assemble, refine};
 
     /// Two segments in a ball: one that fills none of it, and one as small that is too short to be halved.
     #[test]
@@ -85,7 +85,7 @@ mod tests {
             crate::skeleton::prepared(&crate::mesh::test_models::sphere(3), &crate::Context::new()).unwrap();
         let points = [-0.6, 0.5, 0.6].map(|x| DVec3::X * x).to_vec();
         let net = CurveNet::new(points, vec![0.3; 3], vec![[0, 1], [1, 2]]);
-        let mut tube = refine::pad(&net, &sew::base_mesh(&net, false), Padding::Sides, refine::CORE);
+        let mut tube = refine::pad(&net, &assemble::base_mesh(&net, false), Padding::Sides, refine::CORE);
         let mut lengths = Lengths::new(&net, 1.0);
         let target = Target::new(&closed);
         let before = tube.hexes.len();

@@ -1,10 +1,10 @@
 //! The cells about a net: an untangled base mesh, padded, halved and optimised.
 
+use super::assemble::{self, BaseMesh};
 use super::insert;
 use super::optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
 use super::options::{HexOptions, Padding};
 use super::refine::{self, CORE, TubeMesh};
-use super::sew::{self, BaseMesh};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::scaled_jacobian;
@@ -62,7 +62,7 @@ pub(super) fn refined(
 /// `cubic` allows cubic junctions.
 pub(super) fn valid_base(net: &CurveNet, cubic: bool, held: &Held, context: &Context) -> Result<BaseMesh> {
     let _stage = context.stage("base mesh");
-    let mut base = sew::base_mesh(net, cubic);
+    let mut base = assemble::base_mesh(net, cubic);
     let mut coarse = refine::pad(net, &base, Padding::None, CORE);
     optimise(&mut coarse, &COARSE, held, context)?;
     base.points = coarse.points;

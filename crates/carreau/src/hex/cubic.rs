@@ -282,7 +282,7 @@ mod tests {
         for n in 3..=6 {
             let open = 6 - n;
             let net = star_net(&cross(n, 0.4, 5.0), 0.2);
-            let base = sew::base_mesh(&net, true);
+            let base = assemble::base_mesh(&net, true);
             assert_eq!(base.cubes.list.len(), 1, "{n}");
             assert_eq!((base.hexes.len(), base.points.len()), (4 * n + 8, 27 + 9 * n));
             assert_conforming(&base.hexes, &base.points, &[0]);
@@ -308,7 +308,7 @@ mod tests {
         for (n, turn) in [(3, 0.0), (4, 1.1), (5, 2.0), (6, 3.3)] {
             let mut directions = cross(n, turn, 10.0);
             directions.rotate_left(n / 2);
-            let base = sew::base_mesh(&star_net(&directions, 0.2), true);
+            let base = assemble::base_mesh(&star_net(&directions, 0.2), true);
             assert_eq!(base.cubes.list.len(), 1);
             let quads: Vec<[u32; 4]> = boundary_faces(&base.hexes).into_iter().map(|f| f.0).collect();
             assert_eq!(irregular_hex_edges(&base.hexes, &quads), []);

@@ -262,7 +262,7 @@ mod tests {
     }
 
     fn inserted(net: &CurveNet, padding: Padding) -> (usize, TubeMesh) {
-        let base = sew::base_mesh(net, true);
+        let base = assemble::base_mesh(net, true);
         let mut tube = refine::pad(net, &base, padding, CORE);
         let before = tube.hexes.len();
         let places = refine::places(net, &base, padding);

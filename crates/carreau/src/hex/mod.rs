@@ -8,24 +8,24 @@
 //! |---|---|---|
 //! | options; the result | | `options`, `result` |
 //! | **skeletons**: the driver | | `tubes` |
-//! | nodes where a branch turns back within a ball are dropped | | `turns` |
-//! | stubs are dropped; narrow forks get a trunk | | `resample`, `zip` |
+//! | nodes where a branch turns back within a ball are dropped | | `u_turns` |
+//! | stubs are dropped; narrow forks get a trunk | | `resample`, `fork_trunks` |
 //! | branches are resampled in proportion to the radius, for the size asked for | | `resample`, `size` |
-//! | radii that leave no room are reduced | | `limit` |
-//! | check that the result still represents the input: every input node lies inside | | `cover` |
-//! | **surfaces**: the driver, and its fallbacks | | `surface`, `surface::fitted` |
+//! | radii that leave no room are reduced | | `ring_room` |
+//! | check that the result still represents the input: every input node lies inside | | `coverage` |
+//! | **surfaces**: the driver, and its fallbacks | | `surface`, `surface::fallbacks` |
 //! | flat ends of closed tubes | | `ends` |
-//! | the skeleton is prepared: extremities, webs, meeting points of many branches | | `surface::ready`, `tips`, `web`, `meet` |
+//! | the skeleton is prepared: extremities, webs, meeting points of many branches | | `surface::prepared`, `tips`, `webs`, `junction_centres` |
 //! | **cells**, the same for both from here on | | `cells` |
 //! | connection surfaces of the branchings; cubic junctions at right angles | 3.2 | `connection`, `cubic` |
 //! | frames along the branches | 3.1 | `frames` |
-//! | the base mesh: hexes joined at the nodes | 3.1 | `sew` |
+//! | the base mesh: hexes joined at the nodes | 3.1 | `assemble` |
 //! | padding, halving across and along | 4 | `refine` |
 //! | cells inserted where branches grow thick | | `insert` |
 //! | untangling, smoothing, certificate | | `optimise` |
-//! | **fit** to the surface: sections flattened; segments halved where the surface is far | | `oval`, `adapt` |
-//! | the surface, the boundary of the mesh, and how the one is pulled to the other | | `target`, `skin`, `fit` |
-//! | vertices sent to where the surface is far | | `reach` |
+//! | **fit** to the surface: sections flattened; segments halved where the surface is far | | `flat_sections`, `adapt` |
+//! | the surface, the boundary of the mesh, and how the one is pulled to the other | | `target`, `boundary`, `boundary_fit` |
+//! | vertices sent to where the surface is far | | `far_surface` |
 //! | **delivery**: boundary, tags, certificate | | `deliver` |
 //! | boundary layers, straight pieces at the ends, cells of second order | | `layers`, `extend`, `second_order` |
 //! | distance and overlap are judged; figures | | `judge`, `figures` |
@@ -35,32 +35,33 @@
 //! linear smoothing; and a certificate for every cell.
 
 mod adapt;
+mod assemble;
+mod boundary;
+mod boundary_fit;
 mod cells;
 mod connection;
-mod cover;
+mod coverage;
 mod cubic;
 mod deliver;
 mod ends;
 mod extend;
+mod far_surface;
 mod figures;
-mod fit;
+mod flat_sections;
+mod fork_trunks;
 mod frames;
 mod insert;
 mod judge;
+mod junction_centres;
 mod layers;
-mod limit;
-mod meet;
 mod optimise;
 mod options;
-mod oval;
-mod reach;
 mod refine;
 mod resample;
 mod result;
+mod ring_room;
 mod second_order;
-mod sew;
 mod size;
-mod skin;
 #[cfg(test)]
 mod star_tests;
 mod surface;
@@ -69,10 +70,9 @@ mod target;
 mod tests;
 mod tips;
 mod tubes;
-mod turns;
+mod u_turns;
 mod validate;
-mod web;
-mod zip;
+mod webs;
 
 pub use figures::{Figures, HexQuality};
 pub use judge::{MAX_DISTANCE, Uncovered};
@@ -112,6 +112,6 @@ pub fn from_net(net: &CurveNet, options: &HexOptions, context: &Context) -> Resu
 
 /// The coarsest mesh of a net as it is, without any optimisation: what the speed of the construction is measured by.
 pub fn base_mesh(net: &CurveNet) -> HexMesh {
-    let base = sew::base_mesh(net, false);
+    let base = assemble::base_mesh(net, false);
     HexMesh { points: base.points, hexes: base.hexes, ..HexMesh::default() }
 }

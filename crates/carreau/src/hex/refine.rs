@@ -15,8 +15,8 @@
 //! end its thickness too; along means the axis of the segments.
 
 use super::Padding;
+use super::assemble::BaseMesh;
 use super::cubic;
-use super::sew::BaseMesh;
 use crate::mesh::{CurveNet, NONE};
 use glam::DVec3;
 use rustc_hash::FxHashMap;

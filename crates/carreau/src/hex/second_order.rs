@@ -11,8 +11,8 @@
 //! 20 nodes with the same edges, by the Bernstein coefficients of its Jacobian. Edges of a cell that would fold are made straight.
 
 use super::HexResult;
+use super::boundary::SWELL;
 use super::layers::{planes, within};
-use super::skin::SWELL;
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;

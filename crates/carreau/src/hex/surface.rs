@@ -1,16 +1,16 @@
 //! The driver of surfaces: skeleton, coarse cells, boundary on the surface.
 
 mod coarse;
-mod fitted;
-mod ready;
+mod fallbacks;
+mod prepared;
 
 use super::target::Target;
-use super::{HexOptions, HexResult, Stage, deliver, ends, judge, zip};
+use super::{HexOptions, HexResult, Stage, deliver, ends, fork_trunks, judge};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{CurveNet, SurfaceMesh, UnitScale};
 use coarse::Coarse;
-use ready::{Ready, skeleton_of};
+use prepared::{Ready, skeleton_of};
 
 /// Number of cells, in all attempts together, after which no other skeleton is tried.
 const MANY_TRIED: usize = 150_000;
@@ -20,7 +20,7 @@ const MANY_TRIED: usize = 150_000;
 const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
 /// Directions closer than this get a trunk, in degrees: both are tried with every share. Cells in wider forks have better
 /// shapes, but limbs beside each other on a body are none.
-const NARROW: [f64; 2] = [zip::CLOSE_DEGREES, zip::NARROW_DEGREES];
+const NARROW: [f64; 2] = [fork_trunks::CLOSE_DEGREES, fork_trunks::NARROW_DEGREES];
 /// A boundary this near to the surface, as a share of the diagonal, needs no second try.
 const WELL: f64 = 0.02;
 
@@ -86,7 +86,7 @@ fn meshed(
         }
     }
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let coarse = fitted::best(tried, &closed, &target, context)?;
+    let coarse = fallbacks::best(tried, &closed, &target, context)?;
     let left = coarse.left;
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;

@@ -321,7 +321,7 @@ fn branches_meet_where_their_tubes_aim_at() {
         }
     }
     let mut net = CurveNet::new(points, vec![0.12; 51], edges);
-    meet::meet(&mut net, &target::Target::new(&closed));
+    junction_centres::meet(&mut net, &target::Target::new(&closed));
     assert!(net.points[0].length() < 0.02, "{}", net.points[0]);
 }
 
@@ -329,7 +329,7 @@ fn branches_meet_where_their_tubes_aim_at() {
 #[test]
 fn a_segment_halved_alone_conforms() {
     let net = tree();
-    let mut tube = refine::pad(&net, &sew::base_mesh(&net, false), Padding::All, CORE);
+    let mut tube = refine::pad(&net, &assemble::base_mesh(&net, false), Padding::All, CORE);
     let before = tube.hexes.len();
     tube.refine_along(|segment| segment == 2);
     assert_eq!(tube.hexes.len(), before + 12);

@@ -1,12 +1,12 @@
 //! The driver of skeletons: clean-up, cells, and other attempts where nodes are lost or cells are poor.
 
+use super::assemble::BaseMesh;
 use super::cells::{least_scaled_jacobian, refined, valid_base};
 use super::options::{HexOptions, Stage, check_size, check_steps};
 use super::refine::TubeMesh;
 use super::result::HexResult;
-use super::sew::BaseMesh;
 use super::size::resized;
-use super::{cover, deliver, limit, resample, turns, zip};
+use super::{coverage, deliver, fork_trunks, resample, ring_room, u_turns};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::hexes::uncertified;
@@ -16,7 +16,7 @@ use rustc_hash::FxHashSet;
 /// Branchings closer than this share of the smaller radius become one.
 const MERGE: f64 = 0.3;
 /// Angles in degrees: directions closer than the first get a trunk, up to where they are as far apart as the second.
-const FORKS: [f64; 2] = [zip::CLOSE_DEGREES, zip::APART_DEGREES];
+const FORKS: [f64; 2] = [fork_trunks::CLOSE_DEGREES, fork_trunks::APART_DEGREES];
 /// The same angles where the least scaled Jacobian is below [`POOR_NET`] and cells are not more than [`FEW_HEXES`]:
 /// trunks from more branches have forks with wider angles, but depart farther from what was drawn.
 const OTHER_FORKS: [[f64; 2]; 2] = [[42.0, 55.0], [36.0, 48.0]];
@@ -81,7 +81,7 @@ impl Meshed {
         for _ in 0..2 {
             let base = valid_base(&net, options.stage == Stage::Full, &held, context)?;
             let tube = refined(&net, &base, &held, options, context)?;
-            let outside = cover::outside_cells(&given, &tube);
+            let outside = coverage::outside_cells(&given, &tube);
             let lacking = [uncertified(&tube.points, &tube.hexes).len(), outside.len()];
             if best.as_ref().is_none_or(|b| lacking < b.0) {
                 best = Some((lacking, tube, base));
@@ -110,7 +110,7 @@ fn clean_up(
     let _stage = context.stage("skeleton");
     let RepairedNet { mut net, mut warnings } = net.repaired(options.radius)?;
     if options.stage == Stage::Full {
-        let dropped = turns::drop_turns(&mut net);
+        let dropped = u_turns::drop_turns(&mut net);
         if dropped > 0 {
             warnings.push(format!("{dropped} nodes were dropped, because a branch turns back there within its radius"));
         }
@@ -121,7 +121,7 @@ fn clean_up(
     for merge in [MERGE, MERGE, 0.0] {
         context.check()?;
         let (ready, notes) = shaped(&net, forks, options, &stay, merge);
-        let outside = cover::outside(&net, &ready);
+        let outside = coverage::outside(&net, &ready);
         if best.as_ref().is_none_or(|b| outside.len() < b.0) {
             best = Some((outside.len(), ready, notes));
         }
@@ -159,15 +159,16 @@ fn shaped(
             notes.push(format!("{merged} branchings lie inside others and were merged with them"));
         }
     }
-    let [narrow, apart] = if options.stage == Stage::Full { forks } else { [zip::NARROW_DEGREES, zip::APART_DEGREES] };
-    let zipped = zip::zip(&mut net, narrow, apart);
+    let [narrow, apart] =
+        if options.stage == Stage::Full { forks } else { [fork_trunks::NARROW_DEGREES, fork_trunks::APART_DEGREES] };
+    let zipped = fork_trunks::zip(&mut net, narrow, apart);
     if zipped > 0 {
         notes.push(format!("{zipped} pairs of directions are closer than {narrow}° and got a common trunk"));
     }
     if options.stage == Stage::Full {
         net = resized(&net, options);
     }
-    let reduced = limit::limit_radii(&mut net);
+    let reduced = ring_room::limit_radii(&mut net);
     if reduced > 0 {
         notes.push(format!("{reduced} radii leave no room for cells beside a short segment and were reduced"));
     }

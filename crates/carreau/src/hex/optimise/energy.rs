@@ -13,7 +13,7 @@
 //!
 //! Cells are taken four at a time, with the processor's vector instructions.
 
-use super::lanes::{LANES, Numbers, Vectors};
+use super::simd::{LANES, Numbers, Vectors};
 use crate::geometry::hexes::{Corners, along_axes as change_rows, determinants};
 use crate::mesh::HEX_EDGES;
 use faer::traits::pulp::{Arch, Simd, WithSimd};

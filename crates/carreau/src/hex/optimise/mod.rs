@@ -1,7 +1,7 @@
 //! Geometry: untangling and smoothing.
 //!
 //! 1. While a determinant is not positive: minimise the regularised energy, ε following the worst one (energy.rs); first for
-//!    the folded cells of a large mesh and their surroundings alone (unfold.rs), then for all, or the other way round.
+//!    the folded cells of a large mesh and their surroundings alone (untangle.rs), then for all, or the other way round.
 //! 2. Then ε = 0: the energy is infinite outside the valid set, which no step leaves. The power p rises, so that the
 //!    worst cells count more and more; target lengths follow the cells, so that only angles are asked for.
 //! 3. Bernstein certificate of every cell; where some have none, the springs are loosened, those cells get more weight,
@@ -14,18 +14,18 @@
 
 mod corners;
 mod energy;
-mod lanes;
 mod mean;
+mod onto_surface;
 mod patches;
-mod relieve;
-mod seat;
+mod simd;
 #[cfg(test)]
 mod slopes;
-mod unfold;
+mod untangle;
+mod worst_cells;
 
+pub use onto_surface::seat;
 pub use patches::Ties;
-pub use relieve::{polish, relieve};
-pub use seat::seat;
+pub use worst_cells::{polish, relieve};
 
 use crate::context::Context;
 use crate::error::Result;
@@ -433,11 +433,11 @@ impl<'a> Optimiser<'a> {
         let mut valid = self.is_valid(points);
         // All cells together find better places, which costs little where they are few.
         if !valid && self.hexes.len() > FEW_CELLS {
-            valid = unfold::unfold(self, points, effort, context)?;
+            valid = untangle::unfold(self, points, effort, context)?;
         }
         if !valid {
             valid = self.untangle(points, effort, context)?;
-            valid = valid || unfold::unfold(self, points, effort, context)?;
+            valid = valid || untangle::unfold(self, points, effort, context)?;
             self.retarget(points);
         }
         if valid {

@@ -1,18 +1,18 @@
 //! The coarsest cells about a skeleton, pulled to the surface; then halved level by level and put onto it.
 
-use super::ready::{INSIDE, Ready};
+use super::prepared::{INSIDE, Ready};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::hex::adapt::Lengths;
+use crate::hex::assemble::BaseMesh;
+use crate::hex::boundary::Skin;
+use crate::hex::boundary_fit::{self, Rise, Seat};
 use crate::hex::cells::{padded, valid_base};
-use crate::hex::fit::{self, Rise, Seat};
+use crate::hex::far_surface::reach;
+use crate::hex::flat_sections;
 use crate::hex::optimise::{INNER, Optimiser, PASSING};
-use crate::hex::oval;
-use crate::hex::reach::reach;
 use crate::hex::refine::TubeMesh;
-use crate::hex::sew::BaseMesh;
-use crate::hex::skin::Skin;
 use crate::hex::target::Target;
 use crate::hex::tubes::warn_of_poor;
 use crate::mesh::{SurfaceMesh, boundary_faces, split_quad};
@@ -100,7 +100,7 @@ impl Coarse {
         warn_of_poor(base, &mut warnings);
         let flat: Vec<bool> = lid_of.iter().map(|&lid| lid > 0).collect();
         let mut tube = padded(net, base, options, &flat, &PASSING, &[], context)?;
-        oval::stretch(&mut tube, net, target);
+        flat_sections::stretch(&mut tube, net, target);
         // Segments much longer than thick, as those of a narrow fork are by the first-ring rule: their cells must reach into
         // the cleft between the tubes.
         let mut lengths = Lengths::new(net, INSIDE);
@@ -112,8 +112,8 @@ impl Coarse {
         let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
         let TubeMesh { points, hexes, .. } = &mut tube;
         let mut optimiser = Optimiser::new(points, hexes);
-        fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
-        let free = fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT_WHEN_SEATED[0]);
+        boundary_fit::pull(&mut optimiser, points, &skin, target, &FIRST, context)?;
+        let free = boundary_fit::snap(&optimiser, &mut points.clone(), &skin, target, KEPT_WHEN_SEATED[0]);
         let left = stuck(&free, &skin);
         let is_valid = optimiser.is_valid(points);
         let skin = skin_of(points, boundary_faces(hexes).into_iter().map(|f| f.0))?;
@@ -154,20 +154,20 @@ impl Coarse {
             let TubeMesh { points, hexes, .. } = tube;
             let mut optimiser = Optimiser::new(points, hexes);
             if level == levels {
-                fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
+                boundary_fit::pull(&mut optimiser, points, &skin, target, &LAST, context)?;
                 let mut free = Vec::new();
                 for (attempt, kept) in KEPT_WHEN_SEATED.into_iter().enumerate() {
                     if attempt > 0 {
                         // What cannot be put onto the surface at once may have room when its neighbours are there.
                         optimiser.fix(free.iter().map(|f| !f).collect());
-                        fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
+                        boundary_fit::pull(&mut optimiser, points, &skin, target, &AGAIN, context)?;
                         optimiser.fix(vec![false; free.len()]);
                     }
-                    free = fit::snap(&optimiser, points, &skin, target, kept);
+                    free = boundary_fit::snap(&optimiser, points, &skin, target, kept);
                     left = stuck(&free, &skin);
                     is_hopeless = left as f64 > FEW_STUCK * skin.len() as f64;
                     if left > 0 && !is_hopeless {
-                        fit::seat(points, hexes, &skin, target, &mut free, Seat::Own, context)?;
+                        boundary_fit::seat(points, hexes, &skin, target, &mut free, Seat::Own, context)?;
                         left = stuck(&free, &skin);
                     }
                     if left == 0 || is_hopeless {
@@ -190,7 +190,7 @@ impl Coarse {
         self.put(&[Seat::Closest, Seat::Singly], target, context)?;
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
-        fit::slide(points, hexes, &skin, target, &self.free, context)
+        boundary_fit::slide(points, hexes, &skin, target, &self.free, context)
     }
 
     /// Better poor cells than vertices that are not on the surface.
@@ -205,7 +205,7 @@ impl Coarse {
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
         for &seat in seats {
             if self.left > 0 {
-                fit::seat(points, hexes, &skin, target, &mut self.free, seat, context)?;
+                boundary_fit::seat(points, hexes, &skin, target, &mut self.free, seat, context)?;
                 self.left = stuck(&self.free, &skin);
             }
         }
@@ -216,7 +216,7 @@ impl Coarse {
     pub(super) fn swell(&mut self, target: &Target) {
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
-        fit::swell(points, hexes, &skin, target, &self.free);
+        boundary_fit::swell(points, hexes, &skin, target, &self.free);
     }
 
     /// Boundary vertices go to where the surface is far.
@@ -233,7 +233,7 @@ impl Coarse {
 fn pull(tube: &mut TubeMesh, lid_of: &[u32], target: &Target, rise: &Rise, context: &Context) -> Result<()> {
     let skin = Skin::new(&tube.hexes, &tube.caps, lid_of);
     let mut optimiser = Optimiser::new(&tube.points, &tube.hexes);
-    fit::pull(&mut optimiser, &mut tube.points, &skin, target, rise, context)
+    boundary_fit::pull(&mut optimiser, &mut tube.points, &skin, target, rise, context)
 }
 
 /// How many boundary vertices could not be put onto the surface, of those that were left free.

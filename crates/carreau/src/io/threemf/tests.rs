@@ -93,7 +93,7 @@ fn what_is_wrong_is_told() {
     let object = format!("<object id=\"1\">{MESH}</object>");
     let itself = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
     for (file, what) in [
-        (b"solid".to_vec(), "no 3MF package"),
+        (b"solid".to_vec(), "not a 3MF package"),
         (packed(&object, "<item objectid=\"4\"/>"), "object 4 does not exist"),
         (packed(&object.replace("v3=\"2\"", "v3=\"3\""), "<item objectid=\"1\"/>"), "a vertex that does not exist"),
         (
@@ -101,7 +101,7 @@ fn what_is_wrong_is_told() {
             "'x' must be a coordinate, found '1,0'",
         ),
         (packed(itself, "<item objectid=\"1\"/>"), "nested more than"),
-        (packed(&object.replace("</object>", ""), "<item objectid=\"1\"/>"), "no well-formed XML"),
+        (packed(&object.replace("</object>", ""), "<item objectid=\"1\"/>"), "not well-formed XML"),
     ] {
         let message = error_of("a.3mf", &file);
         assert!(message.contains(what), "{message}");

@@ -10,9 +10,9 @@
 //!        ╰──p──╯                   ╰──v──╯
 //! ```
 
-use super::fit::Sliding;
+use super::boundary::Skin;
+use super::boundary_fit::Sliding;
 use super::optimise::{self, relieve};
-use super::skin::Skin;
 use super::target::{Part, Seen, Target};
 use crate::context::Context;
 use crate::error::Result;

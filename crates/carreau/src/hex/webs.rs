@@ -1,6 +1,6 @@
 //! Merges webs: a skeleton has a branch to each corner of an ear or a fin, but the room between these branches is
 //! filled, and tubes beside each other would leave slits in it. Only the longest branch is kept: its tube becomes as
-//! flat as the part ([`super::oval`]).
+//! flat as the part ([`super::flat_sections`]).
 //!
 //! ```text
 //!    ╭──────────╮         ╭──────────╮

@@ -120,7 +120,7 @@ impl Oval {
 mod tests {
     use super::*;
     use crate::context::Context;
-    use crate::hex::{Padding, refine, sew};
+    use crate::hex::{Padding, assemble, refine};
     use crate::mesh::test_models::{moved, sphere};
     use crate::skeleton::{self, Closed};
 
@@ -144,7 +144,7 @@ mod tests {
     fn cells_in_a_flat_body_become_flat() {
         let points: Vec<DVec3> = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|x| DVec3::X * x).to_vec();
         let net = CurveNet::new(points, vec![0.2; 5], vec![[0, 1], [1, 2], [2, 3], [3, 4]]);
-        let start = refine::pad(&net, &sew::base_mesh(&net, false), Padding::All, refine::CORE);
+        let start = refine::pad(&net, &assemble::base_mesh(&net, false), Padding::All, refine::CORE);
         let extent = |tube: &TubeMesh| tube.points.iter().fold(DVec3::ZERO, |most, p| most.max(p.abs()));
         let mut flat = start.clone();
         let closed = ellipsoid(0.25);

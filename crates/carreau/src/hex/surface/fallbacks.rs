@@ -2,7 +2,7 @@
 
 use super::MANY_TRIED;
 use super::coarse::{COARSELY, Coarse, skin_of};
-use super::ready::Ready;
+use super::prepared::Ready;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::compare;

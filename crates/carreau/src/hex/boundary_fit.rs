@@ -7,8 +7,8 @@
 //!
 //! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
 
+use super::boundary::{SWELL, Shape, Skin};
 use super::optimise::{self, Optimiser, Spring, Ties, polish};
-use super::skin::{SWELL, Shape, Skin};
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;

@@ -7,7 +7,7 @@ use crate::hex::options::{HexOptions, Stage, check_size, check_steps};
 use crate::hex::resample::{self, Step};
 use crate::hex::size::finest;
 use crate::hex::target::Target;
-use crate::hex::{limit, meet, tips, web, zip};
+use crate::hex::{fork_trunks, junction_centres, ring_room, tips, webs};
 use crate::mesh::{CurveNet, SurfaceMesh};
 use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
 use glam::DVec3;
@@ -99,7 +99,7 @@ fn clean_up_for_surface(
     if options.stage == Stage::Full {
         resample::prune(net, &FxHashSet::default());
         net.merge_branchings(|[a, b]| merge * (a + b));
-        web::merge_webs(net, target);
+        webs::merge_webs(net, target);
     }
     let lids = tips::ready(net, target);
     let in_lids: Vec<(DVec3, u32)> = net.points.iter().zip(&lids).filter(|l| *l.1 > 0).map(|(p, l)| (*p, *l)).collect();
@@ -108,9 +108,9 @@ fn clean_up_for_surface(
         warnings.push(format!("{missed} open ends have no branch of the skeleton and were taken as wall"));
     }
     if options.stage == Stage::Full {
-        meet::meet(net, target);
-        meet::straighten_in_balls(net, target);
-        zip::zip(net, narrow, zip::APART_DEGREES);
+        junction_centres::meet(net, target);
+        junction_centres::straighten_in_balls(net, target);
+        fork_trunks::zip(net, narrow, fork_trunks::APART_DEGREES);
         check_steps(net, options)?;
         let round = tips_of(net).saturating_sub(in_lids.len());
         *net = sized(net, round, options);
@@ -122,7 +122,7 @@ fn clean_up_for_surface(
         options.refine_across.get_or_insert(ACROSS);
     }
     net.radii.iter_mut().for_each(|r| *r *= INSIDE);
-    limit::limit_radii(net);
+    ring_room::limit_radii(net);
     if net.edges.is_empty() {
         return Err(Error::input("the skeleton has no segment", "", "give a skeleton"));
     }
