@@ -213,7 +213,7 @@ impl QuadMap {
     /// Makes the edges of curves longer by a factor of each, if it is more than one.
     fn stretch_curves(&mut self, flat: &Flat, factor: impl Fn(usize, f64) -> f64) {
         let mut by = vec![1.0f64; self.stretch.len()];
-        for (curve, ends, _) in on_curves(flat) {
+        for (curve, ends, _) in on_curves(flat).filter(|on| self.fewest[on.0] > 0) {
             let factor = factor(curve, self.fewest[curve] as f64);
             ends.into_iter().filter(|_| factor.is_finite()).for_each(|v| by[v] = by[v].max(factor));
         }
