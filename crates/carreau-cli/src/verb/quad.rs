@@ -39,7 +39,7 @@ pub struct Quad {
     edge_length: Option<Length>,
     #[command(flatten)]
     features: FeatureFlags,
-    /// The first method to try, 1 (best) to 4 (always gives a mesh) [default: 1]
+    /// The first method to try: 1 (the map, best), 3 (pairs) or 4 (always gives a mesh) [default: 1]
     #[arg(long, value_name = "N")]
     rung: Option<u32>,
     #[command(flatten)]
