@@ -96,8 +96,7 @@ fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context)
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
     // What keeps to the number and leaves a part out is better than many times as many quads.
-    let has_to_do = |b: &Judged| b.meets_number && (source.edges.is_empty() || source.fades);
-    let will_do = map.is_useful() || map.best.as_ref().is_some_and(has_to_do);
+    let will_do = map.is_useful() || map.best.as_ref().is_some_and(|b| b.meets_number);
     let pairs = if will_do { None } else { third::third(source, options, &mut warnings, context)? };
     let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     let best = candidates.min_by(|a, b| a.0.cost.cmp(&b.0.cost));

@@ -43,7 +43,7 @@ use framed::{Framed, next};
 use locate::Locator;
 use seamless::Map;
 use tuning::{
-    CANCELLED, FAILED, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
+    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
     WORKING_SMALLEST,
 };
 
@@ -154,7 +154,7 @@ impl QuadMap {
     fn whole(&mut self, wish: &Wish, context: &Context) -> Result<Option<Flat>> {
         let _stage = context.stage("numbers");
         let mut scale = self.scale;
-        let mut best: Option<((usize, f64), f64, Flat)> = None;
+        let mut best: Option<(f64, f64, Flat)> = None;
         let mut failed = 0;
         for _ in 0..SIZES {
             let mut tried = self.flat.clone();
@@ -167,8 +167,9 @@ impl QuadMap {
                 let missing = self.missing(&tried);
                 tracing::debug!(target: "carreau::quad", scale, count, missing, "whole");
                 let off = ratio.ln().abs();
-                if best.as_ref().is_none_or(|b| (missing, off) < b.0) {
-                    best = Some(((missing, off), scale, tried));
+                let cost = off + LACKING * missing as f64 / self.fewest.iter().sum::<usize>().max(1) as f64;
+                if best.as_ref().is_none_or(|b| cost < b.0) {
+                    best = Some((cost, scale, tried));
                 }
                 if off < NUMBER && missing == 0 {
                     break;

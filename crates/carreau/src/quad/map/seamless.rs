@@ -7,7 +7,7 @@
 
 use super::cut::Cut;
 use super::framed::{Framed, next, turned};
-use super::tuning::{ANGLE, MULTIPLIERS, SEAMLESS, STIFFER, STIFFER_ROUNDS, STIFFNESS, TURNED};
+use super::tuning::{ANGLE, MULTIPLIERS, PATIENCE, SEAMLESS, STIFFER, STIFFER_ROUNDS, STIFFNESS, TURNED};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -31,7 +31,8 @@ pub fn seamless(framed: &Framed, cut: Cut, length: f64, context: &Context) -> Re
     let targets: Vec<DMat2> = (0..framed.frame.len()).map(|t| target(framed, &cut, t, length)).collect();
     let mut weight = vec![1.0; framed.triangles.len()];
     let mut plan = None;
-    for _ in 0..STIFFER_ROUNDS {
+    let mut least = (usize::MAX, 0);
+    for round in 0..STIFFER_ROUNDS {
         context.check()?;
         let system = System { framed, cut: &cut, rows: &rows, gradients: &gradients, targets: &targets };
         let Some(uv) = system.solve(&weight, &mut plan, context)? else {
@@ -43,11 +44,17 @@ pub fn seamless(framed: &Framed, cut: Cut, length: f64, context: &Context) -> Re
             j.determinant() <= TURNED * targets[*t].determinant()
         };
         let bad: Vec<usize> = (0..framed.triangles.len()).filter(is_turned).collect();
+        tracing::debug!(target: "carreau::quad", turned = bad.len(), "solved");
         if bad.is_empty() {
             let map = Map { uv, turn: cut.turn };
             let wrong = map.wrong_angles(framed);
             let why = || format!("{wrong} angles of the map are not those of the field");
             return Ok(if wrong == 0 { Ok(map) } else { Err(why()) });
+        }
+        if bad.len() < least.0 {
+            least = (bad.len(), round);
+        } else if round - least.1 >= PATIENCE {
+            break;
         }
         stiffen(framed, &bad, &mut weight);
     }

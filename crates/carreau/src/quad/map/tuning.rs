@@ -24,6 +24,8 @@ pub const MULTIPLIERS: usize = 12;
 pub const TURNED: f64 = 0.02;
 /// Rounds in which triangles that are turned over are made stiffer, and by which factor.
 pub const STIFFER_ROUNDS: usize = 12;
+/// Rounds that leave no fewer of them before it is given up.
+pub const PATIENCE: usize = 3;
 pub const STIFFER: f64 = 2.0;
 /// Angles in the map are multiples of a right angle within this (radians): far from the next, far above rounding.
 pub const ANGLE: f64 = 0.1;
@@ -52,6 +54,8 @@ pub const HEAVY: f64 = 100.0;
 pub const STRETCH: f64 = 1.1;
 /// By how much edges are to be longer where quads came to nothing: a limb of two cells around becomes one of three.
 pub const REFINED: f64 = 1.4;
+/// Edges that curves lack, as a share of all that they need, count so many times more than a number of quads that is missed.
+pub const LACKING: f64 = 5.0;
 /// Curves are to be longer than they need to be by so many edges: rounding takes up to half of one. Those that are longer by less
 /// than the other number are rounded first.
 pub const SPARE: f64 = 0.4;
