@@ -109,41 +109,10 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
 
 /// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
 pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
-    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
-    for_features(work, source, NEAR, |_, p, length, is_kept| {
-        total += length;
-        match is_kept {
-            true => kept += length,
-            false => lost = lost.or(Some(p)),
-        }
-    });
-    (if total > 0.0 { kept / total } else { 1.0 }, lost)
-}
-
-/// Where features are lost, and of which curve; nowhere, where all but rounding is kept. Edges are as near as `near`, a share
-/// of the diagonal.
-pub fn lost_features(work: &Work, source: &Source, near: f64) -> Vec<(u32, DVec3)> {
-    let (mut total, mut missing, mut places) = (0.0, 0.0, Vec::new());
-    for_features(work, source, near, |edge, p, length, is_kept| {
-        total += length;
-        if !is_kept {
-            missing += length;
-            places.push((source.curve[edge], p));
-        }
-    });
-    if missing > (1.0 - RECALL) * total { places } else { Vec::new() }
-}
-
-/// Whether edges between two places keep the curve that they are on, by a share of what may be between them.
-pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2], share: f64) -> bool {
-    source.is_along(curve, ends, share * NEAR * source.diagonal, (share * ALONG_DEG).to_radians().cos())
-}
-
-/// Visits places along the features: the edge, the point, the length that it stands for, and whether it is kept.
-fn for_features(work: &Work, source: &Source, near: f64, mut visit: impl FnMut(usize, DVec3, f64, bool)) {
     let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
-    let (near, cos) = (near * source.diagonal, ALONG_DEG.to_radians().cos());
-    for (edge, ends) in source.edges.iter().enumerate() {
+    let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
+    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
+    for ends in &source.edges {
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
         let n = (length / source.diagonal * SAMPLES).ceil().max(1.0);
@@ -154,7 +123,17 @@ fn for_features(work: &Work, source: &Source, near: f64, mut visit: impl FnMut(u
                 let [a, b] = work.features[closest.triangle as usize].0.map(|v| work.points[v as usize]);
                 found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
             });
-            visit(edge, p, length / n, found);
+            total += length / n;
+            match found {
+                true => kept += length / n,
+                false => lost = lost.or(Some(p)),
+            }
         }
     }
+    (if total > 0.0 { kept / total } else { 1.0 }, lost)
+}
+
+/// Whether edges between two places keep the curve that they are on, by a share of what may be between them.
+pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2], share: f64) -> bool {
+    source.is_along(curve, ends, share * NEAR * source.diagonal, (share * ALONG_DEG).to_radians().cos())
 }

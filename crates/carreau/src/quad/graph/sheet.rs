@@ -12,7 +12,6 @@
 //! ```
 
 use crate::field::Field;
-use crate::geometry::closest::closest_on_triangle;
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -156,12 +155,6 @@ impl Sheet {
     /// Signed angle from one direction to another in the plane of a triangle.
     pub fn angle(&self, t: u32, from: DVec3, to: DVec3) -> f64 {
         from.cross(to).dot(self.normal(t)).atan2(from.dot(to))
-    }
-
-    /// Distance of a point from the segment between two vertices.
-    pub fn distance(&self, a: u32, b: u32, p: DVec3) -> f64 {
-        let [a, b] = [a, b].map(|v| self.points[v as usize]);
-        closest_on_triangle(p, [a, b, b]).distance(p)
     }
 
     /// The half-edges that leave a vertex, counter-clockwise; from the border, where there is one.

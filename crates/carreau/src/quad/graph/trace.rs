@@ -57,8 +57,6 @@ pub struct Traced {
     pub starts: Vec<Start>,
     /// Vertices of the tracks that were not taken back, before edges between them were divided; see [`Sheet::walls_along`].
     pub tracks: Vec<Vec<u32>>,
-    /// How many were taken back.
-    pub dropped: usize,
 }
 
 /// A track on its way.
@@ -173,16 +171,6 @@ impl Sheet {
         }
     }
 
-    /// Takes back the tracks and cuts around some triangles. Returns whether there were tracks.
-    pub fn clear_around(&mut self, triangles: &[u32]) -> bool {
-        let is_free = |sheet: &Self, h: u32| matches!(sheet.wall[h as usize], Wall::Track | Wall::Cut);
-        let free: Vec<u32> = triangles.iter().flat_map(|t| 3 * t..3 * t + 3).filter(|&h| is_free(self, h)).collect();
-        let had_tracks = free.iter().any(|&h| self.wall[h as usize] == Wall::Track);
-        free.iter().for_each(|&h| self.clear_wall(h));
-        self.prune();
-        had_tracks
-    }
-
     /// Takes back what is left of tracks that end in no other wall.
     fn prune(&mut self) {
         let mut queue: Vec<u32> = (0..self.points.len() as u32).collect();
@@ -258,10 +246,9 @@ pub fn trace(sheet: &mut Sheet, quads: &[(u32, i32)], diagonal: f64, context: &C
         race.start_at_singularity(vertex, quads);
     }
     race.run(context)?;
-    let dropped = race.dropped;
     let tracks = race.arrived();
     sheet.prune();
-    Ok(Traced { starts, tracks, dropped })
+    Ok(Traced { starts, tracks })
 }
 
 /// Cuts from a wall into a patch, a quarter turn from the half-edge that leaves a vertex; the vertices of the track, if it
@@ -280,7 +267,6 @@ struct Race<'a> {
     tracks: Vec<Track>,
     queue: BinaryHeap<Reverse<(u64, u32)>>,
     longest: f64,
-    dropped: usize,
     /// Tracks by the vertex that they start from.
     starts: FxHashMap<u32, Vec<u32>>,
 }
@@ -288,7 +274,7 @@ struct Race<'a> {
 impl<'a> Race<'a> {
     fn new(sheet: &'a mut Sheet, diagonal: f64) -> Self {
         let (tracks, queue, starts) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
-        Race { sheet, tracks, queue, longest: LONGEST * diagonal, dropped: 0, starts }
+        Race { sheet, tracks, queue, longest: LONGEST * diagonal, starts }
     }
 
     /// The vertices of the tracks that were not taken back.
@@ -452,7 +438,6 @@ impl<'a> Race<'a> {
     fn start(&mut self, h: u32, port: Option<Port>) {
         let v = self.sheet.tail(h);
         let Some(to) = port.and_then(|port| self.step(port)) else {
-            self.dropped += 1;
             return;
         };
         let length = self.sheet.points[v as usize].distance(self.sheet.points[to as usize]);
@@ -516,7 +501,6 @@ impl<'a> Race<'a> {
         }
         let mut cleared = Vec::new();
         vertices.windows(2).for_each(|w| self.sheet.clear_path(w[0], w[1], &mut cleared));
-        self.dropped += 1;
         let freed: FxHashSet<u32> = cleared.into_iter().collect();
         for other in 0..self.tracks.len() as u32 {
             if self.tracks[other as usize].vertices.last().is_some_and(|v| freed.contains(v)) {
