@@ -114,7 +114,7 @@ impl Map<'_> {
 }
 
 /// How far facets cut off their surface: the largest distance of the middles of triangles and edges.
-fn sagitta(t: Triangles<'_>, triangles: &[u32], surface: &Surface) -> f64 {
+pub fn sagitta(t: Triangles<'_>, triangles: &[u32], surface: &Surface) -> f64 {
     let middles = triangles.iter().flat_map(|&k| {
         let [a, b, c] = [0, 1, 2].map(|i| t.point(3 * k + i));
         [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]
