@@ -11,9 +11,11 @@
 
 use super::clean::normals;
 use super::regions::{Map, Piece, area_vector, connected, vertices};
+use super::scraps::TILTED;
 use super::tuning::{COLUMN, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
+use glam::DVec3;
 
 /// Triangles of both parts together, at least: fewer lie on some surface by chance.
 const LEAST: usize = 12;
@@ -67,7 +69,12 @@ impl Map<'_> {
         let near = 2.0 * COLUMN * self.diagonal;
         let on = |p: &Primitive| -> Vec<u32> {
             let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
-            piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).collect()
+            // Lids have all corners on the surface that their rim is on.
+            let faces = |&k: &u32| {
+                let middle = (3 * k..3 * k + 3).map(|c| self.t.point(c)).sum::<DVec3>() / 3.0;
+                p.normal(middle).dot(area_vector(self.t, k).normalize_or_zero()).abs() > TILTED
+            };
+            piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).filter(faces).collect()
         };
         let area = |of: &[u32]| of.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
         let round = [Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus];

@@ -9,8 +9,8 @@
 use super::regions::{Map, area_vector, inner_vertices, vertex_ids, vertices};
 use glam::DVec3;
 
-/// Cosine of the largest angle between a scrap's facets and the surface that it goes to (45°: noise tilts narrow facets).
-const TILTED: f64 = 0.7;
+/// Cosine of the largest angle between facets and the surface that they are to lie on (45°: noise tilts narrow facets).
+pub const TILTED: f64 = 0.7;
 
 impl Map<'_> {
     /// In noisy data, gives pieces without a vertex of their own to the neighbours on whose surfaces they lie within the noise.
