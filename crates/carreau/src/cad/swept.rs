@@ -16,18 +16,17 @@
 
 use super::axes::{axes, direction, directions};
 use super::clean::normals;
-use super::facets::sagitta;
 use super::profile::Profile;
 use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
 use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
 use super::trace::{continued, interpolate};
-use super::tuning::{COARSEST, COLUMN, REFINE_STEPS};
+use super::tuning::{COLUMN, REFINE_STEPS};
 use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
 use crate::geometry::primitive::{self, Kind, Primitive};
-use crate::mesh::Triangles;
+use crate::mesh::{NONE, Triangles};
 use glam::{DVec2, DVec3};
 
 /// Least number of places of an extruded profile: fewer are a plane or a wedge.
@@ -101,7 +100,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
         pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
     let near = COLUMN * map.diagonal;
-    if let Some(primitive) = simple(map.t, &triangles, near) {
+    // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
+    let noise = map.is_noisy().then_some(0.5 * map.tolerance);
+    if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {
         return vec![(triangles, Surface::of_primitive(&primitive), Some(primitive))];
     }
     let vertices_of = |own: &[u32]| vertex_ids(map.t, own).len();
@@ -115,8 +116,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
         let far = |(own, surface, primitive): &Part| {
             let off = |q: &DVec3| primitive.map_or_else(|| surface.distance(*q), |p| p.distance(*q).abs());
             // A free profile goes through whatever has few vertices, or is the same on both sides of a part.
-            let cut_off = if primitive.is_none() { sagitta(map.t, own, surface) } else { 0.0 };
-            cut_off <= COARSEST * map.diagonal && vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
+            let chance =
+                primitive.is_none() && map.is_coarse(&Piece::on(map.t, own.clone(), surface.clone(), None, NONE));
+            !chance && vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
         };
         parts.iter().all(far)
     };

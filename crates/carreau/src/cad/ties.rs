@@ -7,7 +7,7 @@
 //! ```
 
 use super::regions::{Map, area_vector};
-use super::tuning::FILE;
+use super::tuning::{FILE, NAMED};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::NONE;
 
@@ -58,15 +58,18 @@ impl Map<'_> {
         let home = primitive(own)?;
         let bound = NEARER * home.distance(middle).abs();
         let normal = area_vector(self.t, k).normalize_or_zero();
-        let near = FILE * self.diagonal;
-        let lies_on = |q: &Primitive| corners.iter().all(|&c| q.distance(c).abs() <= near);
+        // As near as the other vertices of a piece are, or as curves with a name are.
+        let lies_on = |p: u32, q: &Primitive| {
+            let near = f64::max(2.0 * self.pieces[p as usize].max, NAMED * self.diagonal);
+            corners.iter().all(|&c| q.distance(c).abs() <= near)
+        };
         let better = |p: &u32| {
             let q = primitive(*p)?;
             let turned = |s: &Primitive| s.normal(middle).dot(normal).abs();
             let off = q.distance(middle).abs();
-            (lies_on(&home) && lies_on(&q) && off < bound && turned(&q) >= turned(&home)).then_some((off, *p))
+            (lies_on(own, &home) && lies_on(*p, &q) && off < bound && turned(&q) >= turned(&home)).then_some((off, *p))
         };
         let best = around.iter().filter_map(better).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        best.filter(|_| bound > near).map(|b| b.1)
+        best.filter(|_| bound > FILE * self.diagonal).map(|b| b.1)
     }
 }
