@@ -21,7 +21,7 @@ use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
 use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
 use super::trace::{continued, interpolate};
-use super::tuning::{COLUMN, REFINE_STEPS};
+use super::tuning::{COLUMN, REFINE_STEPS, SOME};
 use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
@@ -101,7 +101,7 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     triangles.sort_unstable();
     let near = COLUMN * map.diagonal;
     // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
-    let noise = map.is_noisy().then_some(0.5 * map.tolerance);
+    let noise = (map.is_noisy() && map.exact_share() <= SOME).then_some(0.5 * map.tolerance);
     if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {
         return vec![(triangles, Surface::of_primitive(&primitive), Some(primitive))];
     }
