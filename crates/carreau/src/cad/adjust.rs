@@ -28,6 +28,8 @@ pub type Row = [f64; UNKNOWNS];
 
 /// Most steps; convergence is quadratic but for the multipliers, which gain some digits a step.
 const STEPS: usize = 40;
+/// Steps in which the conditions are to come nearer by half.
+const PATIENCE: usize = 8;
 /// Share of the diagonal: conditions are met when all are nearer than this.
 const MET: f64 = 1e-13;
 /// The same, of a step that changes nothing: below it are the roundings of motions that change nothing.
@@ -166,7 +168,8 @@ pub fn adjust(
 ) -> Result<Option<Vec<f64>>> {
     let mut plan = None;
     let mut stated = conditions(bodies);
-    for _ in 0..STEPS {
+    let mut before = [f64::INFINITY; PATIENCE];
+    for k in 0..STEPS {
         context.check()?;
         let system = System::new(bodies, &stated);
         let Some((step, multipliers)) = system.step(&stated, &mut plan) else { return Ok(None) };
@@ -178,7 +181,9 @@ pub fn adjust(
         let worst = stated.iter().map(|c| c.value.abs()).fold(0.0, f64::max);
         let moved = step.iter().map(|x| x.abs()).fold(0.0, f64::max);
         tracing::debug!(worst, moved, "step");
-        if !(worst.is_finite() && moved < 1.0) {
+        // Conditions that contradict each other stop at what they disagree by.
+        let stuck = worst > 0.5 * std::mem::replace(&mut before[k % PATIENCE], worst) && worst > MET;
+        if stuck || !(worst.is_finite() && moved < 1.0) {
             return Ok(None);
         }
         if worst <= MET && moved <= SETTLED {

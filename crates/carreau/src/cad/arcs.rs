@@ -1,6 +1,6 @@
 //! Rows of flat strips that are the facets of a fillet: columns on one circle, which touches the planes on both sides.
 //!
-//! A chamfer of one strip is a chamfer. Two strips or more, whose corners are on a circle tangent to both neighbours, are no chance.
+//! A chamfer of one strip is a chamfer. Two strips or more, whose vertices are on a circle tangent to both neighbours, are no chance.
 //!
 //! ```text
 //!     n₀ ↑   _______ c₀          c₀ − R n₀ = c₁ − R n₁ = the centre,
@@ -10,7 +10,7 @@
 //!                  c₁ │ ─► n₁
 //! ```
 
-use super::regions::{Map, Piece};
+use super::regions::{Map, Piece, vertices};
 use super::topology::Graph;
 use super::tuning::{COLUMN, NAMED};
 use crate::brep::Surface;
@@ -188,9 +188,17 @@ impl Row {
         let center = a - radius * m;
         let touches = radius.is_finite() && radius.abs() > near && (b - radius * n).distance(center) <= near;
         let on = |k: usize| (flat(link(k).point).distance(center) - radius.abs()).abs() <= near;
-        // Strips follow each other round the centre, by less than half a turn in all.
+        // The strips follow each other round the centre, by less than half a turn in all.
         let ahead = (i..j).all(|k| rows.normals[self.pieces[k + 1] as usize].dot(m + n) > 0.0);
-        let fits = touches && (i..=j).all(on) && ahead;
-        fits.then_some(Primitive::Cylinder { origin: center, axis, radius: radius.abs() })
+        if !(touches && (i..=j).all(on) && ahead) {
+            return None;
+        }
+        // Columns of a fillet have no vertices between them, which a plane has that stands for itself.
+        let cylinder = Primitive::Cylinder { origin: center, axis, radius: radius.abs() };
+        let is_bare = |&p: &u32| {
+            let own = vertices(map.t, &map.pieces[p as usize].triangles);
+            own.iter().all(|&q| cylinder.distance(q).abs() <= near)
+        };
+        self.pieces[i + 1..=j].iter().all(is_bare).then_some(cylinder)
     }
 }

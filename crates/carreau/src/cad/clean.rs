@@ -18,7 +18,7 @@ const LID: usize = 3;
 const FLAT: f64 = 1e-5;
 const DEEP: f64 = 3.0;
 /// Triangles of a piece that lies on its surface by no chance.
-const SEVERAL: usize = 6;
+pub const SEVERAL: usize = 6;
 /// Triangles of a crumb.
 const CRUMB: usize = 2;
 /// Inner vertices for every number of a surface that is fitted to them alone.

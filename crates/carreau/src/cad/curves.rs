@@ -51,11 +51,13 @@ pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal:
         for curve in candidates(p, q, polyline) {
             let Some(track) = follow(curve, polyline, closed) else { continue };
             let track = measured(track, &a.surface, &b.surface, polyline.len());
-            if track.away <= most(&track, room.crossing) && best.as_ref().is_none_or(|b| 2.0 * track.gap < b.gap) {
+            // Surfaces that touch but for rounding also cross far from there: of exact curves, the one along the vertices.
+            let is_better = |than: &Track| {
+                let [own, other] = [track.gap, than.gap].map(|g| g.max(named));
+                2.0 * own < other || (own == other && track.away < than.away)
+            };
+            if track.away <= most(&track, room.crossing) && best.as_ref().is_none_or(is_better) {
                 best = Some(track);
-            }
-            if best.as_ref().is_some_and(|b| b.gap <= 1e-12 * diagonal) {
-                break;
             }
         }
         if best.as_ref().is_some_and(|b| b.gap <= named) {
@@ -123,4 +125,30 @@ fn measured(mut track: Track, a: &Surface, b: &Surface, points: usize) -> Track 
     let at = |k: usize| track.curve.point(low + (high - low) * k as f64 / count as f64);
     track.gap = (0..=count).map(|k| gap(a, b, at(k))).fold(0.0, f64::max);
     track
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::primitive::Primitive;
+    use crate::mesh::{SurfaceMesh, Triangles};
+
+    /// The end of a fillet: a sphere of the radius of its cylinder but for rounding touches it along a circle, and crosses it, if it
+    /// is larger, in two circles far from there.
+    #[test]
+    fn surfaces_that_touch_but_for_rounding_meet_where_the_vertices_are() {
+        let corners = vec![DVec3::X, DVec3::new(0.0, 1.0, 0.0), DVec3::Z];
+        let mesh = SurfaceMesh::from_triangles(corners, &[[0, 1, 2]]).unwrap();
+        let t = Triangles::of(&mesh).unwrap();
+        let piece = |p: Primitive| Piece::on(t, vec![0], Surface::of_primitive(&p), Some(p), 0);
+        let cylinder = piece(Primitive::Cylinder { origin: DVec3::ZERO, axis: DVec3::Z, radius: 1.0 });
+        let polyline: Vec<DVec3> =
+            (0..=6).map(|k| DVec3::new((0.2 * f64::from(k)).cos(), (0.2 * f64::from(k)).sin(), 0.0)).collect();
+        for radius in [1.0 - 3e-8, 1.0 + 3e-8] {
+            let sphere = piece(Primitive::Sphere { center: DVec3::ZERO, radius });
+            let room = Room { crossing: 1e-3, touching: 1e-3 };
+            let track = between(&cylinder, &sphere, &polyline, false, 2.0, room).unwrap();
+            assert!(track.gap < 1e-7 && track.away < 1e-6, "{} {} for {radius}", track.gap, track.away);
+        }
+    }
 }

@@ -16,6 +16,9 @@ use crate::brep::{Curve, Frame, Surface};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Share of a period: what stays this near to a seam runs along it.
+const ALONG_SEAM: f64 = 1e-6;
+
 /// A loop as a polygon in the parameters.
 struct Unrolled {
     /// Parameters, the use that each sample is on, and the parameter of that edge; the last sample closes the loop.
@@ -311,6 +314,9 @@ impl Seams<'_> {
         places.extend((0..count).map(|j| (start + period * f64::from(j) / f64::from(count), 0)));
         let mut best: Option<(f64, Crossing, f64)> = None;
         for (x, fixed) in places {
+            if self.is_along(x) {
+                continue;
+            }
             let all = self.all(x);
             let crossing = if upward {
                 all.iter().copied().filter(|c| c.of == a).max_by(|p, q| p.at.total_cmp(&q.at))
@@ -335,6 +341,19 @@ impl Seams<'_> {
             }
         }
         best.map(|b| (b.1, b.2))
+    }
+
+    /// Whether a loop runs along a seam: where it crosses that is anybody's guess.
+    fn is_along(&self, x: f64) -> bool {
+        let period = self.period();
+        let near = |y: f64| ((y - x) / period - ((y - x) / period).round()).abs() < ALONG_SEAM;
+        let mut steps = self.unrolled.iter().flat_map(|u| u.samples.windows(2)).map(|w| [w[0].0, w[1].0]);
+        steps.any(|[p, q]| {
+            // Not between two edges, where nothing lies but rounding.
+            let ahead =
+                (p[1 - self.k] - q[1 - self.k]).abs() > ALONG_SEAM * f64::max(p[1 - self.k].abs(), q[1 - self.k].abs());
+            near(p[self.k]) && near(q[self.k]) && ahead
+        })
     }
 
     /// Smallest distance of the holes from a parameter, in that parameter.

@@ -21,13 +21,15 @@ impl Map<'_> {
     /// Pieces on surfaces that a few flat sides lie on by chance: facets cut off a lot, and there are few of them, or they bend as
     /// flat sides of a part do. Two flat sides have corners on some cylinder, and those of a prism are on one, too.
     pub fn coarse(&self) -> Vec<u32> {
-        let is_coarse = |piece: &Piece| {
-            piece.rung < Rung::Spline
-                && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
-                && !self.is_certain(piece)
-                && !self.is_fillet(piece)
-        };
-        (0u32..).zip(&self.pieces).filter(|(_, piece)| is_coarse(piece)).map(|(p, _)| p).collect()
+        (0u32..).zip(&self.pieces).filter(|(_, piece)| self.is_coarse(piece)).map(|(p, _)| p).collect()
+    }
+
+    /// Whether a piece is on its surface by chance.
+    pub fn is_coarse(&self, piece: &Piece) -> bool {
+        piece.rung < Rung::Spline
+            && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
+            && !self.is_certain(piece)
+            && !self.is_fillet(piece)
     }
 
     /// Whether a piece has several facets that look different ways and bend as those of one surface.

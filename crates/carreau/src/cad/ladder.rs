@@ -5,7 +5,7 @@ use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
 use super::spline;
-use super::tuning::ROUNDS;
+use super::tuning::{FILE, ROUNDS};
 use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -91,6 +91,7 @@ fn judged(
 /// Demotes the cause of every obstacle: the least certain of its pieces.
 fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, fallback: &mut Vec<Fallback>) {
     let mut chosen: Vec<(u32, &str)> = Vec::new();
+    let exact = if map.is_noisy() { f64::INFINITY } else { FILE * map.diagonal };
     for obstacle in obstacles {
         // One fall of a piece may clear more than one obstacle.
         if round + 4 < ROUNDS && obstacle.pieces.iter().any(|p| chosen.iter().any(|c| c.0 == *p)) {
@@ -99,7 +100,7 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, 
         let movable = |p: &&u32| map.pieces[**p as usize].rung < Rung::Triangles;
         let weakest = obstacle.pieces.iter().filter(movable).max_by(|&&a, &&b| {
             let (x, y) = (&map.pieces[a as usize], &map.pieces[b as usize]);
-            doubt(x).total_cmp(&doubt(y)).then(y.triangles.len().cmp(&x.triangles.len())).then(b.cmp(&a))
+            doubt(x, exact).total_cmp(&doubt(y, exact)).then(y.triangles.len().cmp(&x.triangles.len())).then(b.cmp(&a))
         });
         if let Some(&weakest) = weakest {
             chosen.push((weakest, &obstacle.reason));
@@ -129,8 +130,9 @@ fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, 
     map.compact();
 }
 
-/// The less certain, the larger: distance from the vertices first, then the kind.
-fn doubt(piece: &Piece) -> f64 {
+/// The less certain, the larger: whether vertices are on the surface where those of others are exactly, then their distance and the
+/// kind.
+fn doubt(piece: &Piece, exact: f64) -> f64 {
     let kind = match piece.primitive.map(|p| p.kind()) {
         Some(Kind::Plane) => 0.0,
         Some(Kind::Cylinder) => 1.0,
@@ -145,6 +147,7 @@ fn doubt(piece: &Piece) -> f64 {
         Rung::Planes | Rung::Triangles => -1e3,
         // It follows its vertices whatever they are.
         Rung::Spline => 6.0,
+        Rung::Analytic | Rung::Swept if piece.max > exact => 7.0,
         Rung::Analytic | Rung::Swept => kind + residual.max(-30.0),
     }
 }

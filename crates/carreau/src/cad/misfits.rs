@@ -11,9 +11,11 @@
 
 use super::clean::normals;
 use super::regions::{Map, Piece, area_vector, connected, vertices};
+use super::scraps::TILTED;
 use super::tuning::{COLUMN, FILE, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
+use glam::DVec3;
 
 /// Triangles of both parts together, at least: fewer lie on some surface by chance.
 const LEAST: usize = 12;
@@ -23,12 +25,21 @@ const SPARE: usize = 3;
 /// Most vertices: time grows with them.
 const MOST: usize = 5000;
 
+/// How much of the area of a piece is on the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Share {
+    /// Nine tenths, on one of the kind that it was taken for, or of any kind where it was taken for none.
+    Most,
+    /// Half, on one of any kind where it was taken for a round one.
+    Half,
+}
+
 impl Map<'_> {
-    /// Divides the pieces that do not fit; whether there were any.
-    pub fn part_misfits(&mut self) -> bool {
+    /// Divides the pieces that do not fit, where so much of them does; whether there were any.
+    pub fn part_misfits(&mut self, share: Share) -> bool {
         let mut any = false;
         for p in 0..self.pieces.len() {
-            let Some((own, primitive)) = self.fitting(&self.pieces[p]) else { continue };
+            let Some((own, primitive)) = self.fitting(&self.pieces[p], share) else { continue };
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
             for part in connected(self.t, &rest, |_, _| true) {
@@ -45,10 +56,10 @@ impl Map<'_> {
         any
     }
 
-    /// The connected part of a piece that lies on a surface, with half of the area at least.
-    fn fitting(&self, piece: &Piece) -> Option<(Vec<u32>, Primitive)> {
-        let kind = piece.primitive.map(|p| p.kind()).filter(|&k| k != Kind::Plane)?;
-        if !(piece.max > FILE * self.diagonal) || piece.triangles.len() < LEAST {
+    /// The connected part of a piece that lies on a surface, with its share of the area at least.
+    fn fitting(&self, piece: &Piece, share: Share) -> Option<(Vec<u32>, Primitive)> {
+        let kind = piece.primitive.map(|p| p.kind());
+        if piece.triangles.len() < LEAST || (kind.is_some() && !(piece.max > FILE * self.diagonal)) {
             return None;
         }
         let (points, normals) = (vertices(self.t, &piece.triangles), normals(self.t, &piece.triangles));
@@ -58,11 +69,23 @@ impl Map<'_> {
         let near = 2.0 * COLUMN * self.diagonal;
         let on = |p: &Primitive| -> Vec<u32> {
             let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
-            piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).collect()
+            // Lids have all corners on the surface that their rim is on.
+            let faces = |&k: &u32| {
+                let middle = (3 * k..3 * k + 3).map(|c| self.t.point(c)).sum::<DVec3>() / 3.0;
+                p.normal(middle).dot(area_vector(self.t, k).normalize_or_zero()).abs() > TILTED
+            };
+            piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).filter(faces).collect()
         };
         let area = |of: &[u32]| of.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
-        let mut kinds = vec![kind];
-        kinds.extend([Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus].into_iter().filter(|&k| k != kind));
+        let round = [Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus];
+        let kinds: Vec<Kind> = match (kind, share) {
+            (Some(Kind::Plane), _) | (Some(_), Share::Most) => kind.into_iter().collect(),
+            (Some(own), Share::Half) => [own].into_iter().chain(round.into_iter().filter(|&k| k != own)).collect(),
+            (None, Share::Most) => round.to_vec(),
+            // A band of some other surface may be half of it.
+            (None, Share::Half) => return None,
+        };
+        let least = if share == Share::Half { 0.5 } else { 0.9 } * area(&piece.triangles);
         let mut scratch = Scratch::default();
         kinds.into_iter().find_map(|kind| {
             let found = fit_robust(kind, &points, &normals, &mut scratch)?.fit.primitive;
@@ -71,7 +94,7 @@ impl Map<'_> {
             let parts = connected(self.t, &on(&primitive), |_, _| true);
             let own = parts.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)).then(b[0].cmp(&a[0])))?;
             let enough = own.len() >= SEVERAL && vertices(self.t, &own).len() >= kind.parameters() + SPARE;
-            (enough && area(&own) >= 0.5 * area(&piece.triangles)).then_some((own, primitive))
+            (enough && area(&own) >= least).then_some((own, primitive))
         })
     }
 }

@@ -9,6 +9,7 @@
 //! | the map of its pieces | `regions` |
 //! | neighbours on one surface made one, crumbs absorbed | `clean` |
 //! | fillets of flat strips | `arcs` |
+//! | triangles that lie on two surfaces | `ties` |
 //! | extrusions and surfaces of revolution among the regions without a surface | `swept` |
 //! | neighbours that may be parts of one of them | `unions` |
 //! | directions and axes of sweeps | `axes` |
@@ -71,6 +72,7 @@ mod spline;
 mod swept;
 #[cfg(test)]
 mod tests;
+mod ties;
 mod topology;
 mod trace;
 mod tuning;
@@ -83,6 +85,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{SurfaceMesh, Triangles};
 use crate::segment::{Rectify, SegmentOptions, Segmentation, segment};
 use glam::DVec3;
+use misfits::Share;
 use regions::Map;
 use serde::{Deserialize, Serialize};
 use tuning::{EXACT, NEARLY_ALL, SOME};
@@ -191,6 +194,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
             done => return allowed(done?, options),
         }
     }
+    settle(&mut map, context)?;
     let places = if map.is_noisy() { Some(map.projected(context)?) } else { None };
     let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
     let (distance_max, distance_rms) = distances(&map);
@@ -245,23 +249,43 @@ fn allowed(model: CadModel, options: &CadOptions) -> Result<CadModel> {
     }
 }
 
-/// The pieces of a segmentation, with everything that is known of them before there is a topology.
+/// The pieces of a segmentation.
 fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation, context: &Context) -> Result<Map<'a>> {
     let _stage = context.stage("map");
     let mut map = Map::new(t, mesh.diagonal(), segmentation);
     map.unify();
     map.absorb_scraps();
     arcs::round(&mut map)?;
+    if map.exact_share() > SOME {
+        map.part_misfits(Share::Most);
+        map.settle_ties();
+    }
     swept::sweep(&mut map)?;
-    if map.exact_share() > SOME && map.part_misfits() {
+    if map.exact_share() > SOME && map.part_misfits(Share::Half) {
         swept::sweep(&mut map)?;
     }
     map.part_lids();
     map.unify();
-    map.contract()?;
-    relations::relate(&mut map, context)?;
-    map.tighten();
     Ok(map)
+}
+
+/// What is known of pieces before there is a topology: surfaces that touch do, and those that meet in a point.
+fn settle(map: &mut Map<'_>, context: &Context) -> Result<()> {
+    let _stage = context.stage("map");
+    map.tighten();
+    map.contract()?;
+    relations::relate(map, context)?;
+    map.tighten();
+    for (p, piece) in map.pieces.iter().enumerate() {
+        tracing::debug!(p, region = piece.region, kind = piece.surface.kind().name(), rung = ?piece.rung, triangles = piece.triangles.len(), max = piece.max / map.diagonal, "piece");
+    }
+    tracing::debug!(
+        tolerance = map.tolerance / map.diagonal,
+        exact = map.exact_share(),
+        known = map.known_share(),
+        "map"
+    );
+    Ok(())
 }
 
 /// Largest and root mean square distance of the vertices of all pieces from their surfaces.

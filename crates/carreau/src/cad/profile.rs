@@ -10,11 +10,19 @@
 //! The Visual Computer 11, 1994).
 
 use super::regions::vertex_ids;
+use super::trace::interpolate;
+use crate::brep::Curve;
+use crate::geometry::bspline::BSplineCurve;
 use crate::mesh::Triangles;
 use glam::DVec3;
 
 /// Most places: time grows with their square.
 const MOST: usize = 1500;
+/// Rounds in which spans are divided.
+const ROUNDS: usize = 16;
+/// Where two rounds bring the curve nearer by less than this factor, there is no smooth one: four is what a jump of the curvature
+/// leaves of a halved span.
+const GAIN: f64 = 2.0;
 
 /// Places in their order.
 #[derive(Debug, Clone)]
@@ -23,6 +31,8 @@ pub struct Profile {
     pub points: Vec<DVec3>,
     /// Whether the first one follows the last.
     pub closed: bool,
+    /// Whether a closed one is smooth but for its first place.
+    pub jointed: bool,
     /// Vertices of the mesh, ascending, and the numbers of their places.
     place_of: Vec<(u32, u32)>,
 }
@@ -75,6 +85,7 @@ impl Profile {
         Some(Profile {
             points: row.iter().map(|&p| places[p as usize]).collect(),
             closed,
+            jointed: false,
             place_of: of.into_iter().map(|(v, p)| (v, number[p as usize])).collect(),
         })
     }
@@ -91,6 +102,61 @@ impl Profile {
             let far = of.max_by(|a, b| a.distance(from).total_cmp(&b.distance(from)));
             self.points[end] = far.unwrap_or(self.points[end]);
         }
+    }
+
+    /// The spline through all places, and its parameters there.
+    pub fn curve(&self) -> Option<(BSplineCurve, Vec<f64>)> {
+        let mut points = self.points.clone();
+        points.extend(self.closed.then(|| points[0]));
+        interpolate(&points, self.closed && !self.jointed)
+    }
+
+    /// Makes places of those vertices in the plane that are farthest from the curve, until all are `near` it; false where that does not
+    /// help. Places stay `apart`.
+    pub fn refine(&mut self, vertices: &[DVec3], near: f64, apart: f64) -> bool {
+        let mut before = [f64::INFINITY; 2];
+        for _ in 0..ROUNDS {
+            let Some((curve, times)) = self.curve() else { return false };
+            let curve = Curve::Spline(curve);
+            let mut worst: Vec<(f64, f64, DVec3)> = vec![(near, 0.0, DVec3::ZERO); times.len() - 1];
+            for &p in vertices {
+                let t = curve.project(p);
+                let span = times.partition_point(|&x| x <= t).clamp(1, times.len() - 1) - 1;
+                let off = curve.point(t).distance(p);
+                if off > worst[span].0 {
+                    worst[span] = (off, t, p);
+                }
+            }
+            let Some((span, far)) = (0..worst.len())
+                .map(|k| (k, worst[k].0))
+                .filter(|w| w.1 > near)
+                .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
+            else {
+                return true;
+            };
+            if GAIN * far > before[0] {
+                // A closed curve that was drawn from a point to the same point is often smooth everywhere else.
+                if !self.closed || self.jointed {
+                    return false;
+                }
+                let past = 2.0 * worst[span].1 > times[span] + times[span + 1];
+                self.begin_at((span + usize::from(past)) % self.points.len());
+                (self.jointed, before) = (true, [f64::INFINITY; 2]);
+                continue;
+            }
+            before = [before[1], far];
+            let count = self.points.len();
+            for (k, (_, _, p)) in worst.iter().enumerate().filter(|(_, w)| w.0 > near).rev() {
+                let ends = [self.points[k], self.points[(k + 1) % count]];
+                if ends.iter().all(|e| e.distance(*p) > apart) {
+                    self.points.insert(k + 1, *p);
+                }
+            }
+            if self.points.len() == count || self.points.len() > vertices.len() / 2 {
+                return false;
+            }
+        }
+        false
     }
 
     /// The number of the place of a vertex.

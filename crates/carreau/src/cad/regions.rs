@@ -115,10 +115,9 @@ impl Map<'_> {
         self.next - 1
     }
 
-    /// Puts pieces in the place of others: parts of their triangles with their surfaces, a piece for every connected part. Triangles in
-    /// none of the parts have no surface.
+    /// Puts pieces in the place of others: parts of their triangles with their surfaces, a piece for every connected part, which is of
+    /// the region that most of its triangles were of. Triangles in none of the parts have no surface.
     pub fn replace(&mut self, which: &[u32], mut parts: Vec<(Vec<u32>, Option<Described>)>) {
-        let region = self.pieces[which[0] as usize].region;
         let mut rest: Vec<u32> =
             which.iter().flat_map(|&p| std::mem::take(&mut self.pieces[p as usize].triangles)).collect();
         rest.sort_unstable();
@@ -128,6 +127,7 @@ impl Map<'_> {
         parts.push((rest, None));
         for (triangles, described) in parts {
             for triangles in connected(self.t, &triangles, |_, _| true) {
+                let region = self.most_common_region(&triangles);
                 let mut piece = match &described {
                     Some((surface, primitive)) => Piece::on(self.t, triangles, surface.clone(), *primitive, region),
                     None => Piece::free(self.t, triangles, region),
@@ -138,6 +138,14 @@ impl Map<'_> {
                 self.pieces.push(piece);
             }
         }
+    }
+
+    fn most_common_region(&self, triangles: &[u32]) -> u32 {
+        let mut regions: Vec<u32> =
+            triangles.iter().map(|&k| self.pieces[self.label[k as usize] as usize].region).collect();
+        regions.sort_unstable();
+        let most = regions.chunk_by(|a, b| a == b).max_by(|a, b| a.len().cmp(&b.len()).then(b[0].cmp(&a[0])));
+        most.map_or(NONE, |r| r[0])
     }
 
     /// Takes back a tolerance that was for surfaces which did not fit, where others do.

@@ -6,11 +6,13 @@
 //!             ╲  ╱   ╲  ╱
 //! ```
 
+use super::clean::SEVERAL;
 use super::regions::{Map, area_vector, inner_vertices, vertex_ids, vertices};
+use super::tuning::FILE;
 use glam::DVec3;
 
-/// Cosine of the largest angle between a scrap's facets and the surface that it goes to (45°: noise tilts narrow facets).
-const TILTED: f64 = 0.7;
+/// Cosine of the largest angle between facets and the surface that they are to lie on (45°: noise tilts narrow facets).
+pub const TILTED: f64 = 0.7;
 
 impl Map<'_> {
     /// In noisy data, gives pieces without a vertex of their own to the neighbours on whose surfaces they lie within the noise.
@@ -20,7 +22,12 @@ impl Map<'_> {
         }
         let inner = inner_vertices(self.t, &self.label);
         for p in 0..self.pieces.len() as u32 {
-            let triangles = self.pieces[p as usize].triangles.clone();
+            let piece = &self.pieces[p as usize];
+            // A flat lid has no vertex inside either, but noise leaves nothing exact.
+            if piece.primitive.is_some() && piece.triangles.len() >= SEVERAL && piece.max <= FILE * self.diagonal {
+                continue;
+            }
+            let triangles = piece.triangles.clone();
             if vertex_ids(self.t, &triangles).iter().any(|&v| inner[v as usize]) {
                 continue;
             }

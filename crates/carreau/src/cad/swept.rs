@@ -20,13 +20,13 @@ use super::profile::Profile;
 use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
 use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
-use super::trace::interpolate;
-use super::tuning::{COLUMN, REFINE_STEPS};
+use super::trace::{continued, interpolate};
+use super::tuning::{COLUMN, REFINE_STEPS, SOME};
 use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
 use crate::geometry::primitive::{self, Kind, Primitive};
-use crate::mesh::Triangles;
+use crate::mesh::{NONE, Triangles};
 use glam::{DVec2, DVec3};
 
 /// Least number of places of an extruded profile: fewer are a plane or a wedge.
@@ -37,7 +37,7 @@ const LEAST_REVOLVED: usize = 3;
 /// rounding.
 const APART: f64 = 20.0;
 /// Share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first; and how often that is
-/// halved.
+/// halved for those to be in a row.
 const WIDE: f64 = 0.04;
 const HALVINGS: i32 = 5;
 /// Vertices beyond the number of parameters that speak for a surface.
@@ -100,7 +100,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
         pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
     let near = COLUMN * map.diagonal;
-    if let Some(primitive) = simple(map.t, &triangles, near) {
+    // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
+    let noise = (map.is_noisy() && map.exact_share() <= SOME).then_some(0.5 * map.tolerance);
+    if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {
         return vec![(triangles, Surface::of_primitive(&primitive), Some(primitive))];
     }
     let vertices_of = |own: &[u32]| vertex_ids(map.t, own).len();
@@ -113,7 +115,10 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     let fits = |parts: &Vec<Part>| {
         let far = |(own, surface, primitive): &Part| {
             let off = |q: &DVec3| primitive.map_or_else(|| surface.distance(*q), |p| p.distance(*q).abs());
-            vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
+            // A free profile goes through whatever has few vertices, or is the same on both sides of a part.
+            let chance =
+                primitive.is_none() && map.is_coarse(&Piece::on(map.t, own.clone(), surface.clone(), None, NONE));
+            !chance && vertices(map.t, own).iter().all(|q| off(q) <= 2.0 * near)
         };
         parts.iter().all(far)
     };
@@ -122,12 +127,15 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
             let profile = sweep.profile(map.t, &triangles, near, APART * near, most)?;
             sweep.parts(map.t, &triangles, profile, near).filter(fits)
         };
-        // Every vertex at a place of its own: as few of them as say what the profile is.
+        // Every vertex at a place of its own: as few of them as say what the profile is, more where it bends more.
         let few = |k: i32| {
             let apart = map.diagonal * WIDE * 0.5f64.powi(k);
             let mut profile = sweep.profile(map.t, &triangles, near, apart, many)?;
-            profile.reach_out(map.t, sweep.flat(map.t.point(3 * triangles[0]), near));
-            sweep.whole(&triangles, &profile).filter(fits)
+            let flat = sweep.flat(map.t.point(3 * triangles[0]), near);
+            profile.reach_out(map.t, &flat);
+            let all: Vec<DVec3> = vertices(map.t, &triangles).into_iter().map(&flat).collect();
+            let is_near = profile.refine(&all, near, APART * near);
+            is_near.then(|| sweep.whole(&triangles, &profile)).flatten().filter(fits)
         };
         columns(many).or_else(|| (0..HALVINGS).find_map(few)).or_else(|| columns(most))
     });
@@ -160,7 +168,7 @@ impl Sweep {
     fn whole(self, triangles: &[u32], profile: &Profile) -> Option<Vec<Part>> {
         let mut points = profile.points.clone();
         points.extend(profile.closed.then(|| points[0]));
-        Some(vec![(triangles.to_vec(), self.free(&points)?, None)])
+        Some(vec![(triangles.to_vec(), self.free(&points, profile.jointed)?, None)])
     }
 
     /// The plane of the profile, whose z axis is across it, and whose y axis is that of a revolution.
@@ -201,7 +209,7 @@ impl Sweep {
             let primitive = self.primitive(run, &points, &plane, near);
             let surface = match &primitive {
                 Some(p) => Surface::of_primitive(p),
-                None => self.free(&points[run.ends[0]..=run.ends[1]])?,
+                None => self.free(&points[run.ends[0]..=run.ends[1]], false)?,
             };
             Some((own, surface, primitive))
         };
@@ -229,9 +237,17 @@ impl Sweep {
         order.chunk_by(|a, b| a.0 == b.0).map(lid).collect()
     }
 
-    /// The surface that a spline through points sweeps.
-    fn free(self, points: &[DVec3]) -> Option<Surface> {
-        let (spline, _) = interpolate(points, points[0] == points[points.len() - 1])?;
+    /// The surface that a spline through points sweeps: beyond the ends as well, because borders bulge between their vertices.
+    fn free(self, points: &[DVec3], jointed: bool) -> Option<Surface> {
+        let is_off_axis = |p: DVec3| match self {
+            Sweep::Along(_) => true,
+            Sweep::Around(frame) => frame.local(p).x > 0.0,
+        };
+        let spline = if points[0] == points[points.len() - 1] {
+            interpolate(points, !jointed)?.0
+        } else {
+            continued(points, is_off_axis)?
+        };
         let profile = Curve::Spline(spline);
         Some(match self {
             Sweep::Along(direction) => Surface::Extrusion { profile, direction },

@@ -75,6 +75,87 @@ fn strips_of_a_rounded_corner_are_one_cylinder() {
     assert!((model.volume / volume - 1.0).abs() < 1e-9, "{strips}: {} for {volume}", model.volume);
 }
 
+/// The same corners where the strips are flat sides with vertices of their own: those are not on any cylinder.
+#[test]
+fn flat_sides_with_vertices_inside_stay_flat() {
+    let corner = |k: u32| DVec3::new([5.0, -5.0, -5.0, 5.0][k as usize], [3.0, 3.0, -3.0, -3.0][k as usize], 0.0);
+    let column = |k: u32, j: u32| {
+        let angle = std::f64::consts::FRAC_PI_2 * (f64::from(k) + f64::from(j) / 4.0);
+        corner(k) + 1.25 * DVec3::new(angle.cos(), angle.sin(), 0.0)
+    };
+    // A vertex of the middle of every strip follows its first column.
+    let ring = |z: f64| -> Vec<DVec3> {
+        let between = |k: u32, j: u32| 0.5 * (column(k, j) + column(k, j + 1));
+        let of = |k: u32| (0..4).flat_map(move |j| [column(k, j), between(k, j)]).chain([column(k, 4)]);
+        (0..4).flat_map(of).map(|p| p + DVec3::new(0.0, 0.0, z)).collect()
+    };
+    let model = of(&loft(&[ring(0.0), ring(1.0), ring(2.0)]));
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Plane)), (22, 22), "{:?}", model.fallback);
+}
+
+/// A round rod with a step to its middle, turned and in float precision: vertical edges are where the seam would like to be.
+#[test]
+fn a_seam_does_not_run_along_an_edge() {
+    let n = 24u32;
+    let at = |k: u32, z: f64| {
+        let p = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(n)).extend(z);
+        (glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1) * p).as_vec3().as_dvec3()
+    };
+    // Rings at the foot, at the step, and half a ring on top.
+    let points: Vec<DVec3> = [0.0, 1.0, 2.0].into_iter().flat_map(|z| (0..n).map(move |k| at(k, z))).collect();
+    let mut triangles = Vec::new();
+    let mut quad = |[a, b, c, d]: [u32; 4]| triangles.extend([[a, b, c], [a, c, d]]);
+    (0..n).for_each(|k| quad([k, (k + 1) % n, n + (k + 1) % n, n + k]));
+    (0..n / 2).for_each(|k| quad([n + k, n + k + 1, 2 * n + k + 1, 2 * n + k]));
+    quad([n + n / 2, n, 2 * n, 2 * n + n / 2]);
+    triangles.extend((1..n - 1).map(|k| [0, k + 1, k]));
+    triangles.extend((1..n / 2).map(|k| [n + n / 2, n + n / 2 + k, n + (n / 2 + k + 1) % n]));
+    triangles.extend((1..n / 2).map(|k| [2 * n, 2 * n + k, 2 * n + k + 1]));
+    // Half of the last ring is used by no triangle.
+    let used = points[..(2 * n + n / 2 + 1) as usize].to_vec();
+    let model = of(&SurfaceMesh::from_triangles(used, &triangles).unwrap());
+    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Cylinder)), (5, 1));
+    assert!((model.volume / (1.5 * std::f64::consts::PI) - 1.0).abs() < 1e-6, "{}", model.volume);
+}
+
+/// A profile drawn from a point to the same point, smooth but for its curvature there, and every vertex at a place of its own.
+#[test]
+fn an_extrusion_of_a_closed_curve_with_a_joint_is_one_face() {
+    let rings = 6u32;
+    let ring = |j: u32| -> Vec<DVec3> {
+        let point = |k: u32| {
+            let s = if j == 0 || j + 1 == rings {
+                f64::from(k) / 48.0
+            } else {
+                (f64::from(k) + 0.15 * f64::from(j)) / 48.0
+            };
+            let radius = 1.0 + s * s * (1.0 - s).powi(3);
+            (radius * DVec2::from_angle(std::f64::consts::TAU * s)).extend(0.2 * f64::from(j))
+        };
+        (0..48).map(point).collect()
+    };
+    let model = of(&loft(&(0..rings).map(ring).collect::<Vec<_>>()));
+    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Extrusion)), (3, 1));
+}
+
+/// A triangle of a lid has all corners on the rim, hence on the side as well.
+#[test]
+fn a_triangle_on_two_surfaces_goes_to_the_one_that_it_lies_in() {
+    let ring = |z: f64| -> Vec<DVec3> {
+        (0..24).map(|k| DVec2::from_angle(f64::from(k) * std::f64::consts::TAU / 24.0).extend(z)).collect()
+    };
+    let mesh = loft(&[ring(0.0), ring(2.0)]);
+    // Sides, then triangles of both lids in turns; the first of these counts as a side.
+    let labels = (0..48 + 44).map(|k| if k <= 48 { 0 } else { 1 + k % 2 }).collect();
+    let options = CadOptions { labels: Some(labels), ..CadOptions::default() };
+    let model = rebuild(&mesh, &options, &Context::new()).unwrap();
+    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Cylinder)), (3, 1));
+    assert!((model.volume / (2.0 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{}", model.volume);
+}
+
 #[test]
 fn a_prism_stays_a_prism() {
     let ring = |z: f64| -> Vec<DVec3> {

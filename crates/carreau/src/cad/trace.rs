@@ -165,18 +165,45 @@ fn doubled(points: &[DVec3], place: impl Fn(DVec3, DVec3) -> DVec3, which: impl 
 /// The C² cubic through points, by chord length: natural at free ends, periodic where the last point is the first. Also the
 /// parameters of the points.
 pub fn interpolate(points: &[DVec3], closed: bool) -> Option<(BSplineCurve, Vec<f64>)> {
-    let n = points.len() - 1;
     let mut t = vec![0.0];
     for w in points.windows(2) {
         t.push(t[t.len() - 1] + w[0].distance(w[1]));
     }
+    let spline = interpolate_at(points, &t, closed)?;
+    Some((spline, t))
+}
+
+/// The same with an open curve's continuation beyond those ends that `reaches` says, by half a span.
+pub fn continued(points: &[DVec3], reaches: impl Fn(DVec3) -> bool) -> Option<BSplineCurve> {
+    let (spline, mut t) = interpolate(points, false)?;
+    let mut points = points.to_vec();
+    let n = t.len() - 1;
+    // The third derivative is constant in the first and last piece.
+    for (end, next) in [(n, n - 1), (0, 1)] {
+        let [p, d, dd] = spline.derivatives(t[end]);
+        let ddd = (spline.derivatives(t[next])[2] - dd) / (t[next] - t[end]);
+        let step = 0.5 * (t[end] - t[next]);
+        let beyond = p + step * (d + step / 2.0 * (dd + step / 3.0 * ddd));
+        if reaches(p) && reaches(beyond) {
+            let at = if end == 0 { 0 } else { n + 1 };
+            points.insert(at, beyond);
+            t.insert(at, t[end] + step);
+        }
+    }
+    let first = t[0];
+    t.iter_mut().for_each(|x| *x -= first);
+    interpolate_at(&points, &t, false)
+}
+
+fn interpolate_at(points: &[DVec3], t: &[f64], closed: bool) -> Option<BSplineCurve> {
+    let n = points.len() - 1;
     let h: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
     if h.iter().any(|x| !(*x > 0.0)) {
         return None;
     }
     let d = if closed { periodic_slopes(points, &h) } else { free_slopes(points, &h) };
     // Control points as blossoms of the pieces: knots are the parameters, each once inside.
-    let knots = Knots::from_breaks(3, &t, 1).ok()?;
+    let knots = Knots::from_breaks(3, t, 1).ok()?;
     let blossom = |k: usize, s: [f64; 3]| {
         let [p, q] = [points[k], points[k + 1]];
         let (e, hk) = ((q - p) / h[k], h[k]);
@@ -192,7 +219,7 @@ pub fn interpolate(points: &[DVec3], closed: bool) -> Option<(BSplineCurve, Vec<
     });
     let mut control: Vec<DVec3> = control.collect();
     (control[0], control[n + 2]) = (points[0], points[n]);
-    Some((BSplineCurve::new(knots, control).ok()?, t))
+    BSplineCurve::new(knots, control).ok()
 }
 
 /// Slopes of the C² cubic with a third derivative that is continuous at the first and last inner point (not-a-knot would need
@@ -283,6 +310,11 @@ mod tests {
         let points: Vec<DVec3> = (0..=32).map(|k| cubic(f64::from(k) / 16.0)).collect();
         let (spline, times) = interpolate(&points, false).unwrap();
         assert!(times.iter().zip(&points).all(|(&t, p)| spline.point(t).distance(*p) < 1e-13));
+        let longer = continued(&points, |_| true).unwrap();
+        let shift = spline.points()[0].distance(longer.points()[0]);
+        let same = |&t: &f64| longer.project(spline.point(t), t + shift);
+        assert!(times.iter().all(|t| longer.point(same(t)).distance(spline.point(*t)) < 1e-12));
+        assert!(longer.ends()[1].x > 2.0 && longer.ends()[0].x < 0.0);
         let circle: Vec<DVec3> = (0..=32)
             .map(|k| std::f64::consts::TAU * f64::from(k % 32) / 32.0)
             .map(|a| DVec3::new(a.cos(), a.sin(), 0.0))

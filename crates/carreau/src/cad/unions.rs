@@ -1,5 +1,5 @@
-//! Neighbouring pieces that may be parts of one surface: those without a surface, those whose surface does not fit, and crumbs between
-//! them, joined where they meet smoothly.
+//! Neighbouring pieces that may be parts of one surface: those without a surface, those whose surface does not fit (for a plane, to
+//! the precision of the file: a curve that bends little is nearly flat), and crumbs between them, joined where they meet smoothly.
 //!
 //! ```text
 //!      ______                      a surface of revolution with a free profile, taken for a torus and a sphere:
@@ -10,7 +10,7 @@
 
 use super::regions::{Map, Piece, Rung, area_vector};
 use super::topology::{Chain, Graph};
-use super::tuning::FILE;
+use super::tuning::{FILE, NAMED};
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::Kind;
 use crate::mesh::{DisjointSets, NONE};
@@ -20,11 +20,11 @@ pub const SHARP: f64 = 0.75;
 /// Triangles of a crumb: what is left over between regions.
 const CRUMB: usize = 3;
 
-/// Sets of pieces, each with one at least that is no crumb; crumbs alone are left out.
+/// Sets of pieces, each with one at least that is not flat; flat ones alone are left out.
 pub fn unions(map: &Map<'_>, graph: &Graph) -> Vec<Vec<u32>> {
     let is_free = |p: &Piece| p.rung == Rung::Spline;
     let is_flat = |p: &Piece| p.primitive.is_some_and(|q| q.kind() == Kind::Plane);
-    let is_doubtful = |p: &Piece| !is_flat(p) && p.max > FILE * map.diagonal;
+    let is_doubtful = |p: &Piece| p.max > if is_flat(p) { NAMED } else { FILE } * map.diagonal;
     let is_crumb = |p: &Piece| is_flat(p) && p.triangles.len() <= CRUMB;
     let wanted = |s: u32| {
         let piece = &map.pieces[s as usize];
@@ -41,7 +41,7 @@ pub fn unions(map: &Map<'_>, graph: &Graph) -> Vec<Vec<u32>> {
     for p in (0..map.pieces.len() as u32).filter(|&p| wanted(p)) {
         members[of[p as usize] as usize].push(p);
     }
-    members.retain(|m| m.iter().any(|&p| !is_crumb(&map.pieces[p as usize])));
+    members.retain(|m| m.iter().any(|&p| !is_flat(&map.pieces[p as usize])));
     members
 }
 

@@ -83,7 +83,7 @@ const WAVE: f64 = 200.0;
 /// Share of the seeds whose surfaces are large where the mesh is a part; a part of small faces has fewer. Smooth waves that look like
 /// white noise to paraboloids have none.
 const LARGE_PROBES: f64 = 0.8;
-const LARGE_WHITE: f64 = 0.5;
+const LARGE_WHITE: f64 = 0.3;
 /// The same before the tolerance is raised: what has hardly a large surface then has rounded edges, not waves.
 const LARGE_FIRST: f64 = 0.5;
 /// The tolerance is raised until the surfaces that it allows are wrong by no more than this factor of it: those of a part then
@@ -255,6 +255,7 @@ fn noise_of_part(
     let first = Noise::white(surface, sigma);
     let hopeless = |probe: &Probe| probe.sigma > OTHER_NOISE * sigma;
     let probe = propose::probe(surface, &first, order, hopeless, context)?;
+    tracing::debug!(sigma, rough, probe = probe.sigma, share = probe.share, large = probe.large, "white noise");
     let same = probe.sigma > 0.0 && probe.sigma <= SAME_NOISE * sigma;
     let is_part = same && probe.share >= PROBED && probe.large >= LARGE_WHITE;
     Ok(is_part.then(|| if probe.sigma < sigma { Noise::white(surface, probe.sigma) } else { first }))
