@@ -34,6 +34,8 @@ use rayon::prelude::*;
 /// Spans across the narrower side of the first grid, and most spans across any side.
 const FIRST_SPANS: f64 = 4.0;
 const MOST_SPANS: usize = 64;
+/// A grid of more spans than this for each sample is not halved: it follows nothing that it knows.
+const SPANS_A_SAMPLE: usize = 8;
 /// Halvings of the grid.
 const HALVINGS: u32 = 4;
 /// A grid of half the size brings a smooth surface nearer by a factor of sixteen, and where points were few, of this in all that was
@@ -204,7 +206,9 @@ fn approximate(
         if best.as_ref().is_none_or(|b| far < b.0) {
             best = Some((far, surface, Places::of(samples, borders)));
         }
-        if far <= NEAR_ENOUGH * diagonal || slow || hopeless || spans.iter().all(|&s| s == MOST_SPANS) {
+        // A finer grid knows no more than the samples do.
+        let is_fine = spans[0] * spans[1] > SPANS_A_SAMPLE * samples.len();
+        if far <= NEAR_ENOUGH * diagonal || slow || hopeless || is_fine || spans.iter().all(|&s| s == MOST_SPANS) {
             break;
         }
     }

@@ -12,23 +12,31 @@ use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::dense::{cholesky, inverse, solve};
 
+/// What feature curves, by number, want.
+#[derive(Default)]
+pub struct Curves {
+    /// How many times longer their edges are to be.
+    pub factor: Vec<f64>,
+    /// Whether their edges are to have the cells of their length, whatever others have.
+    pub is_tight: Vec<bool>,
+}
+
 /// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
-/// are to be longer the next time, here and for who calls again. `is_tight`: feature curves, by number, whose edges are to have the
-/// cells of their length, whatever the others have.
-pub fn choose(flat: &mut Flat, stretch: &mut [f64], is_tight: &[bool], context: &Context) -> Result<bool> {
+/// are to be longer the next time, here and for who calls again. `curves`: what feature curves want.
+pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &Context) -> Result<bool> {
     let mut best: Option<(usize, Flat)> = None;
     let mut random = Random(1);
     for order in 0..ORDERS {
         context.check()?;
         let mut tried = flat.clone();
-        let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch);
+        let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch, &curves.factor);
         // Curves that insist may leave others no room.
-        let is_tight = if order % 2 == 0 { is_tight } else { &[] };
+        let is_tight: &[bool] = if order % 2 == 0 { &curves.is_tight } else { &[] };
         let Some(q) = rounded(&unknowns, is_tight, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, stretch, is_tight, &mut random, context)?;
+            bad = search(&mut tried, stretch, &curves.factor, is_tight, &mut random, context)?;
         }
         let mut tight: Vec<u32> =
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
@@ -242,6 +250,7 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
 fn search(
     flat: &mut Flat,
     stretch: &[f64],
+    of_curve: &[f64],
     is_tight: &[bool],
     random: &mut Random,
     context: &Context,
@@ -254,7 +263,7 @@ fn search(
             for _ in 0..LOCAL_ORDERS {
                 context.check()?;
                 let mut tried = flat.clone();
-                let unknowns = Unknowns::new(&tried, ids.clone(), stretch);
+                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, of_curve);
                 let Some(q) = rounded(&unknowns, is_tight, Some(random), context)? else { break };
                 assign(&mut tried, &unknowns, &q);
                 let before = bad_faces(flat).len();

@@ -45,8 +45,8 @@ pub struct Unknowns {
 
 impl Unknowns {
     /// Of all faces, or of some, whose edges to others are given. Edges are to be longer than they are by the mean of how much
-    /// their ends are stretched.
-    pub fn new(flat: &Flat, ids: Vec<u32>, stretch: &[f64]) -> Self {
+    /// their ends are stretched; those on feature curves by the factor of their curve, too.
+    pub fn new(flat: &Flat, ids: Vec<u32>, stretch: &[f64], of_curve: &[f64]) -> Self {
         let mut is_in = vec![false; flat.is_alive.len()];
         ids.iter().for_each(|&f| is_in[f as usize] = true);
         let is_all = ids.len() == flat.faces().count();
@@ -71,7 +71,8 @@ impl Unknowns {
                     unknowns.edges.push(h);
                     unknowns.curve.push(side.curve);
                     let ends = [side.vertex, flat.side(next(h)).vertex].map(|v| stretch[v as usize]);
-                    unknowns.real.extend((side.vector * (ends[0] * ends[1]).sqrt()).to_array());
+                    let factor = of_curve.get(side.curve as usize).copied().unwrap_or(1.0);
+                    unknowns.real.extend((side.vector * factor * (ends[0] * ends[1]).sqrt()).to_array());
                     (unknowns.edges.len() as u32 - 1, 0, 1.0)
                 });
                 if side.opposite != NONE && of[side.opposite as usize].is_none() {

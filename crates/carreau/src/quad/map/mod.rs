@@ -40,6 +40,7 @@ use crate::error::Result;
 use crate::mesh::NONE;
 use flat::{Flat, Side};
 use framed::{Framed, next};
+use integers::Curves;
 use locate::Locator;
 use seamless::Map;
 use tuning::{
@@ -72,6 +73,8 @@ pub struct QuadMap {
     stretch: Vec<f64>,
     /// The fewest edges that keep every feature curve, by its number.
     fewest: Vec<usize>,
+    /// What they want for that.
+    curves: Curves,
     /// The corners of the whole faces that the last quads came from, by quad.
     corners: Vec<[u32; 3]>,
 }
@@ -124,7 +127,8 @@ impl QuadMap {
         let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
         let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
         let stretch = vec![1.0; framed.points.len()];
-        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, fewest, corners: Vec::new() }))
+        let curves = Curves { factor: vec![1.0; fewest.len()], is_tight: vec![false; fewest.len()] };
+        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, fewest, curves, corners: Vec::new() }))
     }
 
     /// Quads before their vertices are moved, of the number that is wanted; or why there are none.
@@ -154,20 +158,21 @@ impl QuadMap {
     fn whole(&mut self, wish: &Wish, context: &Context) -> Result<Option<Flat>> {
         let _stage = context.stage("numbers");
         let mut scale = self.scale;
-        let mut best: Option<(f64, f64, Flat)> = None;
+        let mut best: Option<((bool, f64), f64, Flat)> = None;
         let mut failed = 0;
         for _ in 0..SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
-            let is_tight = self.lengthen(&tried);
-            let holds = integers::choose(&mut tried, &mut self.stretch, &is_tight, context)?;
+            self.lengthen(&tried);
+            let holds = integers::choose(&mut tried, &mut self.stretch, &self.curves, context)?;
             let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
             let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
             if holds {
                 let missing = self.missing(&tried);
                 tracing::debug!(target: "carreau::quad", scale, count, missing, "whole");
                 let off = ratio.ln().abs();
-                let cost = off + LACKING * missing as f64 / self.fewest.iter().sum::<usize>().max(1) as f64;
+                let lacking = LACKING * missing as f64 / self.fewest.iter().sum::<usize>().max(1) as f64;
+                let cost = (missing > 0, off + lacking);
                 if best.as_ref().is_none_or(|b| cost < b.0) {
                     best = Some((cost, scale, tried));
                 }
@@ -191,14 +196,19 @@ impl QuadMap {
         }))
     }
 
-    /// Stretches curves that would have fewer edges than they need. Returns which ones have hardly more.
-    fn lengthen(&mut self, flat: &Flat) -> Vec<bool> {
+    /// Makes curves longer that would have fewer edges than they need.
+    fn lengthen(&mut self, flat: &Flat) {
         let mut length = vec![0.0; self.fewest.len()];
         for (curve, [a, b], side) in on_curves(flat) {
             length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();
         }
-        self.stretch_curves(flat, |curve, fewest| (fewest + SPARE) / length[curve]);
-        self.fewest.iter().zip(length).map(|(&n, length)| n > 0 && length < n as f64 + TIGHT).collect()
+        for (curve, (length, &fewest)) in length.into_iter().zip(&self.fewest).enumerate() {
+            let (wanted, factor) = (fewest as f64, &mut self.curves.factor[curve]);
+            if fewest > 0 && length > 0.0 {
+                *factor = factor.max((wanted + SPARE) / length);
+            }
+            self.curves.is_tight[curve] = fewest > 0 && length * *factor < wanted + TIGHT;
+        }
     }
 
     /// How many edges curves lack of those that they need; they are to be longer the next time.
@@ -207,18 +217,10 @@ impl QuadMap {
         for (curve, _, side) in on_curves(whole) {
             count[curve] += side.cells.steps().unsigned_abs() as usize;
         }
-        self.stretch_curves(whole, |curve, fewest| if (count[curve] as f64) < fewest { STRETCH } else { 1.0 });
-        self.fewest.iter().zip(&count).filter(|(_, count)| **count > 0).map(|(least, n)| least.saturating_sub(*n)).sum()
-    }
-
-    /// Makes the edges of curves longer by a factor of each, if it is more than one.
-    fn stretch_curves(&mut self, flat: &Flat, factor: impl Fn(usize, f64) -> f64) {
-        let mut by = vec![1.0f64; self.stretch.len()];
-        for (curve, ends, _) in on_curves(flat).filter(|on| self.fewest[on.0] > 0) {
-            let factor = factor(curve, self.fewest[curve] as f64);
-            ends.into_iter().filter(|_| factor.is_finite()).for_each(|v| by[v] = by[v].max(factor));
-        }
-        self.stretch.iter_mut().zip(by).for_each(|(stretch, by)| *stretch *= by);
+        let lacks = |curve: &usize| count[*curve] > 0 && count[*curve] < self.fewest[*curve];
+        let lacking: Vec<usize> = (0..count.len()).filter(lacks).collect();
+        lacking.iter().for_each(|&curve| self.curves.factor[curve] *= STRETCH);
+        lacking.into_iter().map(|curve| self.fewest[curve] - count[curve]).sum()
     }
 }
 

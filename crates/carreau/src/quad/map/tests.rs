@@ -5,7 +5,7 @@ use super::decimate::decimate;
 use super::extract::extract;
 use super::flat::Flat;
 use super::framed::{Framed, previous};
-use super::integers::choose;
+use super::integers::{Curves, choose};
 use super::lattice::{Lattice, Unknowns};
 use super::locate::Locator;
 use super::seamless::{Map, seamless};
@@ -123,7 +123,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
     let (_, framed, map) = mapped("icosphere", &context);
     let mut flat = Flat::new(&framed, &map);
     decimate(&mut flat, &framed.is_kept, &context).unwrap();
-    let unknowns = Unknowns::new(&flat, flat.faces().collect(), &vec![1.0; framed.points.len()]);
+    let unknowns = Unknowns::new(&flat, flat.faces().collect(), &vec![1.0; framed.points.len()], &[]);
     let order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     let lattice = Lattice::new(&unknowns, &order, &context).unwrap().unwrap();
     let mut whole: Vec<i64> = Vec::new();
@@ -149,7 +149,10 @@ fn whole_faces_close_are_positive_and_their_quads_have_the_euler_number() {
         let (source, framed, map) = mapped(name, &context);
         let mut flat = Flat::new(&framed, &map);
         decimate(&mut flat, &framed.is_kept, &context).unwrap();
-        assert!(choose(&mut flat, &mut vec![1.0; framed.points.len()], &[], &context).unwrap(), "{name}");
+        assert!(
+            choose(&mut flat, &mut vec![1.0; framed.points.len()], &Curves::default(), &context).unwrap(),
+            "{name}"
+        );
         for f in flat.faces() {
             let cells = [0, 1, 2].map(|k| flat.side(3 * f + k).cells);
             assert_eq!(cells[0] + cells[1] + cells[2], super::cell::Cell::ZERO);
