@@ -21,6 +21,14 @@ pub struct Curves {
     pub is_tight: Vec<bool>,
 }
 
+/// The same in one order of rounding.
+struct TightCurves<'a> {
+    factor: &'a [f64],
+    is_tight: &'a [bool],
+    /// Edges of tight curves are rounded first, each to the nearest.
+    come_first: bool,
+}
+
 /// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
 /// are to be longer the next time, here and for who calls again. `curves`: what feature curves want.
 pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &Context) -> Result<bool> {
@@ -30,13 +38,13 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
         context.check()?;
         let mut tried = flat.clone();
         let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch, &curves.factor);
-        // Curves that insist may leave others no room.
-        let is_tight: &[bool] = if order % 2 == 0 { &curves.is_tight } else { &[] };
-        let Some(q) = rounded(&unknowns, is_tight, (order > 0).then_some(&mut random), context)? else { continue };
+        // Curves that come first may leave others no room.
+        let curves = TightCurves { is_tight: &curves.is_tight, come_first: order % 2 == 0, factor: &curves.factor };
+        let Some(q) = rounded(&unknowns, &curves, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, stretch, &curves.factor, is_tight, &mut random, context)?;
+            bad = search(&mut tried, stretch, &curves, &mut random, context)?;
         }
         let mut tight: Vec<u32> =
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
@@ -81,7 +89,7 @@ fn assign(flat: &mut Flat, unknowns: &Unknowns, q: &[f64]) {
 /// All unknowns, one edge after the other; `None` where they cannot all be whole.
 fn rounded(
     unknowns: &Unknowns,
-    is_tight: &[bool],
+    curves: &TightCurves,
     random: Option<&mut Random>,
     context: &Context,
 ) -> Result<Option<Vec<f64>>> {
@@ -90,13 +98,14 @@ fn rounded(
     if let Some(random) = random {
         keys.iter_mut().for_each(|key| *key *= 1.0 + SHAKE * (2.0 * random.share() - 1.0));
     }
-    let is_first = |e: usize| is_tight.get(unknowns.curve[e] as usize).copied().unwrap_or(false);
+    let is_tight = |e: usize| curves.is_tight.get(unknowns.curve[e] as usize).copied().unwrap_or(false);
+    let is_first = |e: usize| curves.come_first && is_tight(e);
     keys.iter_mut().enumerate().filter(|(e, _)| is_first(*e)).for_each(|(_, key)| *key *= FIRST);
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
     let Some(lattice) = Lattice::new(unknowns, &order, context)? else { return Ok(None) };
     context.check()?;
-    let weight = |c: usize| if is_first(c / 2) { HEAVY } else { 1.0 } / length(c / 2).max(1.0);
+    let weight = |c: usize| if is_tight(c / 2) { HEAVY } else { 1.0 } / length(c / 2).max(1.0);
     let weight: Vec<f64> = (0..unknowns.real.len()).map(weight).collect();
     let Some(mut rounding) = Rounding::new(unknowns, &lattice, &weight) else { return Ok(None) };
     context.check()?;
@@ -250,8 +259,7 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
 fn search(
     flat: &mut Flat,
     stretch: &[f64],
-    of_curve: &[f64],
-    is_tight: &[bool],
+    curves: &TightCurves,
     random: &mut Random,
     context: &Context,
 ) -> Result<usize> {
@@ -263,8 +271,8 @@ fn search(
             for _ in 0..LOCAL_ORDERS {
                 context.check()?;
                 let mut tried = flat.clone();
-                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, of_curve);
-                let Some(q) = rounded(&unknowns, is_tight, Some(random), context)? else { break };
+                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, curves.factor);
+                let Some(q) = rounded(&unknowns, curves, Some(random), context)? else { break };
                 assign(&mut tried, &unknowns, &q);
                 let before = bad_faces(flat).len();
                 if repair(&mut tried) < before {
