@@ -1,4 +1,5 @@
-//! Decimation of the flat metric to its cones: edges at a vertex are flipped until three faces are left, which become one.
+//! Decimation of the flat metric to its cones: edges at a vertex are flipped until three faces are left, which become one, or four,
+//! which become two.
 //! Vertices in the middle of a straight feature keep two faces a side, which become one each. Then Delaunay flips.
 //!
 //! ```text
@@ -59,6 +60,12 @@ fn remove_inner(flat: &mut Flat, v: u32) -> bool {
         }
         if star.len() == 3 && faces[0] != faces[1] && faces[1] != faces[2] && faces[0] != faces[2] {
             return close_three(flat, v, &star);
+        }
+        // In the middle of a strip no flip is left: two of the four are in line with it.
+        if let [a, b, c, d] = star[..]
+            && [[vec![a, b], vec![c, d]], [vec![b, c], vec![d, a]]].iter().any(|halves| close_halves(flat, v, halves))
+        {
+            return true;
         }
         if !flip_any(flat, v, &star) {
             return false;
@@ -128,7 +135,7 @@ fn sides_of_curve(flat: &Flat, star: &[u32], is_closed: bool) -> Option<Vec<Vec<
     }
 }
 
-/// Makes one face of two on each side of a curve.
+/// Makes one face of two on each side of a curve, or of the line between two of the four vertices around one.
 fn close_halves(flat: &mut Flat, v: u32, fans: &[Vec<u32>]) -> bool {
     let faces: Vec<u32> = fans.iter().flatten().map(|h| h / 3).collect();
     let mut unique = faces.clone();
