@@ -16,6 +16,7 @@ use super::tuning::{DELAUNAY_FLIPS, FLIPS, LEAST_AREA, REMOVAL_PASSES};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
+use std::f64::consts::PI;
 
 /// Removes all vertices that need not stay, as far as that goes; returns the number of those that stay all the same.
 pub fn decimate(flat: &mut Flat, is_kept: &[bool], context: &Context) -> Result<usize> {
@@ -63,7 +64,9 @@ fn remove_inner(flat: &mut Flat, v: u32) -> bool {
         }
         // In the middle of a strip no flip is left: two of the four are in line with it.
         if let [a, b, c, d] = star[..]
-            && [[vec![a, b], vec![c, d]], [vec![b, c], vec![d, a]]].iter().any(|halves| close_halves(flat, v, halves))
+            && [[a, b, c, d], [b, c, d, a]]
+                .iter()
+                .any(|&[a, b, c, d]| is_straight(flat, a, b, c) && close_halves(flat, v, &[vec![a, b], vec![c, d]]))
         {
             return true;
         }
@@ -72,6 +75,13 @@ fn remove_inner(flat: &mut Flat, v: u32) -> bool {
         }
     }
     false
+}
+
+/// Whether the first and the third of edges that leave a vertex one after the other are in line.
+fn is_straight(flat: &Flat, a: u32, b: u32, c: u32) -> bool {
+    let [from, to] = [a, c].map(|h| flat.side(h).vector.length());
+    let off = flat.corner_angle(a) + flat.corner_angle(b) - PI;
+    (from * to * off).abs() <= LEAST_AREA
 }
 
 /// Makes one face of the three around a vertex.
