@@ -408,7 +408,7 @@ class QuadResult(_MeshResult):
 
     @property
     def rungs(self) -> tuple[Mapping[str, int], ...]:
-        """How the quads of each region between features were made: 1 by the map, 3 of pairs of triangles, 4 of every triangle."""
+        """How the quads of each region were made: 1 by the map, 3 of pairs of triangles, 4 of every triangle."""
         return self.record["rungs"]
 
 

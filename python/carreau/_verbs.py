@@ -613,7 +613,7 @@ def quad(
     ignore_tags : bool
         Marked edges of the mesh are not special.
     rung : int, optional
-        The first method to try: 1 the map, 3 pairs of triangles, 4 every triangle in three, which always gives a mesh (1).
+        The first method to try: 1 the map, 3 pairs of triangles, 4 every triangle in three, which always works (1).
     **common
         Options that every verb on a surface has, see `Preparation` and `Common`.
 
