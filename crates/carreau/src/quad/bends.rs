@@ -15,7 +15,7 @@
 //! what is left of the curve as before.
 
 use super::around::{Around, worst};
-use super::curve::{Curve, curves, in_order};
+use super::curve::{Curve, end_of, in_order};
 use super::smooth::jacobian;
 use super::source::Source;
 use super::validate::keeps_feature;
@@ -53,11 +53,10 @@ struct Chain<'a> {
 /// they were free to move.
 pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Place)> {
     let mut held = Vec::new();
-    let curves = curves(source);
     let mut edges: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
     work.features.iter().for_each(|&(ends, curve)| edges.entry(curve).or_default().push(ends));
     for (number, edges) in edges {
-        let Some(curve) = curves.get(number as usize).filter(|curve| !curve.bends.is_empty()) else { continue };
+        let Some(curve) = source.paths.get(number as usize).filter(|curve| !curve.bends.is_empty()) else { continue };
         let Some(chain) = Chain::new(work, &edges, number, curve) else {
             tracing::debug!(target: "carreau::quad", number, "vertices are in no order along the curve");
             continue;
@@ -90,10 +89,7 @@ pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
 impl<'a> Chain<'a> {
     /// `None` where the vertices are in no order along the curve.
     fn new(work: &Work, edges: &[[u32; 2]], number: u32, curve: &'a Curve) -> Option<Self> {
-        let mut arms: BTreeMap<u32, usize> = BTreeMap::new();
-        edges.iter().flatten().for_each(|&v| *arms.entry(v).or_default() += 1);
-        let is_end = |v: u32, n: usize| n == 1 || work.place[v as usize] == Place::Fixed;
-        let end = arms.iter().find(|&(&v, &n)| is_end(v, n)).map(|(&v, _)| v);
+        let end = end_of(edges, |v| work.place[v as usize] == Place::Fixed);
         let mut vertices = in_order(edges, end.unwrap_or(edges[0][0]));
         if vertices.len() != edges.len() + 1 || end.is_none() != curve.is_closed {
             return None;

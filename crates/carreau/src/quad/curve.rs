@@ -6,9 +6,10 @@
 //!    ╱    chord   ╲
 //! ```
 
-use super::source::Source;
+use super::source::{Source, bits};
 use super::validate::{ALONG_DEG, NEAR};
 use glam::DVec3;
+use rustc_hash::FxHashSet;
 use std::collections::BTreeMap;
 
 /// Chords keep a place within these shares of the distance and of the angle that count: smoothing moves their ends.
@@ -29,7 +30,7 @@ pub struct Curve {
 }
 
 /// All curves, by number.
-pub fn curves(source: &Source) -> Vec<Curve> {
+pub fn paths(source: &Source) -> Vec<Curve> {
     let mut edges: Vec<Vec<[u32; 2]>> = Vec::new();
     for (&ends, &curve) in source.edges.iter().zip(&source.curve) {
         if edges.len() <= curve as usize {
@@ -38,6 +39,13 @@ pub fn curves(source: &Source) -> Vec<Curve> {
         edges[curve as usize].push(ends);
     }
     edges.iter().zip(0u32..).map(|(edges, number)| Curve::new(source, edges, number)).collect()
+}
+
+/// A vertex where a path through edges ends: it has one of them, or is said to be an end.
+pub fn end_of(edges: &[[u32; 2]], is_end: impl Fn(u32) -> bool) -> Option<u32> {
+    let mut arms: BTreeMap<u32, usize> = BTreeMap::new();
+    edges.iter().flatten().for_each(|&v| *arms.entry(v).or_default() += 1);
+    arms.into_iter().find(|&(v, n)| n == 1 || is_end(v)).map(|(v, _)| v)
 }
 
 /// Vertices in the order of a path through edges, from `first`; the first one comes again at the end of a closed path.
@@ -60,12 +68,11 @@ pub fn in_order(edges: &[[u32; 2]], first: u32) -> Vec<u32> {
 impl Curve {
     fn new(source: &Source, edges: &[[u32; 2]], number: u32) -> Self {
         let point = |v: u32| source.surface.mesh.points()[v as usize];
-        let mut arms: BTreeMap<u32, usize> = BTreeMap::new();
-        edges.iter().flatten().for_each(|&v| *arms.entry(v).or_default() += 1);
-        let end = arms.iter().find(|&(&v, &n)| n == 1 || source.is_corner(point(v))).map(|(&v, _)| v);
-        let of_curve = source.bends.get(&number).map_or(&[][..], Vec::as_slice);
-        let is_bend = |p: DVec3| of_curve.contains(&p);
-        let first = end.or_else(|| arms.keys().copied().find(|&v| is_bend(point(v)))).unwrap_or(edges[0][0]);
+        let end = end_of(edges, |v| source.is_corner(point(v)));
+        let of_curve: FxHashSet<[u64; 3]> = source.bends.get(&number).into_iter().flatten().map(|&p| bits(p)).collect();
+        let is_bend = |p: DVec3| of_curve.contains(&bits(p));
+        let least_bend = || edges.iter().flatten().copied().filter(|&v| is_bend(point(v))).min();
+        let first = end.or_else(least_bend).unwrap_or(edges[0][0]);
         let points: Vec<DVec3> = in_order(edges, first).into_iter().map(point).collect();
         let mut stations = vec![0.0];
         for k in 1..points.len() {
@@ -139,7 +146,7 @@ impl Curve {
     /// Whether chords between ticks keep it: every piece that is of one edge and of one chord.
     fn is_kept(&self, ticks: &[f64], near: f64) -> bool {
         let cos = (PARALLEL * ALONG_DEG).to_radians().cos();
-        let ends: Vec<DVec3> = ticks.iter().map(|&t| self.between_ends(t)).collect();
+        let ends: Vec<DVec3> = ticks.iter().map(|&t| self.at(t)).collect();
         let keeps = |k: usize, p: DVec3, along: DVec3| {
             let chord = ends[k + 1] - ends[k];
             let way = chord.normalize_or_zero();
@@ -151,7 +158,7 @@ impl Curve {
             let is_last = own + 2 == ticks.len();
             let to = if is_last { self.stations[edge + 1] } else { self.stations[edge + 1].min(ticks[own + 1]) };
             let along = (self.points[edge + 1] - self.points[edge]).normalize_or_zero();
-            let ends_of_piece = [from, to].map(|station| self.between_ends(station));
+            let ends_of_piece = [from, to].map(|station| self.at(station));
             let near_by = [own, own.saturating_sub(1), (own + 1).min(ticks.len() - 2)];
             let is_kept = || ends_of_piece.iter().all(|&p| near_by.into_iter().any(|k| keeps(k, p, along)));
             if to > from && along != DVec3::ZERO && !is_kept() {
@@ -166,11 +173,6 @@ impl Curve {
             }
         }
         true
-    }
-
-    /// The point at a station from one end to the other.
-    fn between_ends(&self, station: f64) -> DVec3 {
-        if station >= self.length() { self.points[self.points.len() - 1] } else { self.at(station) }
     }
 }
 
@@ -202,7 +204,7 @@ mod tests {
         for sides in [14, 40, 400] {
             let source = ellipse(sides);
             let mut chords = Work::default();
-            for (number, curve) in (0u32..).zip(curves(&source)) {
+            for (number, curve) in (0u32..).zip(paths(&source)) {
                 let least = curve.fewest(&source, 1000).unwrap();
                 assert_eq!(curve.fewest(&source, least - 1), None);
                 assert!(
@@ -210,7 +212,7 @@ mod tests {
                     "its own edges keep it, but not all of its bends are known as such"
                 );
                 let first = chords.points.len() as u32;
-                chords.points.extend(curve.ticks(least).into_iter().map(|t| curve.between_ends(t)));
+                chords.points.extend(curve.ticks(least).into_iter().map(|t| curve.at(t)));
                 chords.features.extend((first..first + least as u32).map(|k| ([k, k + 1], number)));
             }
             assert!(recall(&chords, &source).0 > 0.9995, "the validator agrees");
@@ -220,7 +222,7 @@ mod tests {
     #[test]
     fn stations_are_where_points_are() {
         let source = ellipse(200);
-        let [curve] = &curves(&source)[..] else { panic!("one border") };
+        let [curve] = &paths(&source)[..] else { panic!("one border") };
         assert!(curve.is_closed);
         for k in 0..50 {
             let station = curve.length() * f64::from(k) / 50.0;

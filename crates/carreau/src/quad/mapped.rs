@@ -20,29 +20,43 @@ const PROGRESS: f64 = 0.9;
 /// What a stage gives, or why it gives nothing.
 type OrWhy<T> = std::result::Result<T, String>;
 
-/// Working mesh after working mesh, until the quads of one are useful: the best quads, and why the last ones came to nothing.
-pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Result<(Option<Judged>, String)> {
+/// What has come of the map.
+#[derive(Default)]
+pub struct OfMap {
+    pub best: Option<Judged>,
+    /// Why nothing came of the last working mesh that gave nothing.
+    pub refused: String,
+}
+
+impl OfMap {
+    pub fn is_useful(&self) -> bool {
+        self.best.as_ref().is_some_and(|b| !b.cost.is_useless)
+    }
+}
+
+/// Working mesh after working mesh, until the quads of one are useful.
+pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Result<OfMap> {
     let (length, quads) = match options.edge_length {
         Some(length) => (length, None),
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    let (mut best, mut refused): (Option<Judged>, _) = (None, String::new());
+    let mut of_map = OfMap::default();
     for working in WORKING_EDGES {
         let wish = Wish { length, quads, working, feature_deg };
         match of_working_mesh(source, &wish, context)? {
-            Ok(found) if best.as_ref().is_none_or(|b| found.cost < b.cost) => best = Some(found),
+            Ok(found) if of_map.best.as_ref().is_none_or(|b| found.cost < b.cost) => of_map.best = Some(found),
             Ok(_) => {}
             Err(why) => {
                 tracing::debug!(target: "carreau::quad", working, why, "no map");
-                refused = why;
+                of_map.refused = why;
             }
         }
-        if best.as_ref().is_some_and(|b| !b.cost.is_useless) {
+        if of_map.is_useful() {
             break;
         }
     }
-    Ok((best, refused))
+    Ok(of_map)
 }
 
 fn of_working_mesh(source: &Source, wish: &Wish, context: &Context) -> Result<OrWhy<Judged>> {

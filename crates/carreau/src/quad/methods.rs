@@ -2,9 +2,10 @@
 
 use super::halve::{Middle, halve};
 use super::judged::Judged;
+use super::mapped::{self, OfMap};
 use super::source::Source;
 use super::work::{Place, Work};
-use super::{QuadOptions, mapped, sew, third, validate};
+use super::{QuadOptions, sew, third, validate};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::features::{Creases, FeatureOptions};
@@ -56,25 +57,11 @@ pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: 
     Ok((source, made))
 }
 
-/// What has come of the map.
-struct OfMap {
-    best: Option<Judged>,
-    /// Why nothing came of the last one.
-    refused: String,
-}
-
-impl OfMap {
-    fn is_useful(&self) -> bool {
-        self.best.as_ref().is_some_and(|b| !b.cost.is_useless)
-    }
-}
-
 fn of_map(source: &Source, options: &QuadOptions, context: &Context) -> Result<OfMap> {
     if options.rung > 1 {
-        return Ok(OfMap { best: None, refused: String::new() });
+        return Ok(OfMap::default());
     }
-    let (best, refused) = mapped::quads(source, options, context)?;
-    Ok(OfMap { best, refused })
+    mapped::quads(source, options, context)
 }
 
 /// Creases that fade out may leave no room for so few quads: those of the map without any, if it has as many as were asked

@@ -1,6 +1,7 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
 use super::bends::{BEND_DEG, bends};
+use super::curve::{Curve, paths};
 use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
 use super::sew::sewn;
 use super::tips::{Tip, tips};
@@ -43,6 +44,8 @@ pub struct Source {
     /// All feature edges, and those of every curve, as flat triangles.
     all_curves: TriangleTree,
     curves: Vec<(Vec<u32>, TriangleTree)>,
+    /// The curves in the order of their length, by number.
+    pub paths: Vec<Curve>,
     /// Where every curve bends inside.
     pub bends: FxHashMap<u32, Vec<DVec3>>,
     /// Where regions come to a point.
@@ -158,7 +161,8 @@ impl Source {
         };
         let lines = members(&curve, curve_count).into_iter().map(line).collect();
         let every: Vec<u32> = (0..edges.len() as u32).collect();
-        Ok(Source {
+        let mut source = Source {
+            paths: Vec::new(),
             diagonal: mesh.diagonal(),
             fades: loose_ends(mesh.vertex_count(), &edges) as f64 > FADING * curve_count as f64,
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
@@ -180,7 +184,9 @@ impl Source {
             is_held: false,
             at_corner,
             surface,
-        })
+        };
+        source.paths = paths(&source);
+        Ok(source)
     }
 
     /// Whether curves end at a point: to the bit.
@@ -248,7 +254,8 @@ pub fn ends(mesh: &SurfaceMesh, c: CornerId) -> [u32; 2] {
     [mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0]
 }
 
-fn bits(p: DVec3) -> [u64; 3] {
+/// What a point is to the bit.
+pub fn bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 

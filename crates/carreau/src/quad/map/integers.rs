@@ -21,14 +21,6 @@ pub struct Curves {
     pub is_tight: Vec<bool>,
 }
 
-/// The same in one order of rounding.
-struct TightCurves<'a> {
-    factor: &'a [f64],
-    is_tight: &'a [bool],
-    /// Edges of tight curves are rounded first, each to the nearest.
-    come_first: bool,
-}
-
 /// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
 /// are to be longer the next time, here and for who calls again. `curves`: what feature curves want.
 pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &Context) -> Result<bool> {
@@ -39,12 +31,14 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
         let mut tried = flat.clone();
         let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch, &curves.factor);
         // Curves that come first may leave others no room.
-        let curves = TightCurves { is_tight: &curves.is_tight, come_first: order % 2 == 0, factor: &curves.factor };
-        let Some(q) = rounded(&unknowns, &curves, (order > 0).then_some(&mut random), context)? else { continue };
+        let come_first = order % 2 == 0;
+        let Some(q) = rounded(&unknowns, curves, come_first, (order > 0).then_some(&mut random), context)? else {
+            continue;
+        };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, stretch, &curves, &mut random, context)?;
+            bad = search(&mut tried, stretch, curves, come_first, &mut random, context)?;
         }
         let mut tight: Vec<u32> =
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
@@ -86,10 +80,12 @@ fn assign(flat: &mut Flat, unknowns: &Unknowns, q: &[f64]) {
     }
 }
 
-/// All unknowns, one edge after the other; `None` where they cannot all be whole.
+/// All unknowns, one edge after the other; `None` where they cannot all be whole. `come_first`: edges of tight curves are rounded
+/// first, each to the nearest.
 fn rounded(
     unknowns: &Unknowns,
-    curves: &TightCurves,
+    curves: &Curves,
+    come_first: bool,
     random: Option<&mut Random>,
     context: &Context,
 ) -> Result<Option<Vec<f64>>> {
@@ -99,7 +95,7 @@ fn rounded(
         keys.iter_mut().for_each(|key| *key *= 1.0 + SHAKE * (2.0 * random.share() - 1.0));
     }
     let is_tight = |e: usize| curves.is_tight.get(unknowns.curve[e] as usize).copied().unwrap_or(false);
-    let is_first = |e: usize| curves.come_first && is_tight(e);
+    let is_first = |e: usize| come_first && is_tight(e);
     keys.iter_mut().enumerate().filter(|(e, _)| is_first(*e)).for_each(|(_, key)| *key *= FIRST);
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
@@ -259,7 +255,8 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
 fn search(
     flat: &mut Flat,
     stretch: &[f64],
-    curves: &TightCurves,
+    curves: &Curves,
+    come_first: bool,
     random: &mut Random,
     context: &Context,
 ) -> Result<usize> {
@@ -271,8 +268,8 @@ fn search(
             for _ in 0..LOCAL_ORDERS {
                 context.check()?;
                 let mut tried = flat.clone();
-                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, curves.factor);
-                let Some(q) = rounded(&unknowns, curves, Some(random), context)? else { break };
+                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, &curves.factor);
+                let Some(q) = rounded(&unknowns, curves, come_first, Some(random), context)? else { break };
                 assign(&mut tried, &unknowns, &q);
                 let before = bad_faces(flat).len();
                 if repair(&mut tried) < before {

@@ -31,7 +31,7 @@ mod locate;
 mod seamless;
 mod tuning;
 
-use super::curve::{Curve, curves};
+use super::curve::Curve;
 use super::pair::{Follow, coarse, field_of};
 use super::source::Source;
 use super::work::Work;
@@ -239,7 +239,7 @@ fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
 /// their scan: they ask for nothing.
 fn fewest(source: &Source) -> Vec<usize> {
     let of = |curve: &Curve| curve.fewest(source, MOST_EDGES).filter(|&n| n > 1 && !source.fades).unwrap_or(0);
-    curves(source).iter().map(of).collect()
+    source.paths.iter().map(of).collect()
 }
 
 #[cfg(test)]
