@@ -72,7 +72,7 @@ fn every_verb_reports_its_input_its_result_and_its_run() {
     let field = report(&["field", &bracket]);
     let lines: Vec<&Value> = field["scenes"][1]["lines"].as_array().unwrap().iter().map(|l| &l["style"]).collect();
     assert_eq!(lines, ["field", "feature"]);
-    // The graph has a layer of lines: on its own page, where its file is viewed, and along the edges of quads.
+    // The graph has a layer of lines: on its own page and where its file is viewed.
     let tracks = |head: &Value, scene: usize| {
         let lines = head["scenes"][scene]["lines"].as_array().unwrap().clone();
         let found: Vec<Value> = lines.into_iter().filter(|l| l["style"] == "track").collect();
@@ -88,9 +88,6 @@ fn every_verb_reports_its_input_its_result_and_its_run() {
     tracks(&head(&at("g.html")), 0);
     let quads = report(&["quad", &bracket, "--quads", "400", "-o", &path("q.obj")]);
     assert_eq!((scenes(&quads), &quads["scenes"][1]["faces"]["size"]), (both("q.obj"), &4.into()));
-    let wedge = path("wedge.ply");
-    carreau().args(["sample", "wedge", "--resolution", "12", "-o", &wedge]).assert().success();
-    tracks(&report(&["quad", &wedge, "--quads", "300"]), 1);
 
     let skeleton = report(&["skeleton", &tree, "-o", &path("t.cgr")]);
     assert_eq!(skeleton["scenes"][1]["nets"].as_array().unwrap().len(), 1);
