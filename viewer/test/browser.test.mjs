@@ -62,7 +62,7 @@ describe('pages in a browser', { skip: browser === null }, () => {
     await changed('quality');
     await page.selectOption('#colour-right', 'plain');
     await changed('plain');
-    for (const key of ['sharp', 'feature', 'track', 'marks', 'edges', 'smooth']) {
+    for (const key of ['sharp', 'feature', 'marks', 'edges', 'smooth']) {
       await page.locator(`#panel-layers [data-key=${key}]`).click();
       await changed(key);
     }
