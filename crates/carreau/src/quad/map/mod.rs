@@ -10,7 +10,7 @@
 //! | working mesh at the size of the quads, with its field (rooms `remesh`, `field`) | `framed` |
 //! | opposite singularities nearer than quads can show are cancelled | `cancel` |
 //! | the surface is cut to a disc | `cut` |
-//! | the seamless map: one sparse symmetric solve | `seamless` |
+//! | the seamless map: sparse symmetric solves, until no triangle is turned over | `seamless`, `untangle` |
 //! | its flat metric, an intrinsic triangulation with signposts | `flat` |
 //! | decimation to the cones | `decimate` |
 //! | closed assignments and their parities; whole numbers | `lattice`; `integers` |
@@ -30,6 +30,7 @@ mod lattice;
 mod locate;
 mod seamless;
 mod tuning;
+mod untangle;
 
 use super::curve::Curve;
 use super::pair::{Follow, coarse, field_of};

@@ -1,13 +1,14 @@
-//! The seamless map: Σ area |∇(u, v) − frame⁻¹/h|² least over the disc, where every edge of the cut is the same on both of its
-//! sides but for right angles, and edges on features run along one coordinate.
+//! The seamless map: Σ area ‖Ĵ − 1‖² least over the disc, with Ĵ the derivative of the map where the frame of the field is the
+//! unit, where every edge of the cut is the same on both of its sides but for right angles, and edges on features run along one
+//! coordinate. Triangles that come out turned over are turned back (`untangle`).
 //!
-//! One symmetric solve with multipliers: the constraints, dependent ones among them, come into the matrix with a large weight,
-//! and a few more solves with the same factor take what is left of them to rounding. Triangles that come out turned over are
-//! made stiffer, and it is solved again.
+//! Each solve is symmetric, with multipliers: the constraints, dependent ones among them, come into the matrix with a large
+//! weight, and a few more solves with the same factor take what is left of them to rounding.
 
 use super::cut::Cut;
 use super::framed::{Framed, next, turned};
-use super::tuning::{ANGLE, MULTIPLIERS, PATIENCE, SEAMLESS, STIFFER, STIFFER_ROUNDS, STIFFNESS, TURNED};
+use super::tuning::{ANGLE, MULTIPLIERS, SEAMLESS, STIFFER, STIFFER_ROUNDS, STIFFNESS, TURNED};
+use super::untangle::{Derivative, untangle};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -26,55 +27,30 @@ type Row = Vec<(u32, f64)>;
 
 /// The map for quads of a length; or why there is none.
 pub fn seamless(framed: &Framed, cut: Cut, length: f64, context: &Context) -> Result<std::result::Result<Map, String>> {
-    let rows = constraints(framed, &cut);
-    let gradients: Vec<[DVec2; 3]> = framed.local.iter().map(gradients).collect();
-    let targets: Vec<DMat2> = (0..framed.frame.len()).map(|t| target(framed, &cut, t, length)).collect();
-    let mut weight = vec![1.0; framed.triangles.len()];
-    let mut plan = None;
-    let mut least = (usize::MAX, 0);
-    for round in 0..STIFFER_ROUNDS {
-        context.check()?;
-        let system = System { framed, cut: &cut, rows: &rows, gradients: &gradients, targets: &targets };
-        let Some(uv) = system.solve(&weight, &mut plan, context)? else {
-            return Ok(Err("the seamless map could not be solved".into()));
-        };
-        let is_turned = |t: &usize| {
-            let g = &gradients[*t];
-            let j = (0..3).fold(DMat2::ZERO, |sum, k| sum + outer(uv[3 * t + k], g[k]));
-            j.determinant() <= TURNED * targets[*t].determinant()
-        };
-        let bad: Vec<usize> = (0..framed.triangles.len()).filter(is_turned).collect();
-        tracing::debug!(target: "carreau::quad", turned = bad.len(), "solved");
-        if bad.is_empty() {
-            let map = Map { uv, turn: cut.turn };
-            let wrong = map.wrong_angles(framed);
-            let why = || format!("{wrong} angles of the map are not those of the field");
-            return Ok(if wrong == 0 { Ok(map) } else { Err(why()) });
+    let mut system = System::new(framed, &cut, length);
+    let (mut wrong, mut fewest) = (Vec::new(), usize::MAX);
+    for _ in 0..STIFFER_ROUNDS {
+        let Some(mut uv) = system.first(context)? else { break };
+        wrong = system.smaller_than(TURNED, &uv).collect();
+        tracing::debug!(target: "carreau::quad", turned = wrong.len(), "solved");
+        if wrong.len() >= fewest.max(1) {
+            untangle(&system, &mut uv, context)?;
+            wrong = system.smaller_than(TURNED, &uv).collect();
+        } else {
+            fewest = wrong.len();
         }
-        if bad.len() < least.0 {
-            least = (bad.len(), round);
-        } else if round - least.1 >= PATIENCE {
-            break;
+        if wrong.is_empty() {
+            let at = |&n: &u32| DVec2::new(uv[2 * n as usize], uv[2 * n as usize + 1]);
+            let map = Map { uv: cut.node.iter().map(at).collect(), turn: cut.turn.clone() };
+            wrong = map.wrong_angles(framed);
+            if wrong.is_empty() {
+                return Ok(Ok(map));
+            }
+            tracing::debug!(target: "carreau::quad", wrong = wrong.len(), "wrong angles");
         }
-        stiffen(framed, &bad, &mut weight);
+        system.stiffen(framed, &wrong);
     }
-    Ok(Err("triangles of the map stay turned over".into()))
-}
-
-fn outer(a: DVec2, b: DVec2) -> DMat2 {
-    DMat2::from_cols(a * b.x, a * b.y)
-}
-
-/// Triangles that are turned over weigh more, and those around them.
-fn stiffen(framed: &Framed, bad: &[usize], weight: &mut [f64]) {
-    let mut is_near = vec![false; framed.points.len()];
-    bad.iter().flat_map(|&t| framed.triangles[t]).for_each(|v| is_near[v as usize] = true);
-    for (t, weight) in framed.triangles.iter().zip(weight.iter_mut()) {
-        if t.iter().any(|&v| is_near[v as usize]) {
-            *weight *= STIFFER;
-        }
-    }
-    bad.iter().for_each(|&t| weight[t] *= STIFFER);
+    Ok(Err(format!("{} triangles of the map stay turned over", wrong.len())))
 }
 
 /// Gradients of the three hat functions of a triangle.
@@ -130,23 +106,146 @@ fn merged(mut row: Row) -> Row {
     all
 }
 
-struct System<'a> {
-    framed: &'a Framed,
+/// What the map minimises, and its constraints.
+pub struct System<'a> {
     cut: &'a Cut,
-    rows: &'a [Row],
-    gradients: &'a [[DVec2; 3]],
-    targets: &'a [DMat2],
+    rows: Vec<Row>,
+    /// Gradients of the three hat functions of every triangle where its frame is the unit.
+    gradients: Vec<[DVec2; 3]>,
+    /// Area of every triangle, in quads.
+    area: Vec<f64>,
 }
 
-impl System<'_> {
-    /// Coordinates of all corners; `None` where the constraints are not met.
-    fn solve(&self, weight: &[f64], plan: &mut Option<Plan>, context: &Context) -> Result<Option<Vec<DVec2>>> {
-        let (matrix, rhs) = self.assembled(weight);
+impl<'a> System<'a> {
+    fn new(framed: &Framed, cut: &'a Cut, length: f64) -> Self {
+        let of = |t: usize| {
+            let wanted = target(framed, cut, t, length).inverse().transpose();
+            gradients(&framed.local[t]).map(|g| wanted * g)
+        };
+        let gradients = (0..framed.triangles.len()).map(of).collect();
+        let area = framed.area.iter().map(|a| a / (length * length)).collect();
+        System { cut, rows: constraints(framed, cut), gradients, area }
+    }
+
+    /// Triangles weigh more, and those around them.
+    fn stiffen(&mut self, framed: &Framed, triangles: &[usize]) {
+        let mut is_near = vec![false; framed.points.len()];
+        triangles.iter().flat_map(|&t| framed.triangles[t]).for_each(|v| is_near[v as usize] = true);
+        for (area, t) in self.area.iter_mut().zip(&framed.triangles) {
+            if t.iter().any(|&v| is_near[v as usize]) {
+                *area *= STIFFER;
+            }
+        }
+        triangles.iter().for_each(|&t| self.area[t] *= STIFFER);
+    }
+
+    fn nodes(&self, t: usize) -> [u32; 3] {
+        [0, 1, 2].map(|k| 2 * self.cut.node[3 * t + k])
+    }
+
+    fn derivative(&self, t: usize, uv: &[f64]) -> Derivative {
+        let (mut z, mut w) = (DVec2::ZERO, DVec2::ZERO);
+        for (n, g) in self.nodes(t).into_iter().zip(self.gradients[t]) {
+            let p = DVec2::new(uv[n as usize], uv[n as usize + 1]);
+            z += 0.5 * DVec2::new(p.dot(g), g.perp_dot(p));
+            w += 0.5 * DVec2::new(p.x * g.x - p.y * g.y, p.y * g.x + p.x * g.y);
+        }
+        Derivative { z, w }
+    }
+
+    fn triangles(&self) -> std::ops::Range<usize> {
+        0..self.area.len()
+    }
+
+    pub fn smallest(&self, uv: &[f64]) -> f64 {
+        self.triangles().map(|t| self.derivative(t, uv).determinant()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Triangles with less than a share of the area that is wanted.
+    pub fn smaller_than<'b>(&'b self, share: f64, uv: &'b [f64]) -> impl Iterator<Item = usize> + 'b {
+        self.triangles().filter(move |&t| self.derivative(t, uv).determinant() <= share)
+    }
+
+    pub fn cost(&self, uv: &[f64], epsilon: f64) -> f64 {
+        self.triangles().map(|t| self.area[t] * self.derivative(t, uv).cost(epsilon)).sum()
+    }
+
+    /// The map as near as it gets to the frames; `None` where the constraints are not met.
+    fn first(&self, context: &Context) -> Result<Option<Vec<f64>>> {
+        let mut matrix = Matrix::new(2 * self.cut.nodes);
+        let mut rhs = vec![0.0; 2 * self.cut.nodes];
+        for (t, g) in self.gradients.iter().enumerate() {
+            let node = self.nodes(t);
+            for k in 0..3 {
+                rhs[node[k] as usize] += self.area[t] * g[k].x;
+                rhs[node[k] as usize + 1] += self.area[t] * g[k].y;
+                for l in (0..3).filter(|&l| node[l] <= node[k]) {
+                    let value = self.area[t] * g[k].dot(g[l]);
+                    matrix.add(node[k], node[l], value);
+                    matrix.add(node[k] + 1, node[l] + 1, value);
+                }
+            }
+        }
+        self.solve(matrix, &rhs, STIFFNESS, &mut None, context)
+    }
+
+    /// The minimum of the model of what the map costs, about where it is.
+    pub fn newton(&self, uv: &[f64], epsilon: f64, plan: &mut Option<Plan>, context: &Context) -> Result<Option<Vec<f64>>> {
+        let mut matrix = Matrix::new(2 * self.cut.nodes);
+        let mut rhs = vec![0.0; 2 * self.cut.nodes];
+        let mut largest = 1f64;
+        for t in self.triangles() {
+            let model = self.derivative(t, uv).model(epsilon);
+            let node = self.nodes(t);
+            let columns: [u32; 6] = [0, 1, 2, 3, 4, 5].map(|i: usize| node[i / 2] + i as u32 % 2);
+            // How z and w follow the coordinates of the corners.
+            let mut by = [[0.0; 4]; 6];
+            for (k, g) in self.gradients[t].iter().enumerate() {
+                by[2 * k] = [0.5 * g.x, -0.5 * g.y, 0.5 * g.x, 0.5 * g.y];
+                by[2 * k + 1] = [0.5 * g.y, 0.5 * g.x, -0.5 * g.y, 0.5 * g.x];
+            }
+            let times = |v: &[f64; 4]| [0, 1, 2, 3].map(|i| (0..4).map(|j| model.curvature[i][j] * v[j]).sum::<f64>());
+            let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+            let area = self.area[t];
+            for i in 0..6 {
+                rhs[columns[i] as usize] -= area * dot(&by[i], &model.gradient);
+                let bent = times(&by[i]);
+                for j in 0..6 {
+                    let value = area * dot(&bent, &by[j]);
+                    rhs[columns[i] as usize] += value * uv[columns[j] as usize];
+                    if columns[j] <= columns[i] {
+                        matrix.add(columns[i], columns[j], value);
+                    }
+                }
+                largest = largest.max(area * dot(&bent, &by[i]));
+            }
+        }
+        self.solve(matrix, &rhs, STIFFNESS * largest.min(1e3), plan, context)
+    }
+
+    /// The minimum of ½ xᵀ A x − bᵀ x under the constraints; `None` where these are not met.
+    fn solve(
+        &self,
+        mut matrix: Matrix<f64>,
+        rhs: &[f64],
+        stiffness: f64,
+        plan: &mut Option<Plan>,
+        context: &Context,
+    ) -> Result<Option<Vec<f64>>> {
+        for row in &self.rows {
+            for &(i, a) in row {
+                row.iter().filter(|other| other.0 <= i).for_each(|&(j, b)| matrix.add(i, j, stiffness * a * b));
+            }
+        }
+        // Where each component is does not matter.
+        for i in self.cut.anchors.iter().flat_map(|&n| [2 * n, 2 * n + 1]) {
+            matrix.add(i, i, 1.0);
+        }
         let factor = matrix.factor(plan)?;
         let mut multiplier = vec![0.0; self.rows.len()];
         for _ in 0..MULTIPLIERS {
             context.check()?;
-            let mut right = rhs.clone();
+            let mut right = rhs.to_vec();
             for (row, m) in self.rows.iter().zip(&multiplier) {
                 row.iter().for_each(|&(i, a)| right[i as usize] -= a * m);
             }
@@ -154,44 +253,14 @@ impl System<'_> {
             let mut worst = 0f64;
             for (row, m) in self.rows.iter().zip(&mut multiplier) {
                 let off: f64 = row.iter().map(|&(i, a)| a * x[i as usize]).sum();
-                *m += STIFFNESS * off;
+                *m += stiffness * off;
                 worst = worst.max(off.abs());
             }
             if worst < SEAMLESS {
-                let at = |&n: &u32| DVec2::new(x[2 * n as usize], x[2 * n as usize + 1]);
-                return Ok(Some(self.cut.node.iter().map(at).collect()));
+                return Ok(Some(x));
             }
         }
         Ok(None)
-    }
-
-    fn assembled(&self, weight: &[f64]) -> (Matrix<f64>, Vec<f64>) {
-        let mut matrix = Matrix::new(2 * self.cut.nodes);
-        let mut rhs = vec![0.0; 2 * self.cut.nodes];
-        for (t, g) in self.gradients.iter().enumerate() {
-            let w = weight[t] * self.framed.area[t];
-            let node = |k: usize| 2 * self.cut.node[3 * t + k];
-            for k in 0..3 {
-                let wanted = self.targets[t] * g[k] * w;
-                rhs[node(k) as usize] += wanted.x;
-                rhs[node(k) as usize + 1] += wanted.y;
-                for l in (0..3).filter(|&l| node(l) <= node(k)) {
-                    let value = w * g[k].dot(g[l]);
-                    matrix.add(node(k), node(l), value);
-                    matrix.add(node(k) + 1, node(l) + 1, value);
-                }
-            }
-        }
-        for row in self.rows {
-            for &(i, a) in row {
-                row.iter().filter(|other| other.0 <= i).for_each(|&(j, b)| matrix.add(i, j, STIFFNESS * a * b));
-            }
-        }
-        // Where each component is does not matter.
-        for i in self.cut.anchors.iter().flat_map(|&n| [2 * n, 2 * n + 1]) {
-            matrix.add(i, i, 1.0);
-        }
-        (matrix, rhs)
     }
 }
 
@@ -201,13 +270,13 @@ impl Map {
         self.uv[next(h) as usize] - self.uv[h as usize]
     }
 
-    /// Vertices whose angle is not what their quads make.
-    pub fn wrong_angles(&self, framed: &Framed) -> usize {
+    /// Triangles at vertices whose angle is not what their quads make: the map goes around them once too often, or too seldom.
+    pub fn wrong_angles(&self, framed: &Framed) -> Vec<usize> {
         let mut angle = vec![0.0; framed.points.len()];
         for h in 0..self.uv.len() as u32 {
             angle[framed.tail(h) as usize] += self.along(h).angle_to(-self.along(super::framed::previous(h)));
         }
-        let is_wrong = |v: &usize| (angle[*v] - f64::from(framed.quads[*v]) * FRAC_PI_2).abs() > ANGLE;
-        (0..angle.len()).filter(is_wrong).count()
+        let is_wrong = |v: usize| (angle[v] - f64::from(framed.quads[v]) * FRAC_PI_2).abs() > ANGLE;
+        (0..framed.triangles.len()).filter(|&t| framed.triangles[t].iter().any(|&v| is_wrong(v as usize))).collect()
     }
 }

@@ -20,12 +20,26 @@ pub const STIFFNESS: f64 = 1e5;
 pub const SEAMLESS: f64 = 1e-9;
 /// Solves with the same factor at most until they do: each gains about five digits.
 pub const MULTIPLIERS: usize = 12;
-/// A triangle whose area in the map is less than this share of the wanted one counts as turned over.
-pub const TURNED: f64 = 0.02;
-/// Rounds in which triangles that are turned over are made stiffer, and by which factor.
+/// A triangle whose area in the map is less than this share of the wanted one counts as turned over: the flat metric needs an
+/// area above rounding. Triangles are made larger until all have the other share, or as far as that goes.
+pub const TURNED: f64 = 1e-3;
+pub const SMALL: f64 = 0.02;
+/// Weight of the barrier against areas that vanish, over how far a triangle is from its frame.
+pub const BARRIER: f64 = 0.1;
+/// The barrier is this share of the smallest area wide (area over the wanted one, while it is negative), and never less than the
+/// other.
+pub const WIDTH: f64 = 0.2;
+pub const NO_WIDTH: f64 = 1e-3;
+/// Newton's steps at most, and those without progress before it is given up: the smallest area grows by a share, or fewer are
+/// small.
+pub const NEWTON_STEPS: usize = 60;
+pub const PATIENCE: usize = 4;
+pub const PROGRESS: f64 = 0.1;
+/// Halvings of a step, and by which share of what it goes costs are to fall at least.
+pub const HALVINGS: usize = 20;
+pub const DECREASE: f64 = 1e-6;
+/// Maps that are solved for at most, each with the triangles that are turned over in the one before stiffer by a factor.
 pub const STIFFER_ROUNDS: usize = 12;
-/// Rounds that leave no fewer of them before it is given up.
-pub const PATIENCE: usize = 3;
 pub const STIFFER: f64 = 2.0;
 /// Angles in the map are multiples of a right angle within this (radians): far from the next, far above rounding.
 pub const ANGLE: f64 = 0.1;

@@ -1,0 +1,155 @@
+//! Triangles of the map that are turned over are turned back: a barrier against areas that vanish is added to what the map
+//! minimises, and taken down by Newton's method under the same constraints.
+//!
+//! With Ĵ the derivative of the map where the frame is the unit, split into z (a turn with a factor) and w (a turn with a factor
+//! of the mirror image), det Ĵ = |z|² − |w|², a triangle costs
+//!
+//! ```text
+//! |z − 1|² + |w|² + μ ‖Ĵ‖² / χ(det Ĵ),    χ(D) = (D + √(D² + ε²)) / 2
+//! ```
+//!
+//! The barrier is that of Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov: *Foldover-free maps in 50 lines of code*, 2021.
+//! It depends on |z| and |w| alone: its second derivatives are a block of two along z and w, and one number across each (as
+//! those of isotropic energies in Smith, de Goes, Kim: *Analytic eigensystems for isotropic distortion energies*, 2019), so that
+//! what is negative in them is left out exactly.
+
+use super::seamless::System;
+use super::tuning::{BARRIER, DECREASE, HALVINGS, NEWTON_STEPS, NO_WIDTH, PATIENCE, PROGRESS, SMALL, WIDTH};
+use crate::context::Context;
+use crate::error::Result;
+use glam::DVec2;
+
+/// The derivative of the map in one triangle, in the frame of the field.
+#[derive(Clone, Copy)]
+pub struct Derivative {
+    pub z: DVec2,
+    pub w: DVec2,
+}
+
+/// Gradient and second derivatives by z and w, without negative curvatures.
+pub struct Model {
+    pub gradient: [f64; 4],
+    pub curvature: [[f64; 4]; 4],
+}
+
+impl Derivative {
+    pub fn determinant(&self) -> f64 {
+        self.z.length_squared() - self.w.length_squared()
+    }
+
+    /// What the triangle costs; `epsilon`: the width of the barrier, infinite where there is none.
+    pub fn cost(&self, epsilon: f64) -> f64 {
+        let fit = (self.z - DVec2::X).length_squared() + self.w.length_squared();
+        if epsilon.is_infinite() {
+            return fit;
+        }
+        let sum = self.z.length_squared() + self.w.length_squared();
+        fit + BARRIER * 2.0 * sum / Chi::new(self.determinant(), epsilon).value
+    }
+
+    pub fn model(&self, epsilon: f64) -> Model {
+        let (r, s) = (self.z.length(), self.w.length());
+        let along = |v: DVec2, length: f64| if length > 0.0 { v / length } else { DVec2::X };
+        let (z, w) = (along(self.z, r), along(self.w, s));
+        let (sum, chi) = (r * r + s * s, Chi::new(self.determinant(), epsilon));
+        // 1/χ, and the first and second derivatives of −1/χ by the determinant.
+        let (inverse, p, q) = (1.0 / chi.value, chi.p, chi.q);
+        let across = [4.0 * inverse - 4.0 * sum * p, 4.0 * inverse + 4.0 * sum * p];
+        let rr = across[0] - 16.0 * r * r * p - 8.0 * sum * r * r * q;
+        let ss = across[1] + 16.0 * s * s * p - 8.0 * sum * s * s * q;
+        let rs = 8.0 * sum * r * s * q;
+        let along = positive([2.0 + BARRIER * rr, BARRIER * rs, 2.0 + BARRIER * ss]);
+        let across = across.map(|a| (2.0 + BARRIER * a).max(LEAST));
+        let slope = [BARRIER * r * (4.0 * inverse - 4.0 * sum * p), BARRIER * s * (4.0 * inverse + 4.0 * sum * p)];
+        let [gz, gw] = [2.0 * (self.z - DVec2::X) + slope[0] * z, 2.0 * self.w + slope[1] * w];
+        let mut curvature = [[0.0; 4]; 4];
+        let (zs, ws) = (z.to_array(), w.to_array());
+        let (zp, wp) = (z.perp().to_array(), w.perp().to_array());
+        for i in 0..2 {
+            for j in 0..2 {
+                curvature[i][j] = along[0] * zs[i] * zs[j] + across[0] * zp[i] * zp[j];
+                curvature[i + 2][j + 2] = along[2] * ws[i] * ws[j] + across[1] * wp[i] * wp[j];
+                curvature[i][j + 2] = along[1] * zs[i] * ws[j];
+                curvature[j + 2][i] = along[1] * zs[i] * ws[j];
+            }
+        }
+        Model { gradient: [gz.x, gz.y, gw.x, gw.y], curvature }
+    }
+}
+
+/// Least curvature that is left to a model: it has a minimum.
+const LEAST: f64 = 1e-3;
+
+/// χ, and the first and second derivatives of −1/χ.
+struct Chi {
+    value: f64,
+    p: f64,
+    q: f64,
+}
+
+impl Chi {
+    fn new(d: f64, epsilon: f64) -> Self {
+        let root = d.hypot(epsilon);
+        // Without cancellation where d is negative.
+        let value = if d >= 0.0 { 0.5 * (d + root) } else { 0.5 * epsilon * epsilon / (root - d) };
+        let first = value / root;
+        let second = 0.5 * epsilon * epsilon / root.powi(3);
+        let p = first / (value * value);
+        Chi { value, p, q: second / (value * value) - 2.0 * first * first / value.powi(3) }
+    }
+}
+
+/// The symmetric matrix [a b; b c] with its eigenvalues made positive.
+fn positive([a, b, c]: [f64; 3]) -> [f64; 3] {
+    let (middle, half) = (0.5 * (a + c), 0.5 * (a - c));
+    let radius = half.hypot(b);
+    if middle - radius >= LEAST {
+        return [a, b, c];
+    }
+    let [high, low] = [middle + radius, middle - radius].map(|value| value.max(LEAST));
+    let turn = if radius > 0.0 { DVec2::new(half, b) / radius } else { DVec2::X };
+    let (middle, radius) = (0.5 * (high + low), 0.5 * (high - low));
+    [middle + radius * turn.x, radius * turn.y, middle - radius * turn.x]
+}
+
+/// Moves a map until all triangles have the area that they should at least have, or as far as that goes.
+pub fn untangle(system: &System, uv: &mut Vec<f64>, context: &Context) -> Result<()> {
+    let mut plan = None;
+    let (mut fewest, mut largest, mut patience) = (usize::MAX, f64::NEG_INFINITY, PATIENCE);
+    for _ in 0..NEWTON_STEPS {
+        context.check()?;
+        let smallest = system.smallest(uv);
+        let small = system.smaller_than(SMALL, uv).count();
+        tracing::debug!(target: "carreau::quad", small, smallest, "untangled");
+        if small < fewest || smallest > largest + PROGRESS * largest.abs() {
+            patience = PATIENCE;
+        } else {
+            patience -= 1;
+        }
+        (fewest, largest) = (fewest.min(small), largest.max(smallest));
+        if small == 0 || patience == 0 {
+            break;
+        }
+        let epsilon = NO_WIDTH.hypot(WIDTH * smallest.min(0.0));
+        let Some(next) = system.newton(uv, epsilon, &mut plan, context)? else { break };
+        if !search(system, uv, &next, epsilon) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Goes as far towards the next map as costs fall.
+fn search(system: &System, uv: &mut Vec<f64>, next: &[f64], epsilon: f64) -> bool {
+    let before = system.cost(uv, epsilon);
+    let mut share = 1.0;
+    for _ in 0..HALVINGS {
+        let tried: Vec<f64> = uv.iter().zip(next).map(|(a, b)| a + share * (b - a)).collect();
+        if system.cost(&tried, epsilon) < before * (1.0 - DECREASE * share) {
+            *uv = tried;
+            return true;
+        }
+        share *= 0.5;
+    }
+    false
+}
