@@ -5,16 +5,20 @@
 //! orders, with longer edges around the faces that stay so, and other orders around these alone.
 
 use super::flat::Flat;
+use super::framed::next;
 use super::lattice::{Lattice, Unknowns};
-use super::tuning::{CANDIDATES, FIRST, HEAVY, LOCAL_ORDERS, LOCAL_RINGS, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
+use super::strips::Strips;
+use super::tuning::{CANDIDATES, FIRST, HEAVY, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::NONE;
 use crate::numeric::dense::{cholesky, inverse, solve};
+use glam::DVec2;
 
 /// What feature curves, by number, want.
 #[derive(Default)]
 pub struct Curves {
+    /// The fewest edges that keep each of them.
+    pub fewest: Vec<usize>,
     /// How many times longer their edges are to be.
     pub factor: Vec<f64>,
     /// Whether their edges are to have the cells of their length, whatever others have.
@@ -37,8 +41,10 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
         };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
-        if bad > 0 && best.as_ref().is_none_or(|b| bad < b.0) {
-            bad = search(&mut tried, stretch, curves, come_first, &mut random, context)?;
+        if bad > 0 {
+            let goal = goals(&tried, stretch, curves);
+            Strips::new(&mut tried, goal, &curves.fewest).give_cells(context)?;
+            bad = bad_faces(&tried).len();
         }
         let mut tight: Vec<u32> =
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
@@ -251,46 +257,13 @@ fn bad_faces(flat: &Flat) -> Vec<u32> {
     flat.faces().filter(|&f| flat.cells(f) <= 0).collect()
 }
 
-/// Rounds again around the faces that are not positive, with what is farther given.
-fn search(
-    flat: &mut Flat,
-    stretch: &[f64],
-    curves: &Curves,
-    come_first: bool,
-    random: &mut Random,
-    context: &Context,
-) -> Result<usize> {
-    for rings in LOCAL_RINGS {
-        let mut done: Vec<u32> = Vec::new();
-        while let Some(f) = bad_faces(flat).into_iter().find(|f| !done.contains(f)) {
-            done.push(f);
-            let ids = around(flat, f, rings);
-            for _ in 0..LOCAL_ORDERS {
-                context.check()?;
-                let mut tried = flat.clone();
-                let unknowns = Unknowns::new(&tried, ids.clone(), stretch, &curves.factor);
-                let Some(q) = rounded(&unknowns, curves, come_first, Some(random), context)? else { break };
-                assign(&mut tried, &unknowns, &q);
-                let before = bad_faces(flat).len();
-                if repair(&mut tried) < before {
-                    *flat = tried;
-                    break;
-                }
-            }
-        }
-    }
-    Ok(bad_faces(flat).len())
-}
-
-/// The faces within so many rings of one.
-fn around(flat: &Flat, face: u32, rings: usize) -> Vec<u32> {
-    let mut ids = vec![face];
-    for _ in 0..rings {
-        let near = |&f: &u32| [0, 1, 2].map(|k| flat.side(3 * f + k).opposite).into_iter().filter(|&o| o != NONE);
-        let more: Vec<u32> = ids.iter().flat_map(near).map(|o| o / 3).collect();
-        ids.extend(more);
-        ids.sort_unstable();
-        ids.dedup();
-    }
-    ids
+/// What the edge of every half-edge should be near.
+pub fn goals(flat: &Flat, stretch: &[f64], curves: &Curves) -> Vec<DVec2> {
+    let goal = |h: u32| {
+        let side = flat.side(h);
+        let ends = [side.vertex, flat.side(next(h)).vertex].map(|v| stretch[v as usize]);
+        let factor = curves.factor.get(side.curve as usize).copied().unwrap_or(1.0);
+        side.vector * factor * (ends[0] * ends[1]).sqrt()
+    };
+    (0..flat.sides.len() as u32).map(goal).collect()
 }

@@ -13,7 +13,7 @@
 //! | the seamless map: sparse symmetric solves, until no triangle is turned over | `seamless`, `untangle` |
 //! | its flat metric, an intrinsic triangulation with signposts | `flat` |
 //! | decimation to the cones | `decimate` |
-//! | closed assignments and their parities; whole numbers | `lattice`; `integers` |
+//! | closed assignments and their parities; whole numbers; strips of cells where some are missing | `lattice`; `integers`; `strips` |
 //! | quads of the integer triangles | `extract` |
 //! | back to the surface | `locate` |
 //! | whole vectors; constants | `cell`; `tuning` |
@@ -29,6 +29,7 @@ mod integers;
 mod lattice;
 mod locate;
 mod seamless;
+mod strips;
 mod tuning;
 mod untangle;
 
@@ -44,8 +45,9 @@ use framed::{Framed, next};
 use integers::Curves;
 use locate::Locator;
 use seamless::Map;
+use strips::Strips;
 use tuning::{
-    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STRETCH, TIGHT,
+    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, TIGHT,
     WORKING_SMALLEST,
 };
 
@@ -72,9 +74,7 @@ pub struct QuadMap {
     scale: f64,
     /// How much longer edges are to be at every vertex of the working mesh, in quads.
     stretch: Vec<f64>,
-    /// The fewest edges that keep every feature curve, by its number.
-    fewest: Vec<usize>,
-    /// What they want for that.
+    /// What feature curves want.
     curves: Curves,
     /// The corners of the whole faces that the last quads came from, by quad.
     corners: Vec<[u32; 3]>,
@@ -128,8 +128,8 @@ impl QuadMap {
         let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
         let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
         let stretch = vec![1.0; framed.points.len()];
-        let curves = Curves { factor: vec![1.0; fewest.len()], is_tight: vec![false; fewest.len()] };
-        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, fewest, curves, corners: Vec::new() }))
+        let curves = Curves { factor: vec![1.0; fewest.len()], is_tight: vec![false; fewest.len()], fewest };
+        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, curves, corners: Vec::new() }))
     }
 
     /// Quads before their vertices are moved, of the number that is wanted; or why there are none.
@@ -166,13 +166,13 @@ impl QuadMap {
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
             self.lengthen(&tried);
             let holds = integers::choose(&mut tried, &mut self.stretch, &self.curves, context)?;
+            let missing = if holds { self.missing(&mut tried, context)? } else { 0 };
             let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
             let ratio = wish.quads.map_or(1.0, |n| count / n as f64);
             if holds {
-                let missing = self.missing(&tried);
                 tracing::debug!(target: "carreau::quad", scale, count, missing, "whole");
                 let off = ratio.ln().abs();
-                let lacking = LACKING * missing as f64 / self.fewest.iter().sum::<usize>().max(1) as f64;
+                let lacking = LACKING * missing as f64 / self.curves.fewest.iter().sum::<usize>().max(1) as f64;
                 let cost = (missing > 0, off + lacking);
                 if best.as_ref().is_none_or(|b| cost < b.0) {
                     best = Some((cost, scale, tried));
@@ -199,11 +199,11 @@ impl QuadMap {
 
     /// Makes curves longer that would have fewer edges than they need.
     fn lengthen(&mut self, flat: &Flat) {
-        let mut length = vec![0.0; self.fewest.len()];
+        let mut length = vec![0.0; self.curves.fewest.len()];
         for (curve, [a, b], side) in on_curves(flat) {
             length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();
         }
-        for (curve, (length, &fewest)) in length.into_iter().zip(&self.fewest).enumerate() {
+        for (curve, (length, &fewest)) in length.into_iter().zip(&self.curves.fewest).enumerate() {
             let (wanted, factor) = (fewest as f64, &mut self.curves.factor[curve]);
             if fewest > 0 && length > 0.0 {
                 *factor = factor.max((wanted + SPARE) / length);
@@ -212,16 +212,10 @@ impl QuadMap {
         }
     }
 
-    /// How many edges curves lack of those that they need; they are to be longer the next time.
-    fn missing(&mut self, whole: &Flat) -> usize {
-        let mut count = vec![0; self.fewest.len()];
-        for (curve, _, side) in on_curves(whole) {
-            count[curve] += side.cells.steps().unsigned_abs() as usize;
-        }
-        let lacks = |curve: &usize| count[*curve] > 0 && count[*curve] < self.fewest[*curve];
-        let lacking: Vec<usize> = (0..count.len()).filter(lacks).collect();
-        lacking.iter().for_each(|&curve| self.curves.factor[curve] *= STRETCH);
-        lacking.into_iter().map(|curve| self.fewest[curve] - count[curve]).sum()
+    /// Gives curves the edges that they need, as far as that goes; returns how many they lack.
+    fn missing(&mut self, whole: &mut Flat, context: &Context) -> Result<usize> {
+        let goal = integers::goals(whole, &self.stretch, &self.curves);
+        Strips::new(whole, goal, &self.curves.fewest).lengthen_curves(context)
     }
 }
 

@@ -76,9 +76,10 @@ pub const SPARE: f64 = 0.4;
 pub const TIGHT: f64 = 1.0;
 /// More edges than this are not looked for along one feature curve: it would take as many chords for every one of them.
 pub const MOST_EDGES: usize = 2_000;
-/// Orders around faces that stay negative, and rings of faces around them.
-pub const LOCAL_ORDERS: usize = 40;
-pub const LOCAL_RINGS: [usize; 4] = [1, 2, 3, 4];
+/// Rounds of strips through faces without a cell.
+pub const MOST_STRIPS: usize = 20;
+/// What a strip costs for each edge that it crosses, over the square of an error of one cell in an edge of one.
+pub const STRIP_STEP: f64 = 0.02;
 /// Rounds of flips of faces that are not positive.
 pub const REPAIRS: usize = 40;
 /// More unknowns than this are too many for dense factors (memory grows with the square, time with the cube).

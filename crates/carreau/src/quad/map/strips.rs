@@ -1,0 +1,274 @@
+//! Strips of cells are put in, or taken out, where faces of the decimated metric have no cell or a feature curve has too few.
+//!
+//! A strip runs from face to face, all around or from border to border, and makes one side of each edge that it crosses a step
+//! longer. What it adds is carried along as frames turn, so that every face stays closed; on the far side it parts one corner
+//! from the other two:
+//!
+//! ```text
+//!          A                      A
+//!         ╱ ╲          d        ╱  │ ╲
+//!    ═══▶╱═══╲═══▶    ──▶     ╱    │   ╲         twice the cells of the face + d × BC
+//!       ╱     ╲              ╱     │     ╲
+//!      B───────C            B──────┴──────C
+//! ```
+//!
+//! So the cheapest strip through a face is a shortest path, and each one keeps all that is whole. The moves are those of
+//! Campen, Bommes, Kobbelt: *Quantized global parametrization*, 2015, section 5, on triangles instead of a T-mesh.
+
+use super::cell::Cell;
+use super::flat::{Flat, Side};
+use super::framed::{next, previous};
+use super::tuning::{MOST_STRIPS, STRIP_STEP};
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::NONE;
+use glam::DVec2;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A step of a strip: out of a face through a half-edge, whose head goes a cell farther in a direction (a number of right angles)
+/// of the frame of that face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Step {
+    half_edge: u32,
+    turn: i32,
+}
+
+impl Step {
+    fn new(half_edge: u32, turn: i32) -> Self {
+        Step { half_edge, turn: turn.rem_euclid(4) }
+    }
+
+    fn vector(self) -> Cell {
+        Cell::new(1, 0).turned(self.turn)
+    }
+
+    fn index(self) -> usize {
+        4 * self.half_edge as usize + self.turn as usize
+    }
+
+    fn of_index(index: usize) -> Self {
+        Step { half_edge: (index / 4) as u32, turn: (index % 4) as i32 }
+    }
+
+    /// How the face behind is entered: through its half-edge, with the same vector in its frame; `None` at a border.
+    fn entry(self, flat: &Flat) -> Option<Step> {
+        let side = flat.side(self.half_edge);
+        (side.opposite != NONE).then(|| Step::new(side.opposite, self.turn + side.turn))
+    }
+}
+
+/// Steps of a strip, with what they cost.
+struct Strip {
+    cost: f64,
+    steps: Vec<Step>,
+}
+
+/// Where strips are put in.
+pub struct Strips<'a> {
+    pub flat: &'a mut Flat,
+    /// What the edge of every half-edge should be near.
+    pub goal: Vec<DVec2>,
+    /// The fewest edges of every feature curve, and how many it has more than that.
+    fewest: &'a [usize],
+    spare: Vec<i64>,
+}
+
+fn real(cell: Cell) -> DVec2 {
+    DVec2::new(cell.x as f64, cell.y as f64)
+}
+
+impl<'a> Strips<'a> {
+    pub fn new(flat: &'a mut Flat, goal: Vec<DVec2>, fewest: &'a [usize]) -> Self {
+        let mut strips = Strips { flat, goal, fewest, spare: Vec::new() };
+        strips.count();
+        strips
+    }
+
+    fn count(&mut self) {
+        self.spare = self.fewest.iter().map(|&n| -(n as i64)).collect();
+        for h in self.flat.faces().flat_map(|f| 3 * f..3 * f + 3) {
+            let side = self.flat.side(h);
+            if let Some(spare) = self.spare.get_mut(side.curve as usize)
+                && (side.opposite == NONE || h < side.opposite)
+            {
+                *spare += side.cells.steps();
+            }
+        }
+    }
+
+    /// How much faces lack to have half a cell each.
+    fn lack(&self) -> i64 {
+        self.flat.faces().map(|f| (1 - self.flat.cells(f)).max(0)).sum()
+    }
+
+    /// Puts strips through faces without a cell until all have one, or no strip helps; returns whether all have one.
+    pub fn give_cells(&mut self, context: &Context) -> Result<bool> {
+        let mut left = self.lack();
+        for _ in 0..MOST_STRIPS {
+            let before = left;
+            let bad: Vec<u32> = self.flat.faces().filter(|&f| self.flat.cells(f) <= 0).collect();
+            for f in bad {
+                context.check()?;
+                if self.flat.cells(f) > 0 {
+                    continue;
+                }
+                let starts = (3 * f..3 * f + 3).flat_map(|h| (0..4).map(move |turn| Step::new(h, turn)));
+                self.put_in_best(starts, |strips| {
+                    let now = strips.lack();
+                    let is_less = now < left;
+                    left = left.min(now);
+                    is_less
+                });
+            }
+            if left == 0 || left == before {
+                break;
+            }
+        }
+        Ok(left == 0)
+    }
+
+    /// Puts strips across feature curves that have fewer edges than they need, as far as that goes; returns how many they lack.
+    pub fn lengthen_curves(&mut self, context: &Context) -> Result<usize> {
+        let mut edges: Vec<Vec<u32>> = vec![Vec::new(); self.fewest.len()];
+        for h in self.flat.faces().flat_map(|f| 3 * f..3 * f + 3) {
+            let side = self.flat.side(h);
+            if side.curve != NONE && (side.opposite == NONE || h < side.opposite) {
+                edges[side.curve as usize].push(h);
+            }
+        }
+        for (curve, edges) in edges.iter().enumerate() {
+            // A curve without an edge in the metric is a part that it does not have.
+            while self.spare[curve] < 0 && !edges.is_empty() {
+                context.check()?;
+                let starts: Vec<Step> = edges.iter().map(|&h| self.longer(h)).collect();
+                if !self.put_in_best(starts.into_iter(), |strips| strips.lack() == 0) {
+                    break;
+                }
+            }
+        }
+        let lacks = (0..edges.len()).filter(|&c| !edges[c].is_empty()).map(|c| (-self.spare[c]).max(0) as usize);
+        Ok(lacks.sum())
+    }
+
+    /// The step across an edge of a feature that makes it longer.
+    fn longer(&self, h: u32) -> Step {
+        let along = self.flat.side(h).vector;
+        (0..4).map(|turn| Step::new(h, turn)).max_by(|a, b| real(a.vector()).dot(along).total_cmp(&real(b.vector()).dot(along))).unwrap_or(Step::new(h, 0))
+    }
+
+    /// Puts in the cheapest strip of those from some starts that is as it should be; returns whether there is one.
+    fn put_in_best(&mut self, starts: impl Iterator<Item = Step>, mut holds: impl FnMut(&Self) -> bool) -> bool {
+        let mut all: Vec<Strip> = starts.filter_map(|start| self.through(start)).collect();
+        all.sort_by(|a, b| a.cost.total_cmp(&b.cost).then_with(|| a.steps.cmp(&b.steps)));
+        for strip in all {
+            self.put_in(&strip, 1);
+            if self.features_hold(&strip) && holds(self) {
+                self.count();
+                return true;
+            }
+            self.put_in(&strip, -1);
+        }
+        false
+    }
+
+    fn put_in(&mut self, strip: &Strip, times: i64) {
+        for step in &strip.steps {
+            let d = times * step.vector();
+            let Side { opposite, turn, .. } = *self.flat.side(step.half_edge);
+            self.flat.sides[step.half_edge as usize].cells += d;
+            if opposite != NONE {
+                self.flat.sides[opposite as usize].cells += -d.turned(turn);
+            }
+        }
+    }
+
+    /// Whether edges on features that a strip crosses go on in the direction of the metric.
+    fn features_hold(&self, strip: &Strip) -> bool {
+        let crossed = strip.steps.iter().map(|step| self.flat.side(step.half_edge));
+        crossed.filter(|side| side.curve != NONE).all(|side| side.vector.dot(real(side.cells)) > 0.0)
+    }
+
+    /// The cheapest strip through a step: all around, or from border to border.
+    fn through(&self, start: Step) -> Option<Strip> {
+        let cost = self.cost(start)?;
+        let ahead = match start.entry(self.flat) {
+            Some(entry) => self.shortest(entry, start)?,
+            None => Strip { cost: 0.0, steps: Vec::new() },
+        };
+        if ahead.steps.last() == Some(&start) {
+            return Some(ahead);
+        }
+        // Back from the start, into its own face: what is crossed there changes as it would the other way.
+        let behind = self.shortest(Step::new(start.half_edge, start.turn + 2), start)?;
+        let is_open = behind.steps.last().is_some_and(|s| self.flat.side(s.half_edge).opposite == NONE);
+        let steps = ahead.steps.into_iter().chain([start]).chain(behind.steps).collect();
+        is_open.then_some(Strip { cost: cost + ahead.cost + behind.cost, steps })
+    }
+
+    /// The shortest path from where a face is entered to a step, or out of a border (Dijkstra).
+    fn shortest(&self, entry: Step, goal: Step) -> Option<Strip> {
+        let mut known = vec![(f64::INFINITY, usize::MAX); 4 * self.flat.sides.len()];
+        let mut queue = BinaryHeap::new();
+        self.go_on(entry, 0.0, usize::MAX, &mut known, &mut queue);
+        while let Some(Reverse((bits, index))) = queue.pop() {
+            let (step, cost) = (Step::of_index(index), f64::from_bits(bits));
+            if cost > known[index].0 {
+                continue;
+            }
+            let Some(entry) = step.entry(self.flat).filter(|_| step != goal) else {
+                let (mut steps, mut at) = (vec![step], known[index].1);
+                while at != usize::MAX {
+                    steps.push(Step::of_index(at));
+                    at = known[at].1;
+                }
+                steps.reverse();
+                return Some(Strip { cost, steps });
+            };
+            self.go_on(entry, cost, index, &mut known, &mut queue);
+        }
+        None
+    }
+
+    /// The ways out of a face.
+    fn go_on(&self, entry: Step, cost: f64, from: usize, known: &mut [(f64, usize)], queue: &mut BinaryHeap<Reverse<(u64, usize)>>) {
+        for exit in [next(entry.half_edge), previous(entry.half_edge)] {
+            let step = Step::new(exit, entry.turn);
+            let Some(more) = self.cost(step).filter(|_| self.may_pass(entry, exit)) else { continue };
+            if cost + more < known[step.index()].0 {
+                known[step.index()] = (cost + more, from);
+                // Costs are not negative: their bits are ordered as they are.
+                queue.push(Reverse(((cost + more).to_bits(), step.index())));
+            }
+        }
+    }
+
+    /// Whether a face has room for a strip: it keeps its cells, or comes nearer to having some.
+    fn may_pass(&self, entry: Step, exit: u32) -> bool {
+        let f = entry.half_edge / 3;
+        let d = entry.vector();
+        let mut cells = [0, 1, 2].map(|k| self.flat.side(3 * f + k).cells);
+        cells[entry.half_edge as usize % 3] += -d;
+        cells[exit as usize % 3] += d;
+        let [before, after] = [self.flat.cells(f), cells[0].cross(cells[1])];
+        after > 0 || after > before
+    }
+
+    /// What it costs to cross a half-edge: how much farther its edge is from what it should be, and a little for each step.
+    /// `None`: a feature would be bent, or has no edge to give away.
+    fn cost(&self, step: Step) -> Option<f64> {
+        let side = self.flat.side(step.half_edge);
+        let d = step.vector();
+        if side.curve != NONE {
+            let along = real(d).dot(side.vector) / side.vector.length();
+            let has_none_to_spare = || self.spare.get(side.curve as usize).is_some_and(|&spare| spare <= 0);
+            if along.abs() < 0.5 || along < 0.0 && has_none_to_spare() {
+                return None;
+            }
+        }
+        let goal = self.goal[step.half_edge as usize];
+        let off = |c: Cell| (real(c) - goal).length_squared();
+        let more = (off(side.cells + d) - off(side.cells)) / goal.length().max(1.0);
+        Some(STRIP_STEP + more.max(0.0))
+    }
+}
