@@ -32,6 +32,11 @@ impl OfMap {
     pub fn is_useful(&self) -> bool {
         self.best.as_ref().is_some_and(|b| !b.cost.is_useless)
     }
+
+    /// What keeps to the number and leaves a part out is better than many times as many quads.
+    pub fn will_do(&self) -> bool {
+        self.is_useful() || self.best.as_ref().is_some_and(|b| b.meets_number)
+    }
 }
 
 /// Working mesh after working mesh, until the quads of one are useful.

@@ -48,7 +48,7 @@ pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: 
     let map = of_map(&source, options, context)?;
     let may_leave_out = options.rung == 1 && source.fades && options.features.creases == Creases::Auto;
     if may_leave_out
-        && !map.is_useful()
+        && !map.will_do()
         && let Some(found) = without_creases(mesh, options, context)?
     {
         return Ok(found);
@@ -82,9 +82,7 @@ fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context)
 /// What came of the map if it is of use, or what comes of the next methods.
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
-    // What keeps to the number and leaves a part out is better than many times as many quads.
-    let will_do = map.is_useful() || map.best.as_ref().is_some_and(|b| b.meets_number);
-    let pairs = if will_do { None } else { third::third(source, options, &mut warnings, context)? };
+    let pairs = if map.will_do() { None } else { third::third(source, options, &mut warnings, context)? };
     let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     let best = candidates.min_by(|a, b| a.0.cost.cmp(&b.0.cost));
     if options.rung == 1 && best.as_ref().is_none_or(|b| b.1 != Method::Map) {

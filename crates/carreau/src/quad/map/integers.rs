@@ -1,14 +1,14 @@
 //! Numbers of cells along the edges of the decimated metric: every face positive, every face closed.
 //!
 //! Sequential rounding ("nearest plane", Babai 1986): the shortest edges first, each to the nearest whole vector of the right
-//! parity for which the mean of those still free leaves every face some area. Then flips of faces that are not positive, other
-//! orders, with longer edges around the faces that stay so, and other orders around these alone.
+//! parity for which the mean of those still free leaves every face some area. Then flips of faces that are not positive, strips of
+//! cells through these, and other orders, with longer edges around the faces that stay so.
 
 use super::flat::Flat;
 use super::framed::next;
 use super::lattice::{Lattice, Unknowns};
 use super::strips::Strips;
-use super::tuning::{CANDIDATES, FIRST, HEAVY, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
+use super::tuning::{CANDIDATES, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
 use crate::context::Context;
 use crate::error::Result;
 use crate::numeric::dense::{cholesky, inverse, solve};
@@ -21,8 +21,6 @@ pub struct Curves {
     pub fewest: Vec<usize>,
     /// How many times longer their edges are to be.
     pub factor: Vec<f64>,
-    /// Whether their edges are to have the cells of their length, whatever others have.
-    pub is_tight: Vec<bool>,
 }
 
 /// Gives every edge its cells; returns whether all faces are positive. Where one is not, its vertices are stretched: their edges
@@ -33,12 +31,8 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
     for order in 0..ORDERS {
         context.check()?;
         let mut tried = flat.clone();
-        let unknowns = Unknowns::new(&tried, tried.faces().collect(), stretch, &curves.factor);
-        // Curves that come first may leave others no room.
-        let come_first = order % 2 == 0;
-        let Some(q) = rounded(&unknowns, curves, come_first, (order > 0).then_some(&mut random), context)? else {
-            continue;
-        };
+        let unknowns = Unknowns::new(&tried, &goals(&tried, stretch, curves));
+        let Some(q) = rounded(&unknowns, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
         if bad > 0 {
@@ -86,37 +80,25 @@ fn assign(flat: &mut Flat, unknowns: &Unknowns, q: &[f64]) {
     }
 }
 
-/// All unknowns, one edge after the other; `None` where they cannot all be whole. `come_first`: edges of tight curves are rounded
-/// first, each to the nearest.
-fn rounded(
-    unknowns: &Unknowns,
-    curves: &Curves,
-    come_first: bool,
-    random: Option<&mut Random>,
-    context: &Context,
-) -> Result<Option<Vec<f64>>> {
+/// All unknowns, one edge after the other; `None` where they cannot all be whole.
+fn rounded(unknowns: &Unknowns, random: Option<&mut Random>, context: &Context) -> Result<Option<Vec<f64>>> {
     let length = |e: usize| unknowns.real[2 * e].hypot(unknowns.real[2 * e + 1]);
     let mut keys: Vec<f64> = (0..unknowns.edges.len()).map(length).collect();
     if let Some(random) = random {
         keys.iter_mut().for_each(|key| *key *= 1.0 + SHAKE * (2.0 * random.share() - 1.0));
     }
-    let is_tight = |e: usize| curves.is_tight.get(unknowns.curve[e] as usize).copied().unwrap_or(false);
-    let is_first = |e: usize| come_first && is_tight(e);
-    keys.iter_mut().enumerate().filter(|(e, _)| is_first(*e)).for_each(|(_, key)| *key *= FIRST);
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
     let Some(lattice) = Lattice::new(unknowns, &order, context)? else { return Ok(None) };
     context.check()?;
-    let weight = |c: usize| if is_tight(c / 2) { HEAVY } else { 1.0 } / length(c / 2).max(1.0);
-    let weight: Vec<f64> = (0..unknowns.real.len()).map(weight).collect();
+    let weight: Vec<f64> = (0..unknowns.real.len()).map(|c| 1.0 / length(c / 2).max(1.0)).collect();
     let Some(mut rounding) = Rounding::new(unknowns, &lattice, &weight) else { return Ok(None) };
     context.check()?;
     let mut k = 0;
     while k < lattice.free.len() {
         context.check_every(k)?;
         let is_pair = k + 1 < lattice.free.len() && lattice.free[k] / 2 == lattice.free[k + 1] / 2;
-        let candidates = if is_first(lattice.free[k] as usize / 2) { 1 } else { CANDIDATES };
-        rounding.fix(k, if is_pair { 2 } else { 1 }, candidates);
+        rounding.fix(k, if is_pair { 2 } else { 1 });
         k += if is_pair { 2 } else { 1 };
     }
     let q = rounding.q;
@@ -142,7 +124,7 @@ impl<'a> Rounding<'a> {
         let (mut precision, mut right) = (vec![0.0; d * d], vec![0.0; d]);
         for (c, terms) in lattice.of_free.iter().enumerate() {
             for &(i, a) in terms {
-                right[i as usize] += weight[c] * a * (unknowns.real[c] - lattice.constant[c]);
+                right[i as usize] += weight[c] * a * unknowns.real[c];
                 terms.iter().for_each(|&(j, b)| precision[i as usize * d + j as usize] += weight[c] * a * b);
             }
         }
@@ -154,16 +136,16 @@ impl<'a> Rounding<'a> {
         };
         let n = unknowns.real.len();
         let effect = (0..d).map(|k| (0..n).map(|c| of(&|i| factor[i * d + k], c)).collect()).collect();
-        let q = (0..n).map(|c| lattice.constant[c] + of(&|i| z[i], c)).collect();
+        let q = (0..n).map(|c| of(&|i| z[i], c)).collect();
         Some(Rounding { unknowns, lattice, factor, effect, z, q, whole: Vec::new() })
     }
 
-    /// Makes the next one or two free unknowns whole; so many candidates are looked at.
-    fn fix(&mut self, k: usize, count: usize, most: usize) {
+    /// Makes the next one or two free unknowns whole.
+    fn fix(&mut self, k: usize, count: usize) {
         let mut candidates = self.candidates(k, count);
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.whole.cmp(&b.whole)));
         let mut best: Option<(f64, &Candidate, Vec<f64>)> = None;
-        for candidate in candidates.iter().take(most) {
+        for candidate in candidates.iter().take(CANDIDATES) {
             let mut q = self.q.clone();
             for (effect, y) in self.effect[k..k + count].iter().zip(candidate.steps) {
                 q.iter_mut().zip(effect).for_each(|(q, e)| *q += e * y);

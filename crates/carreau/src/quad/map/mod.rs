@@ -47,7 +47,7 @@ use locate::Locator;
 use seamless::Map;
 use strips::Strips;
 use tuning::{
-    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, TIGHT,
+    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE,
     WORKING_SMALLEST,
 };
 
@@ -128,7 +128,7 @@ impl QuadMap {
         let area: f64 = flat.faces().map(|f| flat.area(f)).sum::<f64>() / 2.0;
         let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
         let stretch = vec![1.0; framed.points.len()];
-        let curves = Curves { factor: vec![1.0; fewest.len()], is_tight: vec![false; fewest.len()], fewest };
+        let curves = Curves { factor: vec![1.0; fewest.len()], fewest };
         Ok(Ok(QuadMap { framed, map, flat, scale, stretch, curves, corners: Vec::new() }))
     }
 
@@ -208,7 +208,6 @@ impl QuadMap {
             if fewest > 0 && length > 0.0 {
                 *factor = factor.max((wanted + SPARE) / length);
             }
-            self.curves.is_tight[curve] = fewest > 0 && length * *factor < wanted + TIGHT;
         }
     }
 

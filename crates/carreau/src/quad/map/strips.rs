@@ -243,7 +243,7 @@ impl<'a> Strips<'a> {
         }
     }
 
-    /// Whether a face has room for a strip: it keeps its cells, or comes nearer to having some.
+    /// Whether a face has room for a strip: it keeps some cells, or lacks no more than before.
     fn may_pass(&self, entry: Step, exit: u32) -> bool {
         let f = entry.half_edge / 3;
         let d = entry.vector();
@@ -251,7 +251,7 @@ impl<'a> Strips<'a> {
         cells[entry.half_edge as usize % 3] += -d;
         cells[exit as usize % 3] += d;
         let [before, after] = [self.flat.cells(f), cells[0].cross(cells[1])];
-        after > 0 || after > before
+        after > 0 || after >= before
     }
 
     /// What it costs to cross a half-edge: how much farther its edge is from what it should be, and a little for each step.

@@ -5,7 +5,7 @@ use super::decimate::decimate;
 use super::extract::extract;
 use super::flat::Flat;
 use super::framed::{Framed, previous};
-use super::integers::{Curves, choose};
+use super::integers::{Curves, choose, goals};
 use super::lattice::{Lattice, Unknowns};
 use super::locate::Locator;
 use super::seamless::{Map, seamless};
@@ -123,7 +123,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
     let (_, framed, map) = mapped("icosphere", &context);
     let mut flat = Flat::new(&framed, &map);
     decimate(&mut flat, &framed.is_kept, &context).unwrap();
-    let unknowns = Unknowns::new(&flat, flat.faces().collect(), &vec![1.0; framed.points.len()], &[]);
+    let unknowns = Unknowns::new(&flat, &goals(&flat, &vec![1.0; framed.points.len()], &Curves::default()));
     let order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     let lattice = Lattice::new(&unknowns, &order, &context).unwrap().unwrap();
     let mut whole: Vec<i64> = Vec::new();
@@ -131,9 +131,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
         let n = 7 * k as i64 % 11 - 5;
         whole.push(n + lattice.is_odd(k, &whole).map_or(0, |odd| i64::from(odd != (n % 2 != 0))));
     }
-    let of = |c: usize| {
-        lattice.constant[c] + lattice.of_free[c].iter().map(|t| t.1 * whole[t.0 as usize] as f64).sum::<f64>()
-    };
+    let of = |c: usize| lattice.of_free[c].iter().map(|t| t.1 * whole[t.0 as usize] as f64).sum::<f64>();
     let q: Vec<f64> = (0..unknowns.real.len()).map(of).collect();
     assert!(q.iter().all(|q| (q - q.round()).abs() < 1e-9));
     for f in 0..unknowns.faces.len() {

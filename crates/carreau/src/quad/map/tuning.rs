@@ -57,12 +57,8 @@ pub const ROOM: f64 = 0.6;
 /// Rounded values that are looked at for each edge, the nearest first.
 pub const CANDIDATES: usize = 14;
 /// Orders in which edges are rounded, one after the other until all faces are positive; lengths are shaken by this share.
-pub const ORDERS: usize = 10;
+pub const ORDERS: usize = 4;
 pub const SHAKE: f64 = 0.4;
-/// Lengths of edges on features that need all of their cells count as this much when edges are put in order: they come first.
-pub const FIRST: f64 = 1e-6;
-/// They weigh so many times more than others where lengths do not add up: these give way.
-pub const HEAVY: f64 = 100.0;
 /// By how much edges around a face that has no cell are to be longer in the next order: ten of them make a limb of one cell one of
 /// two or three.
 pub const STRETCH: f64 = 1.1;
@@ -70,10 +66,8 @@ pub const STRETCH: f64 = 1.1;
 pub const REFINED: f64 = 1.4;
 /// Edges that curves lack, as a share of all that they need, count so many times more than a number of quads that is missed.
 pub const LACKING: f64 = 5.0;
-/// Curves are to be longer than they need to be by so many edges: rounding takes up to half of one. Those that are longer by less
-/// than the other number are rounded first.
+/// Curves are to be longer than they need to be by so many edges: rounding takes up to half of one.
 pub const SPARE: f64 = 0.4;
-pub const TIGHT: f64 = 1.0;
 /// More edges than this are not looked for along one feature curve: it would take as many chords for every one of them.
 pub const MOST_EDGES: usize = 2_000;
 /// Rounds of strips through faces without a cell.
