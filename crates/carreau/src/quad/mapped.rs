@@ -79,7 +79,6 @@ fn of_working_mesh(source: &Source, wish: &Wish, context: &Context) -> Result<Or
         fitted(&mut work, source, context)?;
     }
     let gap = lifted(&mut work, source, context)?;
-    // Creases that fade out may be too short, or bend too much, for an edge of the quads.
     let refusal = if source.fades { validate::unsound } else { validate::refusal };
     if let Some(why) = refusal(&work, &work.to_mesh()?, source)? {
         return Ok(Err(why));
@@ -112,17 +111,28 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
         let no_good = validate::faults(&work, source).map(|(q, _)| q);
         let far = quads_beyond(&work, source, STRAYS * wish.length);
         let bad: BTreeSet<usize> = no_good.chain(far).collect();
-        tracing::debug!(target: "carreau::quad", bad = bad.len(), quads = work.faces.len(), "placed");
+        let lost = lost_curves(&work, source);
+        tracing::debug!(target: "carreau::quad", bad = bad.len(), lost = lost.len(), quads = work.faces.len(), "placed");
         map.refine(bad.iter().copied());
-        let before = best.as_ref().map_or(usize::MAX, |b| b.0);
-        if bad.len() < before {
-            best = Ok((bad.len(), work));
+        lost.iter().for_each(|&curve| map.lengthen(curve));
+        let (now, before) = (bad.len() + lost.len(), best.as_ref().map_or(usize::MAX, |b| b.0));
+        if now < before {
+            best = Ok((now, work));
         }
-        if bad.is_empty() || bad.len() as f64 > PROGRESS * before as f64 {
+        if now == 0 || now as f64 > PROGRESS * before as f64 {
             break;
         }
     }
     Ok(best.map(|b| b.1))
+}
+
+/// Curves that are not kept as a whole. Creases that fade out may be too short, or bend too much, for an edge of the quads.
+fn lost_curves(work: &Work, source: &Source) -> Vec<usize> {
+    if source.fades {
+        return Vec::new();
+    }
+    let lost = validate::lost(work, source);
+    (0..lost.len()).filter(|&curve| lost[curve].length > 0.0).collect()
 }
 
 /// Takes quads that are too far from the surface nearer to it, as long as none is turned over for it.

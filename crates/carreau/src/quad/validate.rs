@@ -107,12 +107,30 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
     edges.iter().flatten().copied().any(is_inside).then_some("a border vertex is inside another border edge")
 }
 
-/// The share of the source's features, by length, that have an edge near and parallel; and where the first one is lost.
+/// The share of the features that is kept, and the first place where one is not.
 pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
+    let lost = lost(work, source);
+    let total: f64 = lost.iter().map(|l| l.of).sum();
+    let share = lost.iter().map(|l| l.length).sum::<f64>() / total;
+    (if total > 0.0 { 1.0 - share } else { 1.0 }, lost.iter().find_map(|l| l.first))
+}
+
+/// What is lost of a feature curve.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Lost {
+    pub length: f64,
+    /// The length of the curve.
+    pub of: f64,
+    pub first: Option<DVec3>,
+}
+
+/// What is lost of every curve: places that no edge of a feature is near and about parallel to.
+pub fn lost(work: &Work, source: &Source) -> Vec<Lost> {
     let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
     let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
-    let (mut total, mut kept, mut lost) = (0.0, 0.0, None);
-    for ends in &source.edges {
+    let mut all = vec![Lost::default(); source.paths.len()];
+    for (ends, &curve) in source.edges.iter().zip(&source.curve) {
+        let of_curve = &mut all[curve as usize];
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
         let n = (length / source.diagonal * SAMPLES).ceil().max(1.0);
@@ -123,14 +141,14 @@ pub fn recall(work: &Work, source: &Source) -> (f64, Option<DVec3>) {
                 let [a, b] = work.features[closest.triangle as usize].0.map(|v| work.points[v as usize]);
                 found |= (b - a).normalize_or_zero().dot(along).abs() >= cos;
             });
-            total += length / n;
-            match found {
-                true => kept += length / n,
-                false => lost = lost.or(Some(p)),
+            of_curve.of += length / n;
+            if !found {
+                of_curve.length += length / n;
+                of_curve.first = of_curve.first.or(Some(p));
             }
         }
     }
-    (if total > 0.0 { kept / total } else { 1.0 }, lost)
+    all
 }
 
 /// Whether edges between two places keep the curve that they are on, by a share of what may be between them.

@@ -47,7 +47,7 @@ use locate::Locator;
 use seamless::Map;
 use strips::Strips;
 use tuning::{
-    CANCELLED, FAILED, LACKING, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE,
+    CANCELLED, FAILED, LACKING, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE,
     WORKING_SMALLEST,
 };
 
@@ -76,6 +76,8 @@ pub struct QuadMap {
     stretch: Vec<f64>,
     /// What feature curves want.
     curves: Curves,
+    /// The edges along every feature curve in the last quads.
+    edges: Vec<usize>,
     /// The corners of the whole faces that the last quads came from, by quad.
     corners: Vec<[u32; 3]>,
 }
@@ -129,7 +131,7 @@ impl QuadMap {
         let scale = wish.quads.map_or(1.0, |n| (n as f64 / area).sqrt());
         let stretch = vec![1.0; framed.points.len()];
         let curves = Curves { factor: vec![1.0; fewest.len()], fewest };
-        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, curves, corners: Vec::new() }))
+        Ok(Ok(QuadMap { framed, map, flat, scale, stretch, curves, edges: Vec::new(), corners: Vec::new() }))
     }
 
     /// Quads before their vertices are moved, of the number that is wanted; or why there are none.
@@ -137,6 +139,8 @@ impl QuadMap {
         let Some(whole) = self.whole(wish, context)? else {
             return Ok(Err("a part of the map has no room for a cell".into()));
         };
+        self.edges = vec![0; self.curves.fewest.len()];
+        on_curves(&whole).for_each(|(curve, _, side)| self.edges[curve] += side.cells.steps().unsigned_abs() as usize);
         let _stage = context.stage("quads");
         let locator = Locator::new(&self.framed, &self.map, self.scale);
         let (work, of) = match extract::extract(&whole, &self.framed, &locator, context)? {
@@ -155,6 +159,11 @@ impl QuadMap {
         corners.into_iter().for_each(|v| self.stretch[v as usize] *= REFINED);
     }
 
+    /// A feature curve is to have more edges in the next quads.
+    pub fn lengthen(&mut self, curve: usize) {
+        self.curves.fewest[curve] = self.curves.fewest[curve].max(self.edges[curve]) + MORE_EDGES;
+    }
+
     /// Whole numbers in the size that gives the number of quads that is wanted, with as many edges along features as these need.
     fn whole(&mut self, wish: &Wish, context: &Context) -> Result<Option<Flat>> {
         let _stage = context.stage("numbers");
@@ -164,7 +173,7 @@ impl QuadMap {
         for _ in 0..SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
-            self.lengthen(&tried);
+            self.make_longer(&tried);
             let holds = integers::choose(&mut tried, &mut self.stretch, &self.curves, context)?;
             let missing = if holds { self.missing(&mut tried, context)? } else { 0 };
             let count = tried.faces().map(|f| tried.cells(f)).sum::<i64>() as f64 / 2.0;
@@ -198,7 +207,7 @@ impl QuadMap {
     }
 
     /// Makes curves longer that would have fewer edges than they need.
-    fn lengthen(&mut self, flat: &Flat) {
+    fn make_longer(&mut self, flat: &Flat) {
         let mut length = vec![0.0; self.curves.fewest.len()];
         for (curve, [a, b], side) in on_curves(flat) {
             length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();

@@ -68,6 +68,8 @@ pub const REFINED: f64 = 1.4;
 pub const LACKING: f64 = 5.0;
 /// Curves are to be longer than they need to be by so many edges: rounding takes up to half of one.
 pub const SPARE: f64 = 0.4;
+/// Where a part of a feature curve is lost it gets so many edges more the next time.
+pub const MORE_EDGES: usize = 1;
 /// More edges than this are not looked for along one feature curve: it would take as many chords for every one of them.
 pub const MOST_EDGES: usize = 2_000;
 /// Rounds of strips through faces without a cell.
