@@ -7,7 +7,7 @@ use super::map::{QuadMap, WORKING_EDGES, Wish};
 use super::smooth::Smoothing;
 use super::source::Source;
 use super::work::Work;
-use super::{QuadOptions, lifted, take_back, validate};
+use super::{QuadOptions, WITHIN, lifted, off, take_back, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use std::collections::BTreeSet;
@@ -97,7 +97,7 @@ fn or_why<T>(result: Result<OrWhy<T>>) -> Result<OrWhy<T>> {
 /// Quads of the map on the surface, as even as they become; smaller ones where some are no good or leave a part out, as on
 /// limbs that are hardly wider than they are.
 fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) -> Result<OrWhy<Work>> {
-    let mut best: OrWhy<(usize, Work)> = Err(String::new());
+    let mut best: OrWhy<((bool, usize), Work)> = Err(String::new());
     for _ in 0..REFINEMENTS {
         let mut work = match or_why(map.quads(wish, context))? {
             Ok(work) => work,
@@ -108,18 +108,18 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
             return Ok(Err(why.into()));
         }
         Smoothing::new(&mut work, source).run(&mut work, source, context)?;
-        let no_good = validate::faults(&work, source).map(|(q, _)| q);
-        let far = quads_beyond(&work, source, STRAYS * wish.length);
-        let bad: BTreeSet<usize> = no_good.chain(far).collect();
-        let lost = lost_curves(&work, source);
-        tracing::debug!(target: "carreau::quad", bad = bad.len(), lost = lost.len(), quads = work.faces.len(), "placed");
+        let mut bad: BTreeSet<usize> = validate::faults(&work, source).map(|(q, _)| q).collect();
+        let (no_good, lost) = (bad.len(), lost_curves(&work, source));
+        bad.extend(quads_beyond(&work, source, STRAYS * wish.length));
+        tracing::debug!(target: "carreau::quad", no_good, bad = bad.len(), lost = lost.len(), quads = work.faces.len(), "placed");
         map.refine(bad.iter().copied());
         lost.iter().for_each(|&curve| map.lengthen(curve));
-        let (now, before) = (bad.len() + lost.len(), best.as_ref().map_or(usize::MAX, |b| b.0));
+        let misses = wish.quads.is_some_and(|n| off(work.faces.len(), n) > WITHIN);
+        let (now, before) = ((misses, bad.len() + lost.len()), best.as_ref().map_or((true, usize::MAX), |b| b.0));
         if now < before {
             best = Ok((now, work));
         }
-        if now == 0 || now as f64 > PROGRESS * before as f64 {
+        if now.1 == 0 || now.1 as f64 > PROGRESS * before.1 as f64 {
             break;
         }
     }

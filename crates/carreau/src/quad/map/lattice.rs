@@ -45,13 +45,8 @@ impl Unknowns {
     pub fn new(flat: &Flat, goal: &[DVec2]) -> Self {
         let ids: Vec<u32> = flat.faces().collect();
         let mut of = vec![None; flat.sides.len()];
-        let mut unknowns = Unknowns {
-            edges: Vec::new(),
-            real: Vec::new(),
-            faces: Vec::new(),
-            ids: Vec::new(),
-            zero: Vec::new(),
-        };
+        let mut unknowns =
+            Unknowns { edges: Vec::new(), real: Vec::new(), faces: Vec::new(), ids: Vec::new(), zero: Vec::new() };
         for &f in &ids {
             let forms = [0, 1, 2].map(|k| {
                 let h = 3 * f + k;
@@ -199,6 +194,7 @@ fn parities(of_free: &[Vec<(u32, f64)>], free: usize) -> Vec<Option<Vec<u32>>> {
             }
         }
     }
-    let before = |k: usize, bits: Vec<u64>| (0..k as u32).filter(|j| bits[*j as usize / 64] >> (j % 64) & 1 == 1).collect();
+    let before =
+        |k: usize, bits: Vec<u64>| (0..k as u32).filter(|j| bits[*j as usize / 64] >> (j % 64) & 1 == 1).collect();
     found.into_iter().enumerate().map(|(k, bits)| bits.map(|bits| before(k, bits))).collect()
 }

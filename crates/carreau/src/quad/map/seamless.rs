@@ -190,7 +190,13 @@ impl<'a> System<'a> {
     }
 
     /// The minimum of the model of what the map costs, about where it is.
-    pub fn newton(&self, uv: &[f64], epsilon: f64, plan: &mut Option<Plan>, context: &Context) -> Result<Option<Vec<f64>>> {
+    pub fn newton(
+        &self,
+        uv: &[f64],
+        epsilon: f64,
+        plan: &mut Option<Plan>,
+        context: &Context,
+    ) -> Result<Option<Vec<f64>>> {
         let mut matrix = Matrix::new(2 * self.cut.nodes);
         let mut rhs = vec![0.0; 2 * self.cut.nodes];
         let mut largest = 1f64;

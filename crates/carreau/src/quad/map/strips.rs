@@ -18,13 +18,13 @@
 use super::cell::Cell;
 use super::flat::{Flat, Side};
 use super::framed::{next, previous};
-use super::tuning::{MOST_STRIPS, STRIP_STEP};
+use super::tuning::{DETOURS, MOST_STRIPS, STRIP_LACK, STRIP_STEP};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec2;
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeSet, BinaryHeap};
 
 /// A step of a strip: out of a face through a half-edge, whose head goes a cell farther in a direction (a number of right angles)
 /// of the frame of that face.
@@ -72,6 +72,8 @@ pub struct Strips<'a> {
     /// The fewest edges of every feature curve, and how many it has more than that.
     fewest: &'a [usize],
     spare: Vec<i64>,
+    /// What a strip costs for each half cell that a face lacks then and did not before.
+    lack_cost: f64,
 }
 
 fn real(cell: Cell) -> DVec2 {
@@ -80,7 +82,7 @@ fn real(cell: Cell) -> DVec2 {
 
 impl<'a> Strips<'a> {
     pub fn new(flat: &'a mut Flat, goal: Vec<DVec2>, fewest: &'a [usize]) -> Self {
-        let mut strips = Strips { flat, goal, fewest, spare: Vec::new() };
+        let mut strips = Strips { flat, goal, fewest, spare: Vec::new(), lack_cost: f64::INFINITY };
         strips.count();
         strips
     }
@@ -121,9 +123,11 @@ impl<'a> Strips<'a> {
                     is_less
                 });
             }
-            if left == 0 || left == before {
+            if left == 0 || left == before && self.lack_cost.is_finite() {
                 break;
             }
+            // Where no strip leaves all others as they are, one may come by again and give back what it takes.
+            self.lack_cost = if left == before { STRIP_LACK } else { f64::INFINITY };
         }
         Ok(left == 0)
     }
@@ -154,20 +158,37 @@ impl<'a> Strips<'a> {
     /// The step across an edge of a feature that makes it longer.
     fn longer(&self, h: u32) -> Step {
         let along = self.flat.side(h).vector;
-        (0..4).map(|turn| Step::new(h, turn)).max_by(|a, b| real(a.vector()).dot(along).total_cmp(&real(b.vector()).dot(along))).unwrap_or(Step::new(h, 0))
+        (0..4)
+            .map(|turn| Step::new(h, turn))
+            .max_by(|a, b| real(a.vector()).dot(along).total_cmp(&real(b.vector()).dot(along)))
+            .unwrap_or(Step::new(h, 0))
     }
 
-    /// Puts in the cheapest strip of those from some starts that is as it should be; returns whether there is one.
+    /// Puts in the cheapest strip of those from some starts that is as it should be; returns whether there is one. A strip that comes
+    /// to the same face again may take its cells away: then it has to go around those that it spoils.
     fn put_in_best(&mut self, starts: impl Iterator<Item = Step>, mut holds: impl FnMut(&Self) -> bool) -> bool {
-        let mut all: Vec<Strip> = starts.filter_map(|start| self.through(start)).collect();
-        all.sort_by(|a, b| a.cost.total_cmp(&b.cost).then_with(|| a.steps.cmp(&b.steps)));
-        for strip in all {
+        let of = |strips: &Self, start: Step, barred: Vec<u32>| {
+            strips.through(start, &barred).map(|strip| (strip, start, barred))
+        };
+        let mut all: Vec<(Strip, Step, Vec<u32>)> = starts.filter_map(|start| of(self, start, Vec::new())).collect();
+        for _ in 0..DETOURS * all.len() {
+            let order = |a: &Strip, b: &Strip| a.cost.total_cmp(&b.cost).then_with(|| a.steps.cmp(&b.steps));
+            let Some(best) = (0..all.len()).min_by(|&a, &b| order(&all[a].0, &all[b].0)) else { break };
+            let (strip, start, mut barred) = all.swap_remove(best);
+            let crossed: BTreeSet<u32> = strip.steps.iter().map(|step| step.half_edge / 3).collect();
+            let before: Vec<i64> = crossed.iter().map(|&f| self.flat.cells(f)).collect();
             self.put_in(&strip, 1);
             if self.features_hold(&strip) && holds(self) {
                 self.count();
                 return true;
             }
+            let is_spoilt = |f: u32, before: i64| self.flat.cells(f) <= 0 && self.flat.cells(f) < before;
+            let known = barred.len();
+            barred.extend(crossed.into_iter().zip(before).filter(|&(f, before)| is_spoilt(f, before)).map(|(f, _)| f));
             self.put_in(&strip, -1);
+            if barred.len() > known {
+                all.extend(of(self, start, barred));
+            }
         }
         false
     }
@@ -190,30 +211,33 @@ impl<'a> Strips<'a> {
     }
 
     /// The cheapest strip through a step: all around, or from border to border.
-    fn through(&self, start: Step) -> Option<Strip> {
+    fn through(&self, start: Step, barred: &[u32]) -> Option<Strip> {
         let cost = self.cost(start)?;
         let ahead = match start.entry(self.flat) {
-            Some(entry) => self.shortest(entry, start)?,
+            Some(entry) => self.shortest(entry, start, barred)?,
             None => Strip { cost: 0.0, steps: Vec::new() },
         };
         if ahead.steps.last() == Some(&start) {
             return Some(ahead);
         }
         // Back from the start, into its own face: what is crossed there changes as it would the other way.
-        let behind = self.shortest(Step::new(start.half_edge, start.turn + 2), start)?;
+        let behind = self.shortest(Step::new(start.half_edge, start.turn + 2), start, barred)?;
         let is_open = behind.steps.last().is_some_and(|s| self.flat.side(s.half_edge).opposite == NONE);
         let steps = ahead.steps.into_iter().chain([start]).chain(behind.steps).collect();
         is_open.then_some(Strip { cost: cost + ahead.cost + behind.cost, steps })
     }
 
     /// The shortest path from where a face is entered to a step, or out of a border (Dijkstra).
-    fn shortest(&self, entry: Step, goal: Step) -> Option<Strip> {
+    fn shortest(&self, entry: Step, goal: Step, barred: &[u32]) -> Option<Strip> {
         let mut known = vec![(f64::INFINITY, usize::MAX); 4 * self.flat.sides.len()];
         let mut queue = BinaryHeap::new();
         self.go_on(entry, 0.0, usize::MAX, &mut known, &mut queue);
         while let Some(Reverse((bits, index))) = queue.pop() {
             let (step, cost) = (Step::of_index(index), f64::from_bits(bits));
             if cost > known[index].0 {
+                continue;
+            }
+            if barred.contains(&(step.half_edge / 3)) && step != goal {
                 continue;
             }
             let Some(entry) = step.entry(self.flat).filter(|_| step != goal) else {
@@ -231,10 +255,19 @@ impl<'a> Strips<'a> {
     }
 
     /// The ways out of a face.
-    fn go_on(&self, entry: Step, cost: f64, from: usize, known: &mut [(f64, usize)], queue: &mut BinaryHeap<Reverse<(u64, usize)>>) {
+    fn go_on(
+        &self,
+        entry: Step,
+        cost: f64,
+        from: usize,
+        known: &mut [(f64, usize)],
+        queue: &mut BinaryHeap<Reverse<(u64, usize)>>,
+    ) {
         for exit in [next(entry.half_edge), previous(entry.half_edge)] {
             let step = Step::new(exit, entry.turn);
-            let Some(more) = self.cost(step).filter(|_| self.may_pass(entry, exit)) else { continue };
+            let Some(crossing) = self.cost(step) else { continue };
+            let more = crossing + self.cost_of_pass(entry, exit);
+            // Infinite costs are no way.
             if cost + more < known[step.index()].0 {
                 known[step.index()] = (cost + more, from);
                 // Costs are not negative: their bits are ordered as they are.
@@ -243,15 +276,19 @@ impl<'a> Strips<'a> {
         }
     }
 
-    /// Whether a face has room for a strip: it keeps some cells, or lacks no more than before.
-    fn may_pass(&self, entry: Step, exit: u32) -> bool {
+    /// What a strip costs in a face: something for each half cell that this lacks afterwards and did not before. It may come by again
+    /// and give it back.
+    fn cost_of_pass(&self, entry: Step, exit: u32) -> f64 {
         let f = entry.half_edge / 3;
         let d = entry.vector();
         let mut cells = [0, 1, 2].map(|k| self.flat.side(3 * f + k).cells);
         cells[entry.half_edge as usize % 3] += -d;
         cells[exit as usize % 3] += d;
-        let [before, after] = [self.flat.cells(f), cells[0].cross(cells[1])];
-        after > 0 || after >= before
+        let [before, after] = [self.flat.cells(f), cells[0].cross(cells[1])].map(|cells| (1 - cells).max(0));
+        match after > before {
+            true => self.lack_cost * (after - before) as f64,
+            false => 0.0,
+        }
     }
 
     /// What it costs to cross a half-edge: how much farther its edge is from what it should be, and a little for each step.

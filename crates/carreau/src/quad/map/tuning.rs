@@ -74,8 +74,12 @@ pub const MORE_EDGES: usize = 1;
 pub const MOST_EDGES: usize = 2_000;
 /// Rounds of strips through faces without a cell.
 pub const MOST_STRIPS: usize = 20;
+/// Ways for a strip from one start that are tried, in the mean.
+pub const DETOURS: usize = 4;
 /// What a strip costs for each edge that it crosses, over the square of an error of one cell in an edge of one.
 pub const STRIP_STEP: f64 = 0.02;
+/// The same for each half cell that a face lacks then and did not before.
+pub const STRIP_LACK: f64 = 5.0;
 /// Rounds of flips of faces that are not positive.
 pub const REPAIRS: usize = 40;
 /// More unknowns than this are too many for dense factors (memory grows with the square, time with the cube).
