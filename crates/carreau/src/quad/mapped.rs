@@ -16,6 +16,8 @@ use std::collections::BTreeSet;
 /// left for another time.
 const REFINEMENTS: usize = 5;
 const PROGRESS: f64 = 0.9;
+/// A quad that is turned over counts as so many that are too far from the surface: one that stays so is refused.
+const NO_GOOD: usize = 10;
 
 /// What a stage gives, or why it gives nothing.
 type OrWhy<T> = std::result::Result<T, String>;
@@ -115,7 +117,8 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
         map.refine(bad.iter().copied());
         lost.iter().for_each(|&curve| map.lengthen(curve));
         let misses = wish.quads.is_some_and(|n| off(work.faces.len(), n) > WITHIN);
-        let (now, before) = ((misses, bad.len() + lost.len()), best.as_ref().map_or((true, usize::MAX), |b| b.0));
+        let faults = NO_GOOD * no_good + bad.len() - no_good + lost.len();
+        let (now, before) = ((misses, faults), best.as_ref().map_or((true, usize::MAX), |b| b.0));
         if now < before {
             best = Ok((now, work));
         }

@@ -1,5 +1,6 @@
 //! Every stage for itself, on sample models: what must hold by construction is asserted, not how good it looks.
 
+use super::cell::Cell;
 use super::cut::cut;
 use super::decimate::decimate;
 use super::extract::extract;
@@ -9,7 +10,8 @@ use super::integers::{Curves, choose, goals};
 use super::lattice::{Lattice, Unknowns};
 use super::locate::Locator;
 use super::seamless::{Map, seamless};
-use super::{QuadMap, Wish, fewest};
+use super::strips::Strips;
+use super::{QuadMap, Wish, fewest, on_curves};
 use crate::context::Context;
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{HalfEdges, NONE, SurfaceMesh, Topology};
@@ -136,7 +138,7 @@ fn closed_assignments_close_and_are_whole_with_the_right_parities() {
     assert!(q.iter().all(|q| (q - q.round()).abs() < 1e-9));
     for f in 0..unknowns.faces.len() {
         let edges = [0, 1, 2].map(|k| unknowns.cells(f, k, &q));
-        assert_eq!(edges[0] + edges[1] + edges[2], super::cell::Cell::ZERO);
+        assert_eq!(edges[0] + edges[1] + edges[2], Cell::ZERO);
     }
 }
 
@@ -153,7 +155,7 @@ fn whole_faces_close_are_positive_and_their_quads_have_the_euler_number() {
         );
         for f in flat.faces() {
             let cells = [0, 1, 2].map(|k| flat.side(3 * f + k).cells);
-            assert_eq!(cells[0] + cells[1] + cells[2], super::cell::Cell::ZERO);
+            assert_eq!(cells[0] + cells[1] + cells[2], Cell::ZERO);
             assert!(flat.cells(f) > 0);
         }
         let (work, of) = extract(&flat, &framed, &Locator::new(&framed, &map, 1.0), &context).unwrap().unwrap();
@@ -167,6 +169,40 @@ fn whole_faces_close_are_positive_and_their_quads_have_the_euler_number() {
         // Features are edges of quads.
         let half_edges = HalfEdges::new(&work.faces, work.points.len());
         assert!(work.features.iter().all(|([a, b], _)| half_edges.find(*a, *b).is_some()));
+    }
+}
+
+#[test]
+fn strips_give_every_face_a_cell_and_curves_the_edges_that_they_need() {
+    let context = Context::new();
+    for name in ["icosphere", "bracket", "torus", "open-torus", "cube-cylinders"] {
+        let (source, framed, map) = mapped(name, &context);
+        let mut flat = Flat::new(&framed, &map);
+        decimate(&mut flat, &framed.is_kept, &context).unwrap();
+        let stretch = vec![1.0; framed.points.len()];
+        let curves = Curves { factor: vec![1.0; source.paths.len()], fewest: vec![0; source.paths.len()] };
+        // No edge has a cell: that closes, too.
+        flat.sides.iter_mut().for_each(|side| side.cells = Cell::ZERO);
+        let goal = goals(&flat, &stretch, &curves);
+        let is_whole = Strips::new(&mut flat, goal, &curves.fewest).give_cells(&context).unwrap();
+        assert!(is_whole && flat.faces().all(|f| flat.cells(f) > 0), "{name}");
+        let edges = |flat: &Flat| -> Vec<usize> {
+            let mut edges = vec![0; source.paths.len()];
+            on_curves(flat).for_each(|(curve, _, side)| edges[curve] += side.cells.steps() as usize);
+            edges
+        };
+        let more: Vec<usize> = edges(&flat).into_iter().map(|n| if n > 0 { n + 3 } else { 0 }).collect();
+        let goal = goals(&flat, &stretch, &curves);
+        assert_eq!(Strips::new(&mut flat, goal, &more).lengthen_curves(&context).unwrap(), 0, "{name}");
+        assert!(edges(&flat).iter().zip(&more).all(|(has, needs)| has >= needs), "{name}");
+        for f in flat.faces() {
+            let sides = [0, 1, 2].map(|k| *flat.side(3 * f + k));
+            assert_eq!(sides.iter().fold(Cell::ZERO, |sum, s| sum + s.cells), Cell::ZERO);
+            assert!(flat.cells(f) > 0, "{name}");
+            for side in sides.iter().filter(|side| side.opposite != NONE) {
+                assert_eq!(side.cells.turned(side.turn) + flat.side(side.opposite).cells, Cell::ZERO);
+            }
+        }
     }
 }
 

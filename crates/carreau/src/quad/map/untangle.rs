@@ -37,12 +37,9 @@ impl Derivative {
         self.z.length_squared() - self.w.length_squared()
     }
 
-    /// What the triangle costs; `epsilon`: the width of the barrier, infinite where there is none.
+    /// What the triangle costs; `epsilon`: the width of the barrier.
     pub fn cost(&self, epsilon: f64) -> f64 {
         let fit = (self.z - DVec2::X).length_squared() + self.w.length_squared();
-        if epsilon.is_infinite() {
-            return fit;
-        }
         let sum = self.z.length_squared() + self.w.length_squared();
         fit + BARRIER * 2.0 * sum / Chi::new(self.determinant(), epsilon).value
     }
@@ -152,4 +149,47 @@ fn search(system: &System, uv: &mut Vec<f64>, next: &[f64], epsilon: f64) -> boo
         share *= 0.5;
     }
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn derivative(x: [f64; 4]) -> Derivative {
+        Derivative { z: DVec2::new(x[0], x[1]), w: DVec2::new(x[2], x[3]) }
+    }
+
+    proptest! {
+        #[test]
+        fn models_have_the_slope_of_the_cost_and_a_minimum(
+            x in prop::array::uniform4(-2.0f64..2.0),
+            epsilon in 0.05f64..2.0,
+            step in prop::array::uniform4(-1.0f64..1.0),
+        ) {
+            let model = derivative(x).model(epsilon);
+            let h = 1e-6;
+            for i in 0..4 {
+                let moved = |by: f64| {
+                    let mut x = x;
+                    x[i] += by;
+                    derivative(x).cost(epsilon)
+                };
+                let slope = (moved(h) - moved(-h)) / (2.0 * h);
+                prop_assert!((slope - model.gradient[i]).abs() <= 1e-4 * (1.0 + slope.abs() + moved(0.0)));
+            }
+            let bent: f64 = (0..4).map(|i| (0..4).map(|j| step[i] * model.curvature[i][j] * step[j]).sum::<f64>()).sum();
+            let length: f64 = step.iter().map(|s| s * s).sum();
+            prop_assert!(bent >= 0.5 * LEAST * length);
+        }
+
+        #[test]
+        fn matrices_become_positive_and_positive_ones_stay(m in prop::array::uniform3(-3.0f64..3.0)) {
+            let [a, b, c] = positive(m);
+            prop_assert!(a > 0.0 && a * c - b * b > 0.0);
+            if m[0] > 0.1 && m[0] * m[2] - m[1] * m[1] > 0.5 {
+                prop_assert_eq!([a, b, c], m);
+            }
+        }
+    }
 }
