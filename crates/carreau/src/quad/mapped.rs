@@ -129,9 +129,9 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
     Ok(best.map(|b| b.1))
 }
 
-/// Curves that are not kept as a whole. Creases that fade out may be too short, or bend too much, for an edge of the quads.
+/// Curves that are not kept as a whole. Creases of a scan may be too short, or bend too much, for an edge of the quads.
 fn lost_curves(work: &Work, source: &Source) -> Vec<usize> {
-    if source.fades {
+    if source.is_noisy {
         return Vec::new();
     }
     let lost = validate::lost(work, source);

@@ -63,8 +63,10 @@ pub struct Source {
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
-    /// Many features end inside a surface: creases that fade out, as on scans.
+    /// Many features end inside a surface, or most sharp edges are too short to be one: creases that fade out, as on scans.
     pub fades: bool,
+    /// Sharp edges are noise to a part: what features are left is as rough as their scan.
+    pub is_noisy: bool,
 }
 
 impl Source {
@@ -164,7 +166,9 @@ impl Source {
         let mut source = Source {
             paths: Vec::new(),
             diagonal: mesh.diagonal(),
-            fades: loose_ends(mesh.vertex_count(), &edges) as f64 > FADING * curve_count as f64,
+            is_noisy: surface.found.noise.is_high(),
+            fades: surface.found.noise.is_high()
+                || loose_ends(mesh.vertex_count(), &edges) as f64 > FADING * curve_count as f64,
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),

@@ -238,10 +238,10 @@ fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
     })
 }
 
-/// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases that fade out are as rough as
-/// their scan: they ask for nothing.
+/// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases of a scan are as rough as
+/// it is: they ask for nothing.
 fn fewest(source: &Source) -> Vec<usize> {
-    let of = |curve: &Curve| curve.fewest(source, MOST_EDGES).filter(|&n| n > 1 && !source.fades).unwrap_or(0);
+    let of = |curve: &Curve| curve.fewest(source, MOST_EDGES).filter(|&n| n > 1 && !source.is_noisy).unwrap_or(0);
     source.paths.iter().map(of).collect()
 }
 
