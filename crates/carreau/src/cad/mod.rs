@@ -276,15 +276,6 @@ fn settle(map: &mut Map<'_>, context: &Context) -> Result<()> {
     map.contract()?;
     relations::relate(map, context)?;
     map.tighten();
-    for (p, piece) in map.pieces.iter().enumerate() {
-        tracing::debug!(p, region = piece.region, kind = piece.surface.kind().name(), rung = ?piece.rung, triangles = piece.triangles.len(), max = piece.max / map.diagonal, "piece");
-    }
-    tracing::debug!(
-        tolerance = map.tolerance / map.diagonal,
-        exact = map.exact_share(),
-        known = map.known_share(),
-        "map"
-    );
     Ok(())
 }
 
