@@ -11,12 +11,12 @@
 use super::conics::seam;
 use super::draft::{Draft, DraftFace, Merge};
 use super::regions::Piece;
-use super::tuning::{CAP, LOOP_SAMPLES, SEAM_CLEARANCE};
+use super::tuning::{CAP_ANGLE, LOOP_SAMPLES, SEAM_CLEARANCE};
 use crate::brep::{Curve, Frame, Surface};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Share of a period: what stays this near to a seam runs along it.
+/// A share of a period: what stays this near to a seam runs along it, because where it crosses is left to rounding.
 const ALONG_SEAM: f64 = 1e-6;
 
 /// A loop as a polygon in the parameters.
@@ -49,7 +49,7 @@ pub fn turn_sphere(piece: &mut Piece, draft: &Draft, loops: &[Vec<(u32, bool)>],
     };
     let rims: Vec<Vec<DVec3>> = loops.iter().map(samples).collect();
     let widest = rims.iter().flatten().map(|p| p.dot(towards).clamp(-1.0, 1.0).acos()).fold(0.0, f64::max);
-    if !rims.is_empty() && widest < CAP {
+    if !rims.is_empty() && widest < CAP_ANGLE {
         // Among the directions across, the one that boundaries lean to: corners of boxes have their axes.
         let area = rims.iter().map(|r| area_vector(r)).sum::<DVec3>();
         let aside = rims.iter().flatten().copied().fold(DVec3::ZERO, |a, p| if a == DVec3::ZERO { p } else { a });
