@@ -27,7 +27,8 @@
 //! | regions laid out in a plane | `flatten` |
 //! | spline surfaces between the curves around them | `spline` |
 //! | the points that they are fitted to, and the fit on one grid | `points`, `grid` |
-//! | loops in parameters, seams, spheres turned | `faces` |
+//! | loops in parameters and which is the outer one, spheres turned | `faces` |
+//! | loops unrolled, and where the seam between them is | `seams` |
 //! | the model while it is made | `draft` |
 //! | one attempt, all of the above | `model` |
 //! | what stays from one attempt to the next | `memory` |
@@ -67,6 +68,7 @@ mod regions;
 mod relations;
 mod runs;
 mod scraps;
+mod seams;
 mod shells;
 mod spline;
 mod swept;
