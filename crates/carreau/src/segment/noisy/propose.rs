@@ -230,7 +230,8 @@ impl Proposal {
     }
 }
 
-/// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE_PRICE`] and a surface its own price.
+/// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE_PRICE`] and a surface
+/// its own price.
 /// Adds the models, and labels the triangles that no model had.
 pub fn choose(
     surface: &Surface<'_>,
