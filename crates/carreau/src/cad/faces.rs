@@ -1,4 +1,5 @@
-//! Loops in the parameters of their surface: which is the outer one, whether there is a seam, which way a sphere is turned.
+//! Loops in the parameters of their surface: which is the outer one, whether there is a seam, which way a
+//! sphere is turned.
 //!
 //! ```text
 //!      v │   ──────◄──────────── ring b          A loop that goes round in u is a ring: the face lies above

@@ -132,7 +132,8 @@ impl Seams<'_> {
         }
     }
 
-    /// The best place for a seam: through vertices that are there, far from other loops. Returns the crossing of ring `a`.
+    /// The best place for a seam: through vertices that are there, far from other loops. Returns the crossing of ring
+    /// `a`.
     pub fn best(
         &self,
         draft: &Draft,
