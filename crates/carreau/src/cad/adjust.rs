@@ -21,26 +21,30 @@ use crate::numeric::dense::{cholesky, inverse};
 use crate::numeric::sparse::{Matrix, Plan};
 use glam::{DQuat, DVec3};
 
-/// Unknowns of a surface.
+/// A count: unknowns of a surface, which are three of a shift, three of a turn and two of its radii.
 const UNKNOWNS: usize = 8;
 /// Derivatives of a number by the unknowns of a surface.
 pub type Row = [f64; UNKNOWNS];
 
-/// Most steps; convergence is quadratic but for the multipliers, which gain some digits a step.
-const STEPS: usize = 40;
-/// Steps in which the conditions are to come nearer by half.
-const PATIENCE: usize = 8;
-/// Share of the diagonal: conditions are met when all are nearer than this.
-const MET: f64 = 1e-13;
-/// The same, of a step that changes nothing: below it are the roundings of motions that change nothing.
-const SETTLED: f64 = 1e-7;
-/// Weight of a condition where every surface has a largest curvature of one; a larger one needs fewer steps, a smaller one keeps more
-/// digits.
-const STIFF: f64 = 1e4;
-/// Rounds of the multipliers of a step, each of which gains as many digits as that weight has.
-const INNER: usize = 5;
-/// Weight of a step in the same measure, which holds motions that change nothing; the minimum is the same.
-const HELD: f64 = 1e-7;
+/// A count: most steps. Convergence is quadratic but for the multipliers, which gain some digits a step.
+const ADJUST_STEPS: usize = 40;
+/// A count: steps in which the conditions are to come nearer by half, because those that contradict each other never
+/// do.
+const STUCK_STEPS: usize = 8;
+/// A share of the diagonal: conditions are met when all are nearer than this, some hundred roundings of a double.
+const MET_DISTANCE: f64 = 1e-13;
+/// A share of the diagonal: a step below this changes nothing, because motions that change nothing go on by their
+/// roundings.
+const SETTLED_STEP: f64 = 1e-7;
+/// Weight of a condition where every surface has a largest curvature of one, because a larger one needs fewer steps and
+/// a smaller one keeps more digits.
+const CONDITION_WEIGHT: f64 = 1e4;
+/// A count: rounds of the multipliers of a step; five suffice because each gains as many digits as the weight of a
+/// condition has.
+const MULTIPLIER_ROUNDS: usize = 5;
+/// Weight of a step in the same measure: small, because it only holds motions that change nothing. The minimum is the
+/// same.
+const STAY_WEIGHT: f64 = 1e-7;
 
 /// A surface with the vertices that it is to be near, lengths as shares of the diagonal.
 #[derive(Debug, Clone)]
@@ -101,7 +105,7 @@ impl Body {
     pub fn turn_deviation(&self) -> f64 {
         let (block, _) = normal_equations(self);
         let largest = (0..UNKNOWNS).map(|k| block[k][k]).fold(f64::MIN_POSITIVE, f64::max);
-        let entry = |i: usize, j: usize| block[i.max(j)][i.min(j)] + if i == j { HELD * largest } else { 0.0 };
+        let entry = |i: usize, j: usize| block[i.max(j)][i.min(j)] + if i == j { STAY_WEIGHT * largest } else { 0.0 };
         let full: Vec<f64> = (0..UNKNOWNS * UNKNOWNS).map(|k| entry(k / UNKNOWNS, k % UNKNOWNS)).collect();
         let least = self.sigma / self.size;
         let Some(factor) = cholesky(&full, UNKNOWNS) else { return least };
@@ -168,8 +172,8 @@ pub fn adjust(
 ) -> Result<Option<Vec<f64>>> {
     let mut plan = None;
     let mut stated = conditions(bodies);
-    let mut before = [f64::INFINITY; PATIENCE];
-    for k in 0..STEPS {
+    let mut before = [f64::INFINITY; STUCK_STEPS];
+    for k in 0..ADJUST_STEPS {
         context.check()?;
         let system = System::new(bodies, &stated);
         let Some((step, multipliers)) = system.step(&stated, &mut plan) else { return Ok(None) };
@@ -182,11 +186,11 @@ pub fn adjust(
         let moved = step.iter().map(|x| x.abs()).fold(0.0, f64::max);
         tracing::debug!(worst, moved, "step");
         // Conditions that contradict each other stop at what they disagree by.
-        let stuck = worst > 0.5 * std::mem::replace(&mut before[k % PATIENCE], worst) && worst > MET;
+        let stuck = worst > 0.5 * std::mem::replace(&mut before[k % STUCK_STEPS], worst) && worst > MET_DISTANCE;
         if stuck || !(worst.is_finite() && moved < 1.0) {
             return Ok(None);
         }
-        if worst <= MET && moved <= SETTLED {
+        if worst <= MET_DISTANCE && moved <= SETTLED_STEP {
             return Ok(Some(multipliers));
         }
     }
@@ -209,7 +213,7 @@ impl System {
         let scales: Vec<f64> = squares.iter().map(|s| largest(s).sqrt().recip()).collect();
         let weight = |c: &Condition| {
             let square = |(b, row): &(u32, Row)| row.iter().map(|x| (x * scales[*b as usize]).powi(2)).sum::<f64>();
-            STIFF / c.by.iter().map(square).sum::<f64>().max(f64::MIN_POSITIVE)
+            CONDITION_WEIGHT / c.by.iter().map(square).sum::<f64>().max(f64::MIN_POSITIVE)
         };
         let weights = stated.iter().map(weight).collect();
         System { squares, scales, weights }
@@ -225,7 +229,7 @@ impl System {
             let first = UNKNOWNS * b;
             for (i, (line, slope)) in block.iter().zip(slope).enumerate() {
                 for (j, x) in line[..=i].iter().enumerate() {
-                    let held = if i == j { HELD } else { 0.0 };
+                    let held = if i == j { STAY_WEIGHT } else { 0.0 };
                     matrix.add((first + i) as u32, (first + j) as u32, x * scale * scale + held);
                 }
                 rhs[first + i] -= slope * scale;
@@ -247,7 +251,7 @@ impl System {
         let factor = matrix.factor(plan).ok()?;
         let mut multipliers = vec![0.0; stated.len()];
         let mut step = Vec::new();
-        for _ in 0..INNER {
+        for _ in 0..MULTIPLIER_ROUNDS {
             let mut all = rhs.clone();
             for (((row, w), m), c) in rows.iter().zip(&self.weights).zip(&multipliers).zip(stated) {
                 row.iter().for_each(|&(i, x)| all[i as usize] -= x * (m + w * c.value));

@@ -12,19 +12,21 @@
 
 use super::regions::{Map, Piece, vertices};
 use super::topology::Graph;
-use super::tuning::{COLUMN, NAMED};
+use super::tuning::{COLUMN_DISTANCE, NAMED_DISTANCE};
 use crate::brep::Surface;
 use crate::error::Result;
 use crate::geometry::primitive::Primitive;
 use crate::mesh::NONE;
 use glam::DVec3;
 
-/// Cosines: strips of a fillet turn by more than 1° and less than 50° against each other.
+/// Cosine of the least angle between strips of a fillet, 1°, because what turns less is one plane.
 const LEAST_TURN: f64 = 0.99985;
+/// Cosine of the largest angle between strips of a fillet, 50°, because two strips around a right angle turn by 45°.
 const MOST_TURN: f64 = 0.643;
-/// Least number of strips, and most.
-const LEAST: usize = 2;
-const MOST: usize = 128;
+/// A count: fewest strips of a fillet, because a chamfer of one strip is a chamfer.
+const LEAST_STRIPS: usize = 2;
+/// A count: most strips of a fillet, because time grows with their square.
+const MOST_STRIPS: usize = 128;
 
 /// Where two plane pieces meet at a small angle.
 #[derive(Clone, Copy)]
@@ -47,9 +49,9 @@ pub fn round(map: &mut Map<'_>) -> Result<()> {
     let mut taken = vec![false; map.pieces.len()];
     for row in rows.all() {
         let mut i = 0;
-        while i + LEAST < row.links.len() {
-            let last = (i + MOST).min(row.links.len() - 1);
-            let arc = (i + LEAST..=last).rev().find_map(|j| row.cylinder(map, &rows, i, j).map(|c| (j, c)));
+        while i + LEAST_STRIPS < row.links.len() {
+            let last = (i + MOST_STRIPS).min(row.links.len() - 1);
+            let arc = (i + LEAST_STRIPS..=last).rev().find_map(|j| row.cylinder(map, &rows, i, j).map(|c| (j, c)));
             let Some((j, cylinder)) = arc else {
                 i += 1;
                 continue;
@@ -113,8 +115,9 @@ impl Rows {
                 chain.sides.iter().for_each(|&s| at[s as usize].push(id));
             }
         }
-        let parallel =
-            |a: u32, b: u32| links[a as usize].direction.cross(links[b as usize].direction).length() < NAMED.sqrt();
+        let parallel = |a: u32, b: u32| {
+            links[a as usize].direction.cross(links[b as usize].direction).length() < NAMED_DISTANCE.sqrt()
+        };
         let two = |l: &Vec<u32>| match l[..] {
             [a, b] if parallel(a, b) => Some([a, b]),
             _ => None,
@@ -177,7 +180,7 @@ impl Rows {
 impl Row {
     /// The cylinder through columns i to j that touches the pieces before and after.
     fn cylinder(&self, map: &Map<'_>, rows: &Rows, i: usize, j: usize) -> Option<Primitive> {
-        let near = COLUMN * map.diagonal;
+        let near = COLUMN_DISTANCE * map.diagonal;
         let link = |k: usize| rows.links[self.links[k] as usize];
         let axis = link(i).direction;
         let flat = |p: DVec3| p - axis * (p - link(i).point).dot(axis);

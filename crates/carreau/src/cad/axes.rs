@@ -4,7 +4,7 @@
 use super::borders::circle;
 use super::regions::{Map, area_vector};
 use super::topology::Graph;
-use super::tuning::{ALONG, COLUMN, NAMED};
+use super::tuning::{ALONG_ANGLE, COLUMN_DISTANCE, NAMED_DISTANCE};
 use crate::brep::Curve;
 use crate::geometry::normals::unit;
 use crate::geometry::primitive::Primitive;
@@ -12,13 +12,13 @@ use crate::mesh::{NONE, Triangles};
 use crate::numeric::eigen3::{Eigen3, outer};
 use glam::{DMat3, DVec3};
 
-/// Most axes that are tried for a region.
+/// A count: most axes that are tried for a region, because each costs a fit and the surest come first.
 const MOST_AXES: usize = 8;
-/// Sine: triangles whose corners are at three places of a profile and two heights are tilted against its direction, by less than they
-/// are wide.
-const TILTED: f64 = 0.5;
-/// Of its largest eigenvalue: what is below has no inverse, because all normals are in a plane.
-const SINGULAR: f64 = 1e-9;
+/// Sine of the angle between triangles and the direction of an extrusion: beyond 30° corners are at three places of the
+/// profile and two heights, because triangles are wider then than they are tilted.
+const MOST_TILT: f64 = 0.5;
+/// A share of the largest eigenvalue: what is below has no inverse, because all normals are in a plane.
+const LEAST_EIGENVALUE: f64 = 1e-9;
 
 /// Directions that pieces may be extruded along: normals of planes beside them, and axes of what is round.
 pub fn directions(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<DVec3> {
@@ -31,9 +31,9 @@ pub fn directions(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<DVec3> {
             Some(Primitive::Cylinder { axis, .. }) => axis,
             _ => continue,
         };
-        let tilt = |&k: &u32| unit(area_vector(map.t, k)).dot(along).abs() < TILTED;
+        let tilt = |&k: &u32| unit(area_vector(map.t, k)).dot(along).abs() < MOST_TILT;
         let upright = pieces.iter().flat_map(|&p| &map.pieces[p as usize].triangles).all(tilt);
-        if upright && out.len() < MOST_AXES && out.iter().all(|o| o.cross(along).length() > NAMED) {
+        if upright && out.len() < MOST_AXES && out.iter().all(|o| o.cross(along).length() > NAMED_DISTANCE) {
             out.push(along);
         }
     }
@@ -48,7 +48,8 @@ pub fn direction(t: Triangles<'_>, triangles: &[u32]) -> Option<DVec3> {
         matrix += outer(n.normalize_or_zero()) * n.length();
     }
     let eigen = Eigen3::new(matrix);
-    let one = eigen.values[0] <= ALONG * ALONG * eigen.values[2] && eigen.values[1] > ALONG * eigen.values[2];
+    let one = eigen.values[0] <= ALONG_ANGLE * ALONG_ANGLE * eigen.values[2]
+        && eigen.values[1] > ALONG_ANGLE * eigen.values[2];
     one.then_some(eigen.vectors[0])
 }
 
@@ -59,7 +60,8 @@ pub fn axes(map: &Map<'_>, pieces: &[u32], triangles: &[u32], graph: &Graph) -> 
     let mut add = |axis: (DVec3, DVec3)| {
         let same = |o: &(DVec3, DVec3)| {
             let offset = axis.0 - o.0;
-            axis.1.cross(o.1).length() < NAMED && (offset - o.1 * offset.dot(o.1)).length() < NAMED * diagonal
+            axis.1.cross(o.1).length() < NAMED_DISTANCE
+                && (offset - o.1 * offset.dot(o.1)).length() < NAMED_DISTANCE * diagonal
         };
         if !out.iter().any(same) && out.len() < MOST_AXES {
             out.push(axis);
@@ -76,7 +78,9 @@ pub fn axes(map: &Map<'_>, pieces: &[u32], triangles: &[u32], graph: &Graph) -> 
         }
         let polyline: Vec<DVec3> = chain.vertices.iter().map(|&v| map.t.points()[v as usize]).collect();
         let closed = chain.vertices[0] == chain.vertices[chain.vertices.len() - 1];
-        if let Some(Curve::Circle { frame, .. }) = circle(&polyline, closed, COLUMN * diagonal).map(|t| t.curve) {
+        if let Some(Curve::Circle { frame, .. }) =
+            circle(&polyline, closed, COLUMN_DISTANCE * diagonal).map(|t| t.curve)
+        {
             add((frame.origin, frame.z));
         }
     }
@@ -102,7 +106,7 @@ fn complex(t: Triangles<'_>, triangles: &[u32]) -> Option<(DVec3, DVec3)> {
     }
     // The moment is that of least residual for a direction: what is left is a quadratic form of the direction.
     let shift = Eigen3::new(shift);
-    let inverse = |b: DVec3| shift.solve(b, SINGULAR);
+    let inverse = |b: DVec3| shift.solve(b, LEAST_EIGENVALUE);
     let back = mixed.transpose();
     let solved = DMat3::from_cols(inverse(back.x_axis), inverse(back.y_axis), inverse(back.z_axis));
     let direction = Eigen3::new(turn - mixed * solved).vectors[0];

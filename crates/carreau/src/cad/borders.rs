@@ -5,17 +5,17 @@
 
 use super::curves::{Track, straight};
 use super::trace::upon;
-use super::tuning::{NAMED, TRACED};
+use super::tuning::{NAMED_DISTANCE, TRACED_DISTANCE};
 use crate::brep::{Curve, Frame, Surface};
 use crate::numeric::eigen3::{Eigen3, outer};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Least number of vertices that say circle: three lie on one always.
+/// A count: fewest vertices that say circle, because three always lie on one, and four do by chance.
 const CIRCLE_VERTICES: usize = 5;
 
 /// The curve through a polyline, on a surface if there is one; a closed one repeats its first point.
 pub fn border(on: Option<&Surface>, polyline: &[DVec3], closed: bool, diagonal: f64) -> Option<Track> {
-    let named = NAMED * diagonal;
+    let named = NAMED_DISTANCE * diagonal;
     let is_on = |track: &Track| {
         let at = |k: i32| track.curve.point(track.range[0] + (track.range[1] - track.range[0]) * f64::from(k) / 16.0);
         on.is_none_or(|s| (0..=16).all(|k| s.distance(at(k)) <= named))
@@ -24,7 +24,7 @@ pub fn border(on: Option<&Surface>, polyline: &[DVec3], closed: bool, diagonal: 
     if let Some(track) = named.into_iter().flatten().find(is_on) {
         return Some(track);
     }
-    let (spline, gap) = upon(on, polyline, TRACED * diagonal)?;
+    let (spline, gap) = upon(on, polyline, TRACED_DISTANCE * diagonal)?;
     let range = spline.knots().domain();
     Some(Track { curve: Curve::Spline(spline), range, gap, away: 0.0 })
 }

@@ -2,7 +2,7 @@
 //! lie on.
 
 use super::regions::{Map, Piece, Rung, area_vector, connected, inner_vertices, vertex_ids, vertices};
-use super::tuning::{FILE, REFINE_STEPS};
+use super::tuning::{FILE_PRECISION, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
@@ -11,20 +11,26 @@ use crate::segment::Segmentation;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Most vertices that a surface is fitted to; evenly thinned beyond.
-const MOST_SAMPLES: usize = 2000;
-/// Triangles of a lid at least, sine of the angle between those of one plane, and how many times deeper than facets it is.
-const LID: usize = 3;
-const FLAT: f64 = 1e-5;
-const DEEP: f64 = 3.0;
-/// Triangles of a piece that lies on its surface by no chance.
-pub const SEVERAL: usize = 6;
-/// Triangles of a crumb.
-const CRUMB: usize = 2;
-/// Inner vertices for every number of a surface that is fitted to them alone.
-const SPARE: usize = 4;
-/// Of the breadth of all vertices: inner ones of less say nothing about the direction across.
-const NARROW: f64 = 0.4;
+/// A count: most vertices that a surface is fitted to; more are thinned evenly, because they would not change it.
+const CLEAN_SAMPLES: usize = 2000;
+/// A count: fewest triangles of a lid, because two in one plane are a facet of a curved surface.
+const LID_TRIANGLES: usize = 3;
+/// Sine of the largest angle between triangles of one plane, because normals of float precision are no surer.
+const LID_SINE: f64 = 1e-5;
+/// A factor: lids are so many times deeper in the surface than its facets, because facets of one surface are about as
+/// deep.
+const LID_DEPTH: f64 = 3.0;
+/// A count: a piece of so many triangles lies on its surface by no chance, because they have more vertices than a
+/// surface has numbers.
+pub const CERTAIN_TRIANGLES: usize = 6;
+/// A count: most triangles of a crumb, because a triangle or two lie on many surfaces.
+const CRUMB_TRIANGLES: usize = 2;
+/// A count: a surface is fitted to inner vertices alone if there are so many for each of its numbers, because noise
+/// would decide otherwise.
+const INNER_VERTICES_A_NUMBER: usize = 4;
+/// A share of the breadth of all vertices: inner ones of less say nothing about the direction across, because a surface
+/// can turn around a single row of them.
+const LEAST_BREADTH: f64 = 0.4;
 
 impl<'a> Map<'a> {
     /// The map of a segmentation. Regions without a surface are pieces on the spline rung.
@@ -91,11 +97,11 @@ impl<'a> Map<'a> {
             let Some(primitive) = piece.primitive.filter(|q| q.kind() != Kind::Plane) else { continue };
             let sets = connected(self.t, &piece.triangles, |k, n| {
                 let [a, b] = [k, n].map(|k| area_vector(self.t, k));
-                a.cross(b).length() <= FLAT * a.length() * b.length() && a.dot(b) > 0.0
+                a.cross(b).length() <= LID_SINE * a.length() * b.length() && a.dot(b) > 0.0
             });
-            let (flat, rest): (Vec<&Vec<u32>>, Vec<&Vec<u32>>) = sets.iter().partition(|s| s.len() >= LID);
+            let (flat, rest): (Vec<&Vec<u32>>, Vec<&Vec<u32>>) = sets.iter().partition(|s| s.len() >= LID_TRIANGLES);
             let deepest = rest.iter().map(|s| sagitta(self.t, s, &primitive)).fold(0.0, f64::max);
-            let is_lid = |s: &&&Vec<u32>| sagitta(self.t, s, &primitive) > DEEP * deepest;
+            let is_lid = |s: &&&Vec<u32>| sagitta(self.t, s, &primitive) > LID_DEPTH * deepest;
             let lids: Vec<Vec<u32>> = flat.iter().filter(is_lid).map(|s| s.to_vec()).collect();
             if rest.is_empty() || lids.is_empty() {
                 continue;
@@ -120,7 +126,9 @@ impl<'a> Map<'a> {
 
     /// The share of the area in pieces of some triangles whose vertices lie on their surface.
     pub fn exact_share(&self) -> f64 {
-        self.share(|p| p.rung < Rung::Spline && p.triangles.len() >= SEVERAL && p.max <= FILE * self.diagonal)
+        self.share(|p| {
+            p.rung < Rung::Spline && p.triangles.len() >= CERTAIN_TRIANGLES && p.max <= FILE_PRECISION * self.diagonal
+        })
     }
 
     /// The share of the area in pieces that have a surface.
@@ -171,7 +179,7 @@ impl<'a> Map<'a> {
 /// The surface of a region, fitted to all of it, or to its inner vertices where these are known and enough.
 fn fitted_again(t: Triangles<'_>, p: Primitive, triangles: &[u32], inner: &[bool], diagonal: f64) -> Primitive {
     let points = fitting_points(t, triangles, inner, p.kind());
-    let step = points.len().div_ceil(MOST_SAMPLES).max(1);
+    let step = points.len().div_ceil(CLEAN_SAMPLES).max(1);
     let some: Vec<DVec3> = points.iter().copied().step_by(step).collect();
     let far = |p: &Primitive| points.iter().map(|&q| p.distance(q).abs()).fold(0.0, f64::max);
     let again = refine(p, &some, None, REFINE_STEPS).map(|f| f.primitive).filter(|q| far(q) <= 2.0 * far(&p));
@@ -185,11 +193,11 @@ pub fn fitting_points(t: Triangles<'_>, triangles: &[u32], inner: &[bool], kind:
     let is_inner = |v: &u32| inner.get(*v as usize).is_some_and(|&x| x);
     let some: Vec<DVec3> =
         vertex_ids(t, triangles).into_iter().filter(is_inner).map(|v| t.points()[v as usize]).collect();
-    if some.len() < SPARE * kind.parameters() {
+    if some.len() < INNER_VERTICES_A_NUMBER * kind.parameters() {
         return vertices(t, triangles);
     }
     let all = vertices(t, triangles);
-    if breadth(&some) >= NARROW * breadth(&all) { some } else { all }
+    if breadth(&some) >= LEAST_BREADTH * breadth(&all) { some } else { all }
 }
 
 /// The standard deviation of points along the second of their principal axes.
@@ -241,7 +249,7 @@ fn straighter(t: Triangles<'_>, triangles: &[u32], p: Primitive, far: f64, diago
     let points = vertices(t, triangles);
     let normals = normals(t, triangles);
     let mut scratch = Scratch::default();
-    let room = (2.0 * far).max(1e-2 * FILE * diagonal);
+    let room = (2.0 * far).max(1e-2 * FILE_PRECISION * diagonal);
     let of = |p: &Primitive| -> f64 {
         let side = |c: u32| p.distance(0.5 * (t.point(c) + t.point(t.next(c)))).powi(2);
         triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(side).sum()
@@ -272,7 +280,7 @@ impl Shared<'_, '_> {
         self.label.iter().zip(0u32..).for_each(|(&l, k)| members[l as usize].push(k));
         for own in 0..members.len() as u32 {
             let triangles = &members[own as usize];
-            if triangles.is_empty() || triangles.len() > CRUMB {
+            if triangles.is_empty() || triangles.len() > CRUMB_TRIANGLES {
                 continue;
             }
             let mut around: Vec<u32> = triangles

@@ -3,13 +3,14 @@
 //! Every pair offers the closed forms of its kind, whether they apply or not quite: what is near to parallel or to tangent is
 //! decided by the distance of the candidate, not by an angle.
 
-use super::tuning::PARALLEL;
+use super::tuning::PARALLEL_ANGLE;
 use crate::brep::{Curve, Frame, Surface};
 use crate::geometry::primitive::Primitive;
 use glam::{DVec2, DVec3};
 
-/// Sines below which a direction is tried as parallel as well; what does not fit is refused by its distance.
-const NEARLY: f64 = 1e-3;
+/// Sine, or the same as a share of a radius: below it a direction is tried as parallel as well, because what does not
+/// fit is refused by its distance.
+const NEARLY_PARALLEL: f64 = 1e-3;
 
 /// Candidates for the curve of two surfaces near the points of an edge, the exact ones first.
 pub fn candidates(a: &Primitive, b: &Primitive, points: &[DVec3]) -> Vec<Curve> {
@@ -55,9 +56,9 @@ fn pair(a: &Primitive, b: &Primitive, points: &[DVec3], out: &mut Vec<Curve>) {
             }
         }
         (P::Cylinder { origin, axis, radius }, P::Cylinder { origin: o, axis: d, radius: r }) => {
-            if axis.cross(d).length() < NEARLY {
+            if axis.cross(d).length() < NEARLY_PARALLEL {
                 parallel_cylinders((origin, axis, radius), (o, r), out);
-            } else if (radius - r).abs() < NEARLY * radius {
+            } else if (radius - r).abs() < NEARLY_PARALLEL * radius {
                 let d = if axis.dot(d) < 0.0 { -d } else { d };
                 // The point in the middle between the axes.
                 let n = axis.cross(d);
@@ -98,12 +99,12 @@ fn plane_plane(a: (DVec3, DVec3), b: (DVec3, DVec3), near: DVec3) -> Option<Curv
 fn plane_cylinder(plane: (DVec3, DVec3), cylinder: (DVec3, DVec3, f64), out: &mut Vec<Curve>) {
     let ((origin, n), (o, axis, radius)) = (plane, cylinder);
     let c = n.dot(axis);
-    if c.abs() < NEARLY {
+    if c.abs() < NEARLY_PARALLEL {
         // Lines along the axis; one where the plane touches.
         let across = axis.cross(n).normalize_or_zero();
         let down = across.cross(axis);
         let h = n.dot(origin - o) / n.dot(down);
-        if (h.abs() - radius).abs() < NEARLY * radius {
+        if (h.abs() - radius).abs() < NEARLY_PARALLEL * radius {
             out.push(Curve::Line { origin: o + down * radius.copysign(h), direction: axis });
             out.push(Curve::Line { origin: o + down * h, direction: axis });
         }
@@ -114,11 +115,11 @@ fn plane_cylinder(plane: (DVec3, DVec3), cylinder: (DVec3, DVec3, f64), out: &mu
         return;
     }
     let center = o + axis * (n.dot(origin - o) / c);
-    if n.cross(axis).length() < NEARLY {
+    if n.cross(axis).length() < NEARLY_PARALLEL {
         out.push(Curve::Circle { frame: Frame::along(center, axis), radius });
     }
     let along = axis - n * c;
-    if along.length() > PARALLEL {
+    if along.length() > PARALLEL_ANGLE {
         out.push(Curve::Ellipse { frame: Frame::new(center, n, along), radii: [radius / c.abs(), radius] });
     }
 }
@@ -132,10 +133,10 @@ fn plane_cone(plane: (DVec3, DVec3), cone: (DVec3, DVec3, f64), out: &mut Vec<Cu
     let h = n.dot(origin - apex);
     let (sin, cos) = alpha.sin_cos();
     let tilt = n - z * n.dot(z);
-    if tilt.length() < NEARLY {
+    if tilt.length() < NEARLY_PARALLEL {
         let center = apex + z * (h / n.dot(z));
         out.push(Curve::Circle { frame: Frame::along(center, z), radius: h.abs() * alpha.tan() });
-        if tilt.length() < PARALLEL {
+        if tilt.length() < PARALLEL_ANGLE {
             return;
         }
     }
@@ -144,7 +145,7 @@ fn plane_cone(plane: (DVec3, DVec3), cone: (DVec3, DVec3, f64), out: &mut Vec<Cu
     // Generators z cos α + (w cos φ + m sin φ) sin α in the plane's direction.
     let (nz, nw) = (n.dot(z), n.dot(w));
     let turn = -nz * cos / (nw * sin);
-    if turn.abs() <= 1.0 + NEARLY {
+    if turn.abs() <= 1.0 + NEARLY_PARALLEL {
         let phi = turn.clamp(-1.0, 1.0).acos();
         for phi in [phi, -phi] {
             let direction = z * cos + (w * phi.cos() + m * phi.sin()) * sin;
@@ -189,7 +190,7 @@ fn parallel_cylinders(a: (DVec3, DVec3, f64), b: (DVec3, f64), out: &mut Vec<Cur
     let x = offset.normalize_or_zero();
     let along = (d * d + r * r - s * s) / (2.0 * d);
     let w = (r * r - along * along).max(0.0).sqrt();
-    if w < NEARLY.sqrt() * r {
+    if w < NEARLY_PARALLEL.sqrt() * r {
         out.push(Curve::Line { origin: origin + x * r.copysign(along), direction: axis });
     }
     for sign in [1.0, -1.0] {
@@ -214,15 +215,15 @@ fn common_axis(a: &Primitive, b: &Primitive) -> Option<(DVec3, DVec3)> {
         (Primitive::Plane { normal, .. }, other) | (other, Primitive::Plane { normal, .. }) => {
             let (origin, axis) = axis_of(other)?;
             let axis = axis.unwrap_or(*normal);
-            (axis.cross(*normal).length() < NEARLY).then_some((origin, axis))
+            (axis.cross(*normal).length() < NEARLY_PARALLEL).then_some((origin, axis))
         }
         _ => {
             let ((p, u), (q, v)) = (axis_of(a)?, axis_of(b)?);
             let axis = u.or(v).or((q - p).try_normalize())?;
-            let parallel = v.is_none_or(|v| axis.cross(v).length() < NEARLY);
+            let parallel = v.is_none_or(|v| axis.cross(v).length() < NEARLY_PARALLEL);
             let origin = if u.is_some() { p } else { q };
             let offset = (q - p) - axis * (q - p).dot(axis);
-            (parallel && offset.length() < NEARLY * (size(a) + size(b))).then_some((origin, axis))
+            (parallel && offset.length() < NEARLY_PARALLEL * (size(a) + size(b))).then_some((origin, axis))
         }
     }
 }

@@ -15,10 +15,10 @@ use crate::brep::Surface;
 use crate::error::Result;
 use crate::mesh::NONE;
 
-/// Most sides of an edge that noise may have made.
-const LONGEST: usize = 3;
-/// Rounds: every one takes a side from every such edge.
-const ROUNDS: usize = 4;
+/// A count: most sides of an edge that noise may have made, because noise moves a border by a triangle or two.
+const NOISY_SIDES: usize = 3;
+/// A count: rounds, one more than the sides of the longest such edge, because each takes a side from every edge.
+const CONTRACT_ROUNDS: usize = 4;
 
 impl Map<'_> {
     /// Shortens edges whose corners are one point of their surfaces but for the noise, until there are none.
@@ -26,7 +26,7 @@ impl Map<'_> {
         if !self.is_noisy() {
             return Ok(());
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..CONTRACT_ROUNDS {
             let graph = Graph::of(self.t, &self.label, self.pieces.len(), &[])?;
             let around = Around::of(&graph);
             let short: Vec<&Chain> = graph.chains.iter().filter(|c| self.is_noise(c, &around)).collect();
@@ -45,7 +45,7 @@ impl Map<'_> {
     /// Whether an edge is short, and all surfaces around its two corners pass through one point there, within the noise.
     fn is_noise(&self, chain: &Chain, around: &Around) -> bool {
         let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]];
-        if chain.closed || chain.half_edges.len() > LONGEST || chain.sides[1] == NONE || ends[0] == ends[1] {
+        if chain.closed || chain.half_edges.len() > NOISY_SIDES || chain.sides[1] == NONE || ends[0] == ends[1] {
             return false;
         }
         let [at, to] = ends.map(|v| around.at(v));

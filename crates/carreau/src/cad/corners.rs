@@ -5,7 +5,7 @@ use super::draft::Draft;
 use super::model::Obstacle;
 use super::regions::{Map, Rung};
 use super::topology::Graph;
-use super::tuning::{FREE, STEPS};
+use super::tuning::{FREE_EIGENVALUE, NEWTON_STEPS};
 use crate::brep::Curve;
 use crate::mesh::NONE;
 use crate::numeric::eigen3::{Eigen3, outer};
@@ -71,7 +71,7 @@ pub fn place(map: &Map<'_>, graph: &Graph, tracks: &mut [Track], draft: &mut Dra
 fn meeting(start: DVec3, ends: &[End], tracks: &[Track]) -> DVec3 {
     let mut p = start;
     let mut at: Vec<f64> = ends.iter().map(|&(k, side)| tracks[k].range[side]).collect();
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         let (mut matrix, mut rhs) = (DMat3::ZERO, DVec3::ZERO);
         for (t, &(k, _)) in at.iter_mut().zip(ends) {
             let curve = &tracks[k].curve;
@@ -81,7 +81,7 @@ fn meeting(start: DVec3, ends: &[End], tracks: &[Track]) -> DVec3 {
             matrix += across;
             rhs += across * (c - p);
         }
-        let step = Eigen3::new(matrix).solve(rhs, FREE);
+        let step = Eigen3::new(matrix).solve(rhs, FREE_EIGENVALUE);
         p += step;
         if !(step.length() > 1e-15 * p.length()) {
             break;

@@ -3,14 +3,16 @@
 use super::conics::candidates;
 use super::regions::Piece;
 use super::trace::{gap, signed, touch, trace};
-use super::tuning::{BRANCH, NAMED, TRACED};
+use super::tuning::{BRANCH_DISTANCE, NAMED_DISTANCE, TRACED_DISTANCE};
 use crate::brep::{Curve, Surface};
 use glam::DVec3;
 
-/// Samples of a candidate between two points of the polyline.
-const SAMPLES: usize = 3;
-/// Sine of the smallest angle between surfaces that cross for which the border is looked for farther away.
-const FLATTEST: f64 = 0.1;
+/// A count: samples of a candidate between two points of the polyline, because it is to follow the border there and not
+/// only at its points.
+const SAMPLES_A_SIDE: usize = 3;
+/// Sine of the smallest angle between surfaces that cross for which the border is looked for farther away, because at
+/// flatter ones it could be anywhere.
+const LEAST_CROSSING: f64 = 0.1;
 
 /// A curve between two surfaces along a polyline of the mesh.
 #[derive(Debug, Clone)]
@@ -36,14 +38,14 @@ pub struct Room {
 
 /// The curve where two pieces meet along a polyline; a closed one repeats its first point.
 pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal: f64, room: Room) -> Option<Track> {
-    let named = NAMED * diagonal;
+    let named = NAMED_DISTANCE * diagonal;
     let mut best: Option<Track> = None;
     // The border of two regions is uncertain by the noise through the sine of the angle between their surfaces.
     let most = |track: &Track, crossing: f64| {
         let [low, high] = track.range;
         let samples: Vec<DVec3> = (0..=8).map(|k| track.curve.point(low + (high - low) * f64::from(k) / 8.0)).collect();
         let sine = |&p: &DVec3| signed(&a.surface, p).0.cross(signed(&b.surface, p).0).length();
-        let least = samples.iter().map(sine).fold(1.0, f64::min).max(FLATTEST);
+        let least = samples.iter().map(sine).fold(1.0, f64::min).max(LEAST_CROSSING);
         let touching = if touch(&a.surface, &b.surface, &samples) { room.touching } else { 0.0 };
         (crossing / least).max(touching)
     };
@@ -71,12 +73,12 @@ pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal:
             return Some(line);
         }
     }
-    let (spline, gap) = trace(&a.surface, &b.surface, polyline, TRACED * diagonal)?;
+    let (spline, gap) = trace(&a.surface, &b.surface, polyline, TRACED_DISTANCE * diagonal)?;
     let range = spline.knots().domain();
     let curve = Curve::Spline(spline);
     let away = polyline.iter().map(|&p| curve.distance(p)).fold(0.0, f64::max);
     let traced = Track { curve, range, gap, away };
-    let good = traced.away <= most(&traced, room.crossing.max(BRANCH * diagonal));
+    let good = traced.away <= most(&traced, room.crossing.max(BRANCH_DISTANCE * diagonal));
     match best {
         Some(best) if best.gap <= traced.gap || !good => Some(best),
         _ => good.then_some(traced),
@@ -120,7 +122,7 @@ pub fn follow(curve: Curve, polyline: &[DVec3], closed: bool) -> Option<Track> {
 }
 
 fn measured(mut track: Track, a: &Surface, b: &Surface, points: usize) -> Track {
-    let count = (SAMPLES * points).clamp(8, 64);
+    let count = (SAMPLES_A_SIDE * points).clamp(8, 64);
     let [low, high] = track.range;
     let at = |k: usize| track.curve.point(low + (high - low) * k as f64 / count as f64);
     track.gap = (0..=count).map(|k| gap(a, b, at(k))).fold(0.0, f64::max);

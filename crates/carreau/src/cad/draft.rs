@@ -2,7 +2,7 @@
 
 use super::curves::Track;
 use super::topology::Graph;
-use super::tuning::{NEAR_VERTEX, SAME_POINT, STATED};
+use super::tuning::{NEAR_VERTEX, SAME_POINT, STATED_FACTOR};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
 use glam::DVec3;
 
@@ -142,7 +142,7 @@ impl Draft {
             cuts.push((e.range[1], ends[1]));
             for w in cuts.windows(2) {
                 let (range, ends) = ([w[0].0, w[1].0], [w[0].1, w[1].1]);
-                brep.edges.push(Edge { curve: e.curve.clone(), range, ends, tolerance: STATED * e.gap });
+                brep.edges.push(Edge { curve: e.curve.clone(), range, ends, tolerance: STATED_FACTOR * e.gap });
             }
             pieces.push((first, cuts.len() as u32 - 1));
         }

@@ -1,21 +1,21 @@
 //! Pieces as plane facets: which are no more than that from the beginning, and how the others are divided.
 
 use super::regions::{Map, Piece, Rung, area_vector, vertex_ids};
-use super::tuning::{COARSEST, COPLANAR, COPLANAR_DISTANCE, FILE};
-use super::unions::SHARP;
+use super::tuning::{COARSEST_SAGITTA, COPLANAR_ANGLE, COPLANAR_DISTANCE, FILE_PRECISION};
+use super::unions::UNION_BEND;
 use crate::brep::{Frame, Surface};
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 
-/// Facets that look different ways: corners of fewer are on some cylinder by chance.
-const CERTAIN: usize = 4;
-/// Vertices on a surface that bends both ways, which is no chance: twice the parameters of a torus and more. Facets at the seam of a
-/// sphere may bend by any angle.
-const MANY: usize = 16;
-/// Radians: facets look different ways from here on.
-const OTHER_WAY: f64 = 1e-3;
+/// A count: facets that look different ways, because corners of fewer are on some cylinder by chance.
+const CERTAIN_FACETS: usize = 4;
+/// A count: so many vertices on a surface that bends both ways are no chance, because they are twice the numbers of a
+/// torus and more. Facets at the seam of a sphere may bend by any angle.
+const CERTAIN_VERTICES: usize = 16;
+/// Radians: facets look different ways from here on, far above what rounding turns them by.
+const OTHER_WAY_ANGLE: f64 = 1e-3;
 
 impl Map<'_> {
     /// Pieces on surfaces that a few flat sides lie on by chance: facets cut off a lot, and there are few of them, or they bend as
@@ -27,7 +27,7 @@ impl Map<'_> {
     /// Whether a piece is on its surface by chance.
     pub fn is_coarse(&self, piece: &Piece) -> bool {
         piece.rung < Rung::Spline
-            && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST * self.diagonal
+            && sagitta(self.t, &piece.triangles, &piece.surface) > COARSEST_SAGITTA * self.diagonal
             && !self.is_certain(piece)
             && !self.is_fillet(piece)
     }
@@ -35,13 +35,13 @@ impl Map<'_> {
     /// Whether a piece has several facets that look different ways and bend as those of one surface.
     fn is_certain(&self, piece: &Piece) -> bool {
         let both_ways = matches!(piece.surface, Surface::Sphere { .. } | Surface::Torus { .. });
-        if both_ways && vertex_ids(self.t, &piece.triangles).len() >= MANY {
+        if both_ways && vertex_ids(self.t, &piece.triangles).len() >= CERTAIN_VERTICES {
             return true;
         }
         let normal = |k: u32| unit(area_vector(self.t, k));
         let mut ways: Vec<DVec3> = Vec::new();
         for n in piece.triangles.iter().map(|&k| normal(k)) {
-            if ways.len() < CERTAIN && ways.iter().all(|m| angle_between(*m, n) > OTHER_WAY) {
+            if ways.len() < CERTAIN_FACETS && ways.iter().all(|m| angle_between(*m, n) > OTHER_WAY_ANGLE) {
                 ways.push(n);
             }
         }
@@ -49,7 +49,7 @@ impl Map<'_> {
         let inside = piece.triangles.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| (c / 3, self.t.opposite(c)));
         let bend =
             inside.filter(|i| own(i.1)).map(|(k, o)| angle_between(normal(k), normal(o / 3))).fold(0.0, f64::max);
-        ways.len() >= CERTAIN && bend < SHARP
+        ways.len() >= CERTAIN_FACETS && bend < UNION_BEND
     }
 
     /// Whether a piece is a cylinder that touches two planes beside it.
@@ -59,7 +59,7 @@ impl Map<'_> {
         let touches = |&p: &u32| match self.pieces[p as usize].primitive {
             Some(Primitive::Plane { origin: o, normal }) => {
                 let off = (normal.dot(origin - o).abs() - radius).abs();
-                normal.dot(axis).abs() < FILE && off <= FILE * self.diagonal
+                normal.dot(axis).abs() < FILE_PRECISION && off <= FILE_PRECISION * self.diagonal
             }
             _ => false,
         };
@@ -71,7 +71,7 @@ impl Map<'_> {
         let t = self.t;
         let (angle, distance) = match rung {
             Rung::Triangles => (-1.0, -1.0),
-            _ => (COPLANAR, COPLANAR_DISTANCE * self.diagonal),
+            _ => (COPLANAR_ANGLE, COPLANAR_DISTANCE * self.diagonal),
         };
         for &p in which {
             let mut free: Vec<u32> = std::mem::take(&mut self.pieces[p as usize].triangles);

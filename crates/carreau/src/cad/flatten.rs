@@ -17,12 +17,12 @@ use crate::numeric::eigen3::{Eigen3, outer};
 use crate::numeric::sparse::LeastSquares;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Cosine: triangles of a region that is projected are tilted by less than 65° against the plane, so that lengths shrink to two
-/// fifths at most.
-const TILTED: f64 = 0.42;
-/// Ratio of the areas, in the plane and in space, of the triangle that grows most to those of the one that shrinks most:
-/// beyond it one grid does not fit all of the region.
-const UNEVEN: f64 = 64.0;
+/// Cosine of 65°: triangles of a region that is projected are tilted by less against the plane, because lengths would
+/// shrink to less than two fifths.
+const FLATTEN_TILT: f64 = 0.42;
+/// Ratio of the areas, in the plane and in space, of the triangle that grows most to those of the one that shrinks
+/// most, because beyond it one grid does not fit all of the region.
+const MOST_STRETCH: f64 = 64.0;
 
 /// The vertices of a region and their places in the plane.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ pub fn flatten(t: Triangles<'_>, triangles: &[u32]) -> Option<Flat> {
     let up = whole.try_normalize()?;
     let looks_up = |&k: &u32| {
         let n = area_vector(t, k);
-        n.dot(up) >= TILTED * n.length()
+        n.dot(up) >= FLATTEN_TILT * n.length()
     };
     let frame = principal(t, &vertices, up);
     let places = if triangles.iter().all(looks_up) {
@@ -144,7 +144,7 @@ fn is_even(t: Triangles<'_>, triangles: &[u32], flat: &Flat) -> bool {
         }
         (low, high) = (low.min(plane / space), high.max(plane / space));
     }
-    high <= UNEVEN * low
+    high <= MOST_STRETCH * low
 }
 
 #[cfg(test)]

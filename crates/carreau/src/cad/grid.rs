@@ -15,12 +15,14 @@ use crate::geometry::bspline::{BSplineSurface, Knots};
 use crate::numeric::sparse::{Matrix, Plan};
 use glam::{DVec2, DVec3};
 
-/// Weight of a second difference, for a strong point of weight 1. It decides only where no points do.
-const SMOOTH: f64 = 1e-6;
-/// Control points of a cubic in a direction that share a span with a given one, on each side.
-const REACH: usize = 3;
-/// Pairs that a control point has with itself and those after it: in its own row, and in the next ones.
-const PAIRS: usize = (REACH + 1) + REACH * (2 * REACH + 1);
+/// Weight of a second difference, for a strong point of weight 1: small, because it is to decide only where no points
+/// do.
+const SMOOTH_WEIGHT: f64 = 1e-6;
+/// A count: control points of a direction that share a span with a given one on each side, three because splines are
+/// cubic.
+const SHARED_SPANS: usize = 3;
+/// A count: pairs that a control point has with itself and those after it, in its own row and in the next ones.
+const CONTROL_PAIRS: usize = (SHARED_SPANS + 1) + SHARED_SPANS * (2 * SHARED_SPANS + 1);
 
 /// A point of the fit with its parameters and weight.
 #[derive(Debug, Clone, Copy)]
@@ -44,18 +46,18 @@ pub struct Grid {
 struct Equations {
     /// Number of control points in the direction of u.
     m: usize,
-    pairs: Vec<[f64; PAIRS]>,
+    pairs: Vec<[f64; CONTROL_PAIRS]>,
     rhs: [Vec<f64>; 3],
 }
 
 impl Equations {
-    /// Adds the square of Σ terms − value; terms by their places (i, j), none more than [`REACH`] from another.
+    /// Adds the square of Σ terms − value; terms by their places (i, j), none more than [`SHARED_SPANS`] from another.
     fn add(&mut self, terms: &[([usize; 2], f64)], weight: f64, value: DVec3) {
         for &([i, j], a) in terms {
             let own = j * self.m + i;
             (0..3).for_each(|k| self.rhs[k][own] += weight * a * value[k]);
             for &([p, q], b) in terms.iter().filter(|t| (t.0[1], t.0[0]) >= (j, i)) {
-                let slot = if q == j { p - i } else { (q - j) * (2 * REACH + 1) + p - i };
+                let slot = if q == j { p - i } else { (q - j) * (2 * SHARED_SPANS + 1) + p - i };
                 self.pairs[own][slot] += weight * a * b;
             }
         }
@@ -83,7 +85,7 @@ impl Grid {
         let (sum, count) = samples.clone().fold((DVec3::ZERO, 0.0), |(s, c), x| (s + x.point, c + 1.0));
         let middle = sum / f64::max(count, 1.0);
         let rhs = [vec![0.0; m * n], vec![0.0; m * n], vec![0.0; m * n]];
-        let mut equations = Equations { m, pairs: vec![[0.0; PAIRS]; m * n], rhs };
+        let mut equations = Equations { m, pairs: vec![[0.0; CONTROL_PAIRS]; m * n], rhs };
         for s in samples {
             let ((i, a), (j, b)) = (self.u.basis(s.uv.x), self.v.basis(s.uv.y));
             let terms: [([usize; 2], f64); 16] = std::array::from_fn(|k| ([i + k % 4, j + k / 4], a[k % 4] * b[k / 4]));
@@ -94,15 +96,15 @@ impl Grid {
         for own in 0..m * n {
             let (i, j) = (own % m, own / m);
             for (slot, &value) in equations.pairs[own].iter().enumerate() {
-                let (q, p) = if slot <= REACH {
+                let (q, p) = if slot <= SHARED_SPANS {
                     (j, i + slot)
                 } else {
-                    let back = slot + REACH;
-                    let (down, right) = (back / (2 * REACH + 1), back % (2 * REACH + 1));
-                    if i + right < REACH {
+                    let back = slot + SHARED_SPANS;
+                    let (down, right) = (back / (2 * SHARED_SPANS + 1), back % (2 * SHARED_SPANS + 1));
+                    if i + right < SHARED_SPANS {
                         continue;
                     }
-                    (j + down, i + right - REACH)
+                    (j + down, i + right - SHARED_SPANS)
                 };
                 if p < m && q < n {
                     matrix.add((q * m + p) as u32, own as u32, value);
@@ -122,14 +124,14 @@ fn smooth(equations: &mut Equations, n: usize) {
     let m = equations.m;
     for (i, j) in (0..n).flat_map(|j| (0..m).map(move |i| (i, j))) {
         if i + 2 < m {
-            equations.add(&[([i, j], 1.0), ([i + 1, j], -2.0), ([i + 2, j], 1.0)], SMOOTH, DVec3::ZERO);
+            equations.add(&[([i, j], 1.0), ([i + 1, j], -2.0), ([i + 2, j], 1.0)], SMOOTH_WEIGHT, DVec3::ZERO);
         }
         if j + 2 < n {
-            equations.add(&[([i, j], 1.0), ([i, j + 1], -2.0), ([i, j + 2], 1.0)], SMOOTH, DVec3::ZERO);
+            equations.add(&[([i, j], 1.0), ([i, j + 1], -2.0), ([i, j + 2], 1.0)], SMOOTH_WEIGHT, DVec3::ZERO);
         }
         if i + 1 < m && j + 1 < n {
             let twist = [([i, j], 1.0), ([i + 1, j], -1.0), ([i, j + 1], -1.0), ([i + 1, j + 1], 1.0)];
-            equations.add(&twist, 2.0 * SMOOTH, DVec3::ZERO);
+            equations.add(&twist, 2.0 * SMOOTH_WEIGHT, DVec3::ZERO);
         }
     }
 }

@@ -7,19 +7,20 @@
 //! ```
 
 use super::regions::{Map, Piece, Rung, area_vector};
-use super::unions::SHARP;
+use super::unions::UNION_BEND;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{DisjointSets, NONE, Triangles};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Pieces with fewer triangles are not cut.
-const LEAST: usize = 12;
-/// Most cuts, one after the other.
+/// A count: pieces with fewer triangles are not cut, because their halves would say nothing.
+const LEAST_CUT: usize = 12;
+/// A count: most cuts of a piece, one after the other, because what 32 parts do not describe is left to facets.
 const MOST_CUTS: u8 = 5;
-/// Rounds in which triangles with both other neighbours beyond the cut change sides.
-const ROUNDS: usize = 3;
+/// A count: rounds in which triangles with both other neighbours beyond the cut change sides, few because only the
+/// teeth of a cut do.
+const EVEN_ROUNDS: usize = 3;
 
 impl Map<'_> {
     /// Divides the pieces without a surface at sharp edges.
@@ -41,7 +42,7 @@ impl Map<'_> {
     /// Cuts a piece; false where it is not worth it.
     pub fn cut(&mut self, p: u32) -> bool {
         let piece = &self.pieces[p as usize];
-        if piece.triangles.len() < LEAST || piece.cuts >= MOST_CUTS {
+        if piece.triangles.len() < LEAST_CUT || piece.cuts >= MOST_CUTS {
             return false;
         }
         let part = Part { t: self.t, label: &self.label, p, triangles: &piece.triangles };
@@ -97,7 +98,7 @@ impl Part<'_> {
         let mut sets = DisjointSets::new(self.triangles.len());
         for at in 0..self.triangles.len() {
             for n in self.neighbours(at).filter(|&n| n > at) {
-                if angle_between(normal(at), normal(n)) < SHARP {
+                if angle_between(normal(at), normal(n)) < UNION_BEND {
                     sets.union(at as u32, n as u32);
                 }
             }
@@ -116,7 +117,7 @@ impl Part<'_> {
         let second = far(&[first]);
         let (_, of) = self.spread(&[first, second]);
         let mut even = of.clone();
-        for _ in 0..ROUNDS {
+        for _ in 0..EVEN_ROUNDS {
             for at in (0..even.len()).filter(|&at| at != first && at != second) {
                 let others = self.neighbours(at).filter(|&n| even[n] != even[at]).count();
                 if others >= 2 {

@@ -5,7 +5,7 @@ use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
 use super::spline;
-use super::tuning::{FILE, ROUNDS};
+use super::tuning::{FILE_PRECISION, LADDER_ROUNDS};
 use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -53,7 +53,7 @@ pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Resu
             let first = obstacle.pieces.first().map_or(NONE, |&p| map.pieces[p as usize].region);
             tracing::debug!(round, region = first, pieces = ?obstacle.pieces, reason = obstacle.reason, "obstacle");
         }
-        match round.cmp(&ROUNDS) {
+        match round.cmp(&LADDER_ROUNDS) {
             Ordering::Less => demote(map, &obstacles, round, memory.is_spent(), &mut fallback),
             Ordering::Equal => {
                 // Nothing but triangles is left to be said.
@@ -91,10 +91,10 @@ fn judged(
 /// Demotes the cause of every obstacle: the least certain of its pieces.
 fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, fallback: &mut Vec<Fallback>) {
     let mut chosen: Vec<(u32, &str)> = Vec::new();
-    let exact = if map.is_noisy() { f64::INFINITY } else { FILE * map.diagonal };
+    let exact = if map.is_noisy() { f64::INFINITY } else { FILE_PRECISION * map.diagonal };
     for obstacle in obstacles {
         // One fall of a piece may clear more than one obstacle.
-        if round + 4 < ROUNDS && obstacle.pieces.iter().any(|p| chosen.iter().any(|c| c.0 == *p)) {
+        if round + 4 < LADDER_ROUNDS && obstacle.pieces.iter().any(|p| chosen.iter().any(|c| c.0 == *p)) {
             continue;
         }
         let movable = |p: &&u32| map.pieces[**p as usize].rung < Rung::Triangles;

@@ -9,21 +9,19 @@
 //! What does not lie on it goes to a neighbour that it lies on, if there is one: a facet with all corners on the border of two surfaces
 //! lies on both but for its depth.
 
-use super::clean::normals;
+use super::clean::{CERTAIN_TRIANGLES, normals};
 use super::regions::{Map, Piece, area_vector, connected, vertices};
-use super::scraps::TILTED;
-use super::tuning::{COLUMN, FILE, REFINE_STEPS};
+use super::scraps::SCRAP_TILT;
+use super::swept::SPARE_VERTICES;
+use super::tuning::{COLUMN_DISTANCE, FILE_PRECISION, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
 use glam::DVec3;
 
-/// Triangles of both parts together, at least: fewer lie on some surface by chance.
-const LEAST: usize = 12;
-/// Triangles of the part on the surface, and vertices beyond the number of its parameters.
-const SEVERAL: usize = 6;
-const SPARE: usize = 3;
-/// Most vertices: time grows with them.
-const MOST: usize = 5000;
+/// A count: fewest triangles of both parts together, because fewer lie on some surface by chance.
+const LEAST_PARTED: usize = 12;
+/// A count: most vertices of a piece that is parted, because time grows with them.
+const MISFIT_VERTICES: usize = 5000;
 
 /// How much of the area of a piece is on the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +41,7 @@ impl Map<'_> {
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
             for part in connected(self.t, &rest, |_, _| true) {
-                if let Some(home) = self.home(p as u32, &part, FILE * self.diagonal) {
+                if let Some(home) = self.home(p as u32, &part, FILE_PRECISION * self.diagonal) {
                     self.give(p as u32, &part, home);
                     rest.retain(|k| part.binary_search(k).is_err());
                 }
@@ -59,20 +57,20 @@ impl Map<'_> {
     /// The connected part of a piece that lies on a surface, with its share of the area at least.
     fn fitting(&self, piece: &Piece, share: Share) -> Option<(Vec<u32>, Primitive)> {
         let kind = piece.primitive.map(|p| p.kind());
-        if piece.triangles.len() < LEAST || (kind.is_some() && !(piece.max > FILE * self.diagonal)) {
+        if piece.triangles.len() < LEAST_PARTED || (kind.is_some() && !(piece.max > FILE_PRECISION * self.diagonal)) {
             return None;
         }
         let (points, normals) = (vertices(self.t, &piece.triangles), normals(self.t, &piece.triangles));
-        if points.len() > MOST {
+        if points.len() > MISFIT_VERTICES {
             return None;
         }
-        let near = 2.0 * COLUMN * self.diagonal;
+        let near = 2.0 * COLUMN_DISTANCE * self.diagonal;
         let on = |p: &Primitive| -> Vec<u32> {
             let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
             // Lids have all corners on the surface that their rim is on.
             let faces = |&k: &u32| {
                 let middle = (3 * k..3 * k + 3).map(|c| self.t.point(c)).sum::<DVec3>() / 3.0;
-                p.normal(middle).dot(area_vector(self.t, k).normalize_or_zero()).abs() > TILTED
+                p.normal(middle).dot(area_vector(self.t, k).normalize_or_zero()).abs() > SCRAP_TILT
             };
             piece.triangles.iter().copied().filter(|k| (3 * k..3 * k + 3).all(is_on)).filter(faces).collect()
         };
@@ -93,7 +91,8 @@ impl Map<'_> {
             let primitive = refine(found, &inliers, None, REFINE_STEPS).map_or(found, |f| f.primitive);
             let parts = connected(self.t, &on(&primitive), |_, _| true);
             let own = parts.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)).then(b[0].cmp(&a[0])))?;
-            let enough = own.len() >= SEVERAL && vertices(self.t, &own).len() >= kind.parameters() + SPARE;
+            let enough =
+                own.len() >= CERTAIN_TRIANGLES && vertices(self.t, &own).len() >= kind.parameters() + SPARE_VERTICES;
             (enough && area(&own) >= least).then_some((own, primitive))
         })
     }

@@ -27,7 +27,8 @@
 //! | regions laid out in a plane | `flatten` |
 //! | spline surfaces between the curves around them | `spline` |
 //! | the points that they are fitted to, and the fit on one grid | `points`, `grid` |
-//! | loops in parameters, seams, spheres turned | `faces` |
+//! | loops in parameters and which is the outer one, spheres turned | `faces` |
+//! | loops unrolled, and where the seam between them is | `seams` |
 //! | the model while it is made | `draft` |
 //! | one attempt, all of the above | `model` |
 //! | what stays from one attempt to the next | `memory` |
@@ -67,6 +68,7 @@ mod regions;
 mod relations;
 mod runs;
 mod scraps;
+mod seams;
 mod shells;
 mod spline;
 mod swept;
@@ -88,7 +90,7 @@ use glam::DVec3;
 use misfits::Share;
 use regions::Map;
 use serde::{Deserialize, Serialize};
-use tuning::{EXACT, NEARLY_ALL, SOME};
+use tuning::{EXACT_TOLERANCE, NEARLY_ALL_AREA, SOME_AREA};
 
 pub use ladder::Fallback;
 pub use organic::{Angles, Smooth};
@@ -178,12 +180,12 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     // Free surfaces in exact data look like noise, but with noise nothing would be exact.
     let share = map.exact_share();
     let doubtful = segmentation.chosen.noise > 0.0 && wanted.tolerance.is_none() && wanted.labels.is_none();
-    if doubtful && (SOME..NEARLY_ALL).contains(&share) {
-        let exact = SegmentOptions { tolerance: Some(EXACT * mesh.diagonal()), ..wanted };
+    if doubtful && (SOME_AREA..NEARLY_ALL_AREA).contains(&share) {
+        let exact = SegmentOptions { tolerance: Some(EXACT_TOLERANCE * mesh.diagonal()), ..wanted };
         let other = segment(mesh, &exact, context)?;
         let other_map = mapped(mesh, triangles, &other, context)?;
         let known = |map: &Map<'_>| map.known_share();
-        if other_map.exact_share() > share + SOME && known(&other_map) > known(&map) - SOME {
+        if other_map.exact_share() > share + SOME_AREA && known(&other_map) > known(&map) - SOME_AREA {
             (segmentation, map) = (other, other_map);
         }
     }
@@ -256,12 +258,12 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     map.unify();
     map.absorb_scraps();
     arcs::round(&mut map)?;
-    if map.exact_share() > SOME {
+    if map.exact_share() > SOME_AREA {
         map.part_misfits(Share::Most);
         map.settle_ties();
     }
     swept::sweep(&mut map)?;
-    if map.exact_share() > SOME && map.part_misfits(Share::Half) {
+    if map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
         swept::sweep(&mut map)?;
     }
     map.part_lids();
@@ -276,15 +278,6 @@ fn settle(map: &mut Map<'_>, context: &Context) -> Result<()> {
     map.contract()?;
     relations::relate(map, context)?;
     map.tighten();
-    for (p, piece) in map.pieces.iter().enumerate() {
-        tracing::debug!(p, region = piece.region, kind = piece.surface.kind().name(), rung = ?piece.rung, triangles = piece.triangles.len(), max = piece.max / map.diagonal, "piece");
-    }
-    tracing::debug!(
-        tolerance = map.tolerance / map.diagonal,
-        exact = map.exact_share(),
-        known = map.known_share(),
-        "map"
-    );
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use super::relations;
 use super::spline::settle;
 use super::topology::{Chain, Graph};
 use super::trace::meet;
-use super::tuning::{BRANCH, COPLANAR_DISTANCE, NOISE, SAME_POINT};
+use super::tuning::{BRANCH_DISTANCE, COPLANAR_DISTANCE, NOISY_BRANCH, SAME_POINT};
 use crate::brep::{Brep, Face, Surface};
 use crate::context::Context;
 use crate::error::Result;
@@ -160,7 +160,7 @@ impl Corners {
             let start = map.t.points()[at[0].0 as usize];
             let others = at.iter().filter(|a| !is_spline(a.1)).map(|a| &map.pieces[a.1 as usize].surface);
             let p = meet(&others.collect::<Vec<&Surface>>(), start);
-            let room = (BRANCH * map.diagonal).max(2.0 * NOISE * map.tolerance);
+            let room = (BRANCH_DISTANCE * map.diagonal).max(2.0 * NOISY_BRANCH * map.tolerance);
             (at[0].0, if p.distance(start) <= room { p } else { start })
         };
         let moves = |at: &&[(u32, u32)]| at.iter().any(|a| is_spline(a.1));
@@ -198,8 +198,8 @@ fn track(map: &Map<'_>, chain: &Chain, ends: [DVec3; 2]) -> Option<Track> {
         polyline = between_ends(&polyline, ends);
     }
     // A vertex of the edge is as near to the curve as it is to both surfaces, more where these meet at a small angle.
-    let room = 4.0 * (a.max + b.max) + super::tuning::FILE * map.diagonal;
-    let crossing = room.min((BRANCH * map.diagonal).max(NOISE * map.tolerance));
+    let room = 4.0 * (a.max + b.max) + super::tuning::FILE_PRECISION * map.diagonal;
+    let crossing = room.min((BRANCH_DISTANCE * map.diagonal).max(NOISY_BRANCH * map.tolerance));
     between(a, b, &polyline, closed, map.diagonal, Room { crossing, touching: relations::room(a, b, map.diagonal) })
 }
 

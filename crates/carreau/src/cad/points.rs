@@ -9,7 +9,8 @@ use crate::geometry::bspline::BSplineSurface;
 use crate::mesh::{NONE, Triangles};
 use glam::{DVec2, DVec3};
 
-/// Points of every edge's curve for each side of the mesh, at least.
+/// A count: fewest points of an edge's curve for each side of the mesh, because the curve bends between the ends of a
+/// side.
 const POINTS_A_SIDE: usize = 3;
 
 /// A curve around the region: parameters of points along it, and their places.

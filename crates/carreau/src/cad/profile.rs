@@ -16,13 +16,13 @@ use crate::geometry::bspline::BSplineCurve;
 use crate::mesh::Triangles;
 use glam::DVec3;
 
-/// Most places: time grows with their square.
-const MOST: usize = 1500;
-/// Rounds in which spans are divided.
-const ROUNDS: usize = 16;
-/// Where two rounds bring the curve nearer by less than this factor, there is no smooth one: four is what a jump of the curvature
-/// leaves of a halved span.
-const GAIN: f64 = 2.0;
+/// A count: most places, because time grows with their square.
+const PROFILE_PLACES: usize = 1500;
+/// A count: rounds in which spans are divided, because a smooth curve needs fewer.
+const SPAN_ROUNDS: usize = 16;
+/// A factor: where two rounds bring the curve nearer by less, there is no smooth one, because a jump of the curvature
+/// still leaves four of a halved span.
+const PROFILE_GAIN: f64 = 2.0;
 
 /// Places in their order.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ impl Profile {
         let place = |v: u32| flat(t.points()[v as usize]);
         let mut order: Vec<(f64, u32)> = vertices.iter().map(|&v| (place(v).dot(across), v)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let [least, most] = [bounds[0], bounds[1].min(MOST)];
+        let [least, most] = [bounds[0], bounds[1].min(PROFILE_PLACES)];
         let mut places: Vec<DVec3> = Vec::new();
         let mut of: Vec<(u32, u32)> = Vec::with_capacity(order.len());
         let mut recent: Vec<(f64, u32)> = Vec::new();
@@ -115,7 +115,7 @@ impl Profile {
     /// help. Places stay `apart`.
     pub fn refine(&mut self, vertices: &[DVec3], near: f64, apart: f64) -> bool {
         let mut before = [f64::INFINITY; 2];
-        for _ in 0..ROUNDS {
+        for _ in 0..SPAN_ROUNDS {
             let Some((curve, times)) = self.curve() else { return false };
             let curve = Curve::Spline(curve);
             let mut worst: Vec<(f64, f64, DVec3)> = vec![(near, 0.0, DVec3::ZERO); times.len() - 1];
@@ -134,7 +134,7 @@ impl Profile {
             else {
                 return true;
             };
-            if GAIN * far > before[0] {
+            if PROFILE_GAIN * far > before[0] {
                 // A closed curve that was drawn from a point to the same point is often smooth everywhere else.
                 if !self.closed || self.jointed {
                     return false;

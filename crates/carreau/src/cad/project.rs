@@ -11,7 +11,7 @@
 
 use super::regions::{Map, Rung};
 use super::trace::meet;
-use super::tuning::{BRANCH, NOISE};
+use super::tuning::{BRANCH_DISTANCE, NOISY_BRANCH};
 use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -30,7 +30,7 @@ impl Map<'_> {
         around.sort_unstable();
         around.dedup();
         let of_vertex: Vec<&[(u32, u32)]> = around.chunk_by(|a, b| a.0 == b.0).collect();
-        let room = (BRANCH * self.diagonal).max(2.0 * NOISE * self.tolerance);
+        let room = (BRANCH_DISTANCE * self.diagonal).max(2.0 * NOISY_BRANCH * self.tolerance);
         let place = |at: &&[(u32, u32)]| {
             context.check()?;
             let start = self.t.points()[at[0].0 as usize];

@@ -2,7 +2,7 @@
 //!
 //! Regions come from [`crate::segment`].
 
-use super::tuning::{EXACT, FILE, GAP, UNSETTLED};
+use super::tuning::{EXACT_TOLERANCE, FILE_PRECISION, MOST_GAP, NOISY_GAP};
 use crate::brep::{Frame, Surface};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::{DisjointSets, NONE, Triangles};
@@ -100,13 +100,13 @@ pub struct Map<'a> {
 impl Map<'_> {
     /// Whether vertices are farther from their surfaces than those of exact data.
     pub fn is_noisy(&self) -> bool {
-        self.tolerance > EXACT * self.diagonal
+        self.tolerance > EXACT_TOLERANCE * self.diagonal
     }
 
     /// Largest gap between a face, its edges and their ends. What noise leaves over where surfaces nearly touch is no gap.
     pub fn gap(&self) -> f64 {
-        let noise = if self.is_noisy() { UNSETTLED * self.tolerance } else { 0.0 };
-        noise.max(GAP * self.diagonal)
+        let noise = if self.is_noisy() { NOISY_GAP * self.tolerance } else { 0.0 };
+        noise.max(MOST_GAP * self.diagonal)
     }
 
     /// A number that no piece has.
@@ -151,7 +151,7 @@ impl Map<'_> {
     /// Takes back a tolerance that was for surfaces which did not fit, where others do.
     pub fn tighten(&mut self) {
         let worst = self.pieces.iter().map(|p| p.max).fold(0.0, f64::max);
-        self.tolerance = self.tolerance.min(f64::max(2.0 * worst, FILE * self.diagonal));
+        self.tolerance = self.tolerance.min(f64::max(2.0 * worst, FILE_PRECISION * self.diagonal));
     }
 
     /// The labels of the neighbours of triangles, ascending, each once; their own ones where they are neighbours of each other.

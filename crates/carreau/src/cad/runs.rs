@@ -10,13 +10,15 @@
 use crate::geometry::primitive::circle;
 use glam::DVec2;
 
-/// Places of an arc, at least: three lie on some circle always, and so do four around an extremum of the curvature, which are the
-/// corners of a symmetric trapezoid.
+/// A count: fewest places of an arc, because three lie on some circle always, and so do four around an extremum of the
+/// curvature, which are the corners of a symmetric trapezoid.
 const LEAST_ARC: usize = 5;
-/// The place after the end of a line or an arc is off by so many times the precision: else it is a curve that bends little.
-const DEFINITE: f64 = 20.0;
-/// Cosine: two sides of a profile that bend by more than 43° meet at an edge.
-const SHARP: f64 = 0.73;
+/// A factor: the place after the end of a line or an arc is off by so many times the precision, because otherwise it is
+/// a curve that bends little.
+const DEFINITE_FACTOR: f64 = 20.0;
+/// Cosine of 43°: two sides of a profile that bend by more meet at an edge, because facets of a smooth one bend by half
+/// a radian at most.
+const EDGE_COSINE: f64 = 0.73;
 
 /// What a run lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +64,7 @@ pub fn runs(points: &[DVec2], near: f64) -> Vec<Run> {
     // One side alone between others is straight, and so are two that meet at an edge.
     let is_sharp = |run: &Run| {
         let [a, b, c] = [0, 1, 2].map(|k| points[run.ends[0] + k]);
-        (b - a).normalize_or_zero().dot((c - b).normalize_or_zero()) < SHARP
+        (b - a).normalize_or_zero().dot((c - b).normalize_or_zero()) < EDGE_COSINE
     };
     let straight = |run: Run| match (run.shape, run.ends[1] - run.ends[0]) {
         (Shape::Free, 1) => vec![Run { shape: Shape::Line, ..run }],
@@ -130,7 +132,7 @@ fn grown(
     };
     let before = if at > 0 { off(points[at - 1]) } else { f64::INFINITY };
     let after = if to < last { off(points[to + 1]).max(beyond.min(f64::MAX)) } else { f64::INFINITY };
-    (before > DEFINITE * near && after > DEFINITE * near).then_some((to, shape))
+    (before > DEFINITE_FACTOR * near && after > DEFINITE_FACTOR * near).then_some((to, shape))
 }
 
 #[cfg(test)]

@@ -6,13 +6,14 @@
 //!             ╲  ╱   ╲  ╱
 //! ```
 
-use super::clean::SEVERAL;
+use super::clean::CERTAIN_TRIANGLES;
 use super::regions::{Map, area_vector, inner_vertices, vertex_ids, vertices};
-use super::tuning::FILE;
+use super::tuning::FILE_PRECISION;
 use glam::DVec3;
 
-/// Cosine of the largest angle between facets and the surface that they are to lie on (45°: noise tilts narrow facets).
-pub const TILTED: f64 = 0.7;
+/// Cosine of 45°, the largest angle between facets and the surface that they are to lie on, because noise tilts narrow
+/// facets.
+pub const SCRAP_TILT: f64 = 0.7;
 
 impl Map<'_> {
     /// In noisy data, gives pieces without a vertex of their own to the neighbours on whose surfaces they lie within the noise.
@@ -24,7 +25,10 @@ impl Map<'_> {
         for p in 0..self.pieces.len() as u32 {
             let piece = &self.pieces[p as usize];
             // A flat lid has no vertex inside either, but noise leaves nothing exact.
-            if piece.primitive.is_some() && piece.triangles.len() >= SEVERAL && piece.max <= FILE * self.diagonal {
+            if piece.primitive.is_some()
+                && piece.triangles.len() >= CERTAIN_TRIANGLES
+                && piece.max <= FILE_PRECISION * self.diagonal
+            {
                 continue;
             }
             let triangles = piece.triangles.clone();
@@ -46,7 +50,7 @@ impl Map<'_> {
         let facing = triangles.iter().map(|&k| area_vector(self.t, k)).sum::<DVec3>().normalize_or_zero();
         let far = |p: u32| {
             let surface = self.pieces[p as usize].primitive?;
-            let aligned = surface.normal(middle).dot(facing).abs() > TILTED;
+            let aligned = surface.normal(middle).dot(facing).abs() > SCRAP_TILT;
             let far = points.iter().map(|&q| surface.distance(q).abs()).fold(0.0, f64::max);
             (aligned && far <= within).then_some((far, p))
         };

@@ -22,7 +22,7 @@ use super::model::Obstacle;
 use super::points::{Border, raised};
 use super::regions::{Map, Piece, Rung};
 use super::topology::Graph;
-use super::tuning::{GAP, STATED};
+use super::tuning::{MOST_GAP, STATED_FACTOR};
 use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -31,38 +31,45 @@ use crate::mesh::{NONE, Triangles};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Spans across the narrower side of the first grid, and most spans across any side.
+/// A count: spans across the narrower side of the first grid, few because each halving doubles them.
 const FIRST_SPANS: f64 = 4.0;
+/// A count: most spans across any side, because time and file grow with their square.
 const MOST_SPANS: usize = 64;
-/// A grid of more spans than this for each sample is not halved: it follows nothing that it knows.
+/// A count: a grid of more spans than this for each sample is not halved, because it follows nothing that it knows.
 const SPANS_A_SAMPLE: usize = 8;
-/// Halvings of the grid.
-const HALVINGS: u32 = 4;
-/// A grid of half the size brings a smooth surface nearer by a factor of sixteen, and where points were few, of this in all that was
-/// seen; where it does not bring it nearer by two, the region has a bend inside, or borders that contradict each other, and no finer
-/// grid helps.
+/// A count: halvings of the grid, because each takes four times as long.
+const GRID_HALVINGS: u32 = 4;
+/// A factor: a grid of half the size brings a surface nearer by no more. For a smooth one it is sixteen, because
+/// splines are cubic, and where points were few, this in all that was seen.
 const MOST_GAIN: f64 = 32.0;
-const GAIN: f64 = 2.0;
-/// Share of the rectangle by which it is larger than the region on every side, so that feet do not leave it.
-const MARGIN: f64 = 0.04;
-/// Points that are projected, and control points that are solved for, for all surfaces of a model: a second. What is not settled
-/// then becomes facets.
+/// A factor: where half the size brings a surface nearer by less, no finer grid helps, because the region has a bend
+/// inside, or borders that contradict each other.
+const LEAST_GAIN: f64 = 2.0;
+/// A share of the rectangle by which it is larger than the region on every side, because feet would leave it.
+const GRID_MARGIN: f64 = 0.04;
+/// A count of points that are projected, and control points that are solved for, for all surfaces of a model: a second.
+/// What is not settled then becomes facets, because a user waits.
 pub const MOST_EFFORT: u64 = 200_000;
-/// Pieces that are fitted side by side before the effort is looked at.
-const AT_ONCE: usize = 8;
-/// A control point that is solved for takes as long as the projection of so many points.
-const CONTROL_POINT: u64 = 4;
-/// Rounds in which parameters are corrected.
-const CORRECTIONS: usize = 3;
-/// Share of the diagonal: strong points nearer than this need no finer grid. Tolerances of a tenth of what demotes a face.
-const NEAR_ENOUGH: f64 = 0.06 * GAP;
-/// Weight of the middle of an edge inside, for a strong point of weight 1, and what it is multiplied by with every halving.
-const WEAK: f64 = 1e-3;
-const WEAKER: f64 = 0.1;
-/// Samples for every control point: more do not change the surface.
+/// A count: pieces that are fitted side by side before the effort is looked at, because the result must not depend on
+/// the number of threads.
+const PIECES_AT_ONCE: usize = 8;
+/// A count of points: a control point is solved for in about the time that so many take to be projected.
+const CONTROL_EFFORT: u64 = 4;
+/// A count: rounds in which parameters are corrected, few because each brings feet much nearer.
+const FOOT_CORRECTIONS: usize = 3;
+/// A share of the diagonal: strong points nearer than this need no finer grid, because tolerances then are a tenth of
+/// what demotes a face.
+const ENOUGH_DISTANCE: f64 = 0.06 * MOST_GAP;
+/// Weight of the middle of an edge inside, for a strong point of weight 1: small, because edges cut off what is round.
+const MIDDLE_WEIGHT: f64 = 1e-3;
+/// A factor: what that weight is multiplied by with every halving, because what middles pull a surface off its borders
+/// has to fall with the distances that are left.
+const MIDDLE_FACTOR: f64 = 0.1;
+/// A count: samples for every control point, because more do not change the surface.
 const SAMPLES_A_CONTROL: usize = 6;
-/// Share of a cell of the grid: points along borders are this near to each other, so that a surface cannot swing between them.
-const POINTS_A_CELL: f64 = 0.34;
+/// A share of a cell of the grid: points along borders are this near to each other, because a surface could swing
+/// between them.
+const BORDER_SPACING: f64 = 0.34;
 
 /// Gives all pieces of the rung their surfaces, between the curves of their edges, whose gaps they add to. Returns the pieces that
 /// have none.
@@ -84,7 +91,7 @@ pub fn settle(
         chain.sides.iter().filter(|&&s| s != NONE).for_each(|&s| chains_of[s as usize].push(k));
     }
     let mut found = Vec::with_capacity(which.len());
-    for group in which.chunks(AT_ONCE) {
+    for group in which.chunks(PIECES_AT_ONCE) {
         let known = &*memory;
         let one = |&p: &u32| {
             context.check()?;
@@ -118,7 +125,7 @@ pub fn settle(
         for (&k, gap) in chains_of[p as usize].iter().zip(gaps) {
             tracks[k as usize].gap = tracks[k as usize].gap.max(gap);
         }
-        if !(STATED * off <= GAP * map.diagonal && max <= map.tolerance.max(GAP * map.diagonal)) {
+        if !(STATED_FACTOR * off <= MOST_GAP * map.diagonal && max <= map.tolerance.max(MOST_GAP * map.diagonal)) {
             let off = off.max(max) / map.diagonal;
             let reason = format!("no spline surface came nearer to its vertices and edges than {off:.0e} of the size");
             obstacles.push(Obstacle { pieces: vec![p], reason });
@@ -181,18 +188,18 @@ fn approximate(
     if !(size.min_element() > 0.0) || !size.is_finite() {
         return None;
     }
-    let (low, size) = (low - MARGIN * size, (1.0 + 2.0 * MARGIN) * size);
+    let (low, size) = (low - GRID_MARGIN * size, (1.0 + 2.0 * GRID_MARGIN) * size);
     let first = FIRST_SPANS / size.min_element();
     let mut best: Option<(f64, BSplineSurface, Places)> = None;
-    for halving in 0..=HALVINGS {
+    for halving in 0..=GRID_HALVINGS {
         let fine = first * f64::from(2u32.pow(halving));
         let spans = [size.x, size.y].map(|l| ((l * fine).round() as usize).clamp(1, MOST_SPANS));
         let cell = (size / DVec2::new(spans[0] as f64, spans[1] as f64)).min_element();
         for border in borders.iter_mut() {
-            while border.double(POINTS_A_CELL * cell) {}
+            while border.double(BORDER_SPACING * cell) {}
         }
         // What they pull the surface off its borders has to fall with the distances that are left.
-        samples[vertices..].iter_mut().for_each(|s| s.weight = WEAK * WEAKER.powi(halving as i32));
+        samples[vertices..].iter_mut().for_each(|s| s.weight = MIDDLE_WEIGHT * MIDDLE_FACTOR.powi(halving as i32));
         let mut grid = Grid::new(low, size, spans)?;
         let surface = corrected(samples, borders, &mut grid, effort)?;
         samples[..vertices].iter_mut().for_each(|s| s.uv = surface.project(s.point, s.uv.into()).into());
@@ -200,15 +207,15 @@ fn approximate(
         let inside = samples[..vertices].iter().map(off).fold(0.0, f64::max);
         let far = borders.iter().map(|b| b.gap(&surface)).fold(inside, f64::max);
         tracing::debug!(spans = ?spans, samples = samples.len(), inside = inside / diagonal, far = far / diagonal, "spline surface");
-        let slow = halving > 2 && best.as_ref().is_some_and(|b| GAIN * far > b.0);
+        let slow = halving > 2 && best.as_ref().is_some_and(|b| LEAST_GAIN * far > b.0);
         // Nearer by the largest gain with every halving that is left is not near enough.
-        let hopeless = far > GAP * diagonal * MOST_GAIN.powi((HALVINGS - halving) as i32);
+        let hopeless = far > MOST_GAP * diagonal * MOST_GAIN.powi((GRID_HALVINGS - halving) as i32);
         if best.as_ref().is_none_or(|b| far < b.0) {
             best = Some((far, surface, Places::of(samples, borders)));
         }
         // A finer grid knows no more than the samples do.
         let is_fine = spans[0] * spans[1] > SPANS_A_SAMPLE * samples.len();
-        if far <= NEAR_ENOUGH * diagonal || slow || hopeless || is_fine || spans.iter().all(|&s| s == MOST_SPANS) {
+        if far <= ENOUGH_DISTANCE * diagonal || slow || hopeless || is_fine || spans.iter().all(|&s| s == MOST_SPANS) {
             break;
         }
     }
@@ -229,7 +236,7 @@ fn corrected(
     let step = samples.len().div_ceil(SAMPLES_A_CONTROL * grid.count()).max(1);
     let points = samples.len() / step + borders.iter().map(|b| b.at.len()).sum::<usize>();
     let mut surface: Option<BSplineSurface> = None;
-    for _ in 0..=CORRECTIONS {
+    for _ in 0..=FOOT_CORRECTIONS {
         if let Some(fit) = &surface {
             let foot = |point: DVec3, uv: DVec2| DVec2::from(fit.project(point, uv.into()));
             samples.iter_mut().step_by(step).for_each(|s| s.uv = foot(s.point, s.uv));
@@ -239,7 +246,7 @@ fn corrected(
                 }
             }
         }
-        *effort += points as u64 + CONTROL_POINT * grid.count() as u64;
+        *effort += points as u64 + CONTROL_EFFORT * grid.count() as u64;
         let along = borders
             .iter()
             .flat_map(|b| (0..b.at.len()).map(|k| Sample { uv: b.at[k].1, point: b.point(k), weight: 1.0 }));

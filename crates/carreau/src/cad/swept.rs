@@ -21,7 +21,7 @@ use super::regions::{Map, Piece, Rung, vertex_ids, vertices};
 use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
 use super::trace::{continued, interpolate};
-use super::tuning::{COLUMN, REFINE_STEPS, SOME};
+use super::tuning::{COLUMN_DISTANCE, REFINE_STEPS, SOME_AREA};
 use super::unions::unions;
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
@@ -29,19 +29,21 @@ use crate::geometry::primitive::{self, Kind, Primitive};
 use crate::mesh::{NONE, Triangles};
 use glam::{DVec2, DVec3};
 
-/// Least number of places of an extruded profile: fewer are a plane or a wedge.
-const LEAST: usize = 4;
-/// The same of a revolved one: two are a cone.
+/// A count: fewest places of an extruded profile, because fewer are a plane or a wedge.
+const LEAST_EXTRUDED: usize = 4;
+/// A count: fewest places of a revolved profile, because two are a cone.
 const LEAST_REVOLVED: usize = 3;
-/// Places nearer to each other than this many times the precision of the vertices are one: a curve through both would turn with the
-/// rounding.
-const APART: f64 = 20.0;
-/// Share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first; and how often that is
-/// halved for those to be in a row.
-const WIDE: f64 = 0.04;
-const HALVINGS: i32 = 5;
-/// Vertices beyond the number of parameters that speak for a surface.
-const SPARE: usize = 3;
+/// A factor: places nearer to each other than this many times the precision of the vertices are one, because a curve
+/// through both would turn with the rounding.
+const PLACE_DISTANCE: f64 = 20.0;
+/// A share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first,
+/// because few of them say what a smooth profile is.
+const FIRST_DISTANCE: f64 = 0.04;
+/// A count: how often that is halved until they are in a row, because a profile that bends more needs nearer ones.
+const DISTANCE_HALVINGS: i32 = 5;
+/// A count: vertices beyond the number of its parameters that speak for a surface, because it fits as many as it has
+/// parameters exactly.
+pub const SPARE_VERTICES: usize = 3;
 
 /// Gives swept surfaces to the pieces without a surface that lie on some, alone or together with neighbours whose surfaces do not fit
 /// well, and surfaces with a name to those parts of them that have one.
@@ -99,9 +101,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     let mut triangles: Vec<u32> =
         pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
-    let near = COLUMN * map.diagonal;
+    let near = COLUMN_DISTANCE * map.diagonal;
     // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
-    let noise = (map.is_noisy() && map.exact_share() <= SOME).then_some(0.5 * map.tolerance);
+    let noise = (map.is_noisy() && map.exact_share() <= SOME_AREA).then_some(0.5 * map.tolerance);
     if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {
         return vec![(triangles, Surface::of_primitive(&primitive), Some(primitive))];
     }
@@ -124,20 +126,20 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     };
     let found = along.into_iter().chain(beside).chain(around).find_map(|(sweep, most)| {
         let columns = |most: usize| {
-            let profile = sweep.profile(map.t, &triangles, near, APART * near, most)?;
+            let profile = sweep.profile(map.t, &triangles, near, PLACE_DISTANCE * near, most)?;
             sweep.parts(map.t, &triangles, profile, near).filter(fits)
         };
         // Every vertex at a place of its own: as few of them as say what the profile is, more where it bends more.
         let few = |k: i32| {
-            let apart = map.diagonal * WIDE * 0.5f64.powi(k);
+            let apart = map.diagonal * FIRST_DISTANCE * 0.5f64.powi(k);
             let mut profile = sweep.profile(map.t, &triangles, near, apart, many)?;
             let flat = sweep.flat(map.t.point(3 * triangles[0]), near);
             profile.reach_out(map.t, &flat);
             let all: Vec<DVec3> = vertices(map.t, &triangles).into_iter().map(&flat).collect();
-            let is_near = profile.refine(&all, near, APART * near);
+            let is_near = profile.refine(&all, near, PLACE_DISTANCE * near);
             is_near.then(|| sweep.whole(&triangles, &profile)).flatten().filter(fits)
         };
-        columns(many).or_else(|| (0..HALVINGS).find_map(few)).or_else(|| columns(most))
+        columns(many).or_else(|| (0..DISTANCE_HALVINGS).find_map(few)).or_else(|| columns(most))
     });
     found.unwrap_or_default()
 }
@@ -159,7 +161,9 @@ impl Sweep {
     fn profile(self, t: Triangles<'_>, triangles: &[u32], near: f64, apart: f64, most: usize) -> Option<Profile> {
         let flat = self.flat(t.point(3 * triangles[0]), near);
         match self {
-            Sweep::Along(d) => Profile::of(t, triangles, flat, d.any_orthonormal_vector(), apart, [LEAST, most]),
+            Sweep::Along(d) => {
+                Profile::of(t, triangles, flat, d.any_orthonormal_vector(), apart, [LEAST_EXTRUDED, most])
+            }
             Sweep::Around(f) => Profile::of(t, triangles, flat, f.z + 0.5 * f.x, apart, [LEAST_REVOLVED, most]),
         }
     }
@@ -320,7 +324,7 @@ fn simple(t: Triangles<'_>, triangles: &[u32], near: f64) -> Option<Primitive> {
     let (points, normals) = (vertices(t, triangles), normals(t, triangles));
     let mut scratch = primitive::Scratch::default();
     [Kind::Plane, Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus].into_iter().find_map(|kind| {
-        let enough = kind == Kind::Plane || points.len() >= kind.parameters() + SPARE;
+        let enough = kind == Kind::Plane || points.len() >= kind.parameters() + SPARE_VERTICES;
         if !enough {
             return None;
         }

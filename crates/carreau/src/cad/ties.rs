@@ -7,19 +7,20 @@
 //! ```
 
 use super::regions::{Map, area_vector};
-use super::tuning::{FILE, NAMED};
+use super::tuning::{FILE_PRECISION, NAMED_DISTANCE};
 use crate::geometry::primitive::Primitive;
 use crate::mesh::NONE;
 
-/// Nearer means by this factor: less is a matter of rounding, and of where a coarse facet of a smooth border lies.
-const NEARER: f64 = 0.5;
-/// Rounds: triangles beside those that changed sides may follow.
-const ROUNDS: usize = 4;
+/// A factor: nearer means by this, because less is a matter of rounding, and of where a coarse facet of a smooth border
+/// lies.
+const TIE_FACTOR: f64 = 0.5;
+/// A count: rounds, because triangles beside those that changed sides may follow.
+const TIE_ROUNDS: usize = 4;
 
 impl Map<'_> {
     /// Settles where the triangles of exact pieces belong that lie on two of them.
     pub fn settle_ties(&mut self) {
-        for _ in 0..ROUNDS {
+        for _ in 0..TIE_ROUNDS {
             let moves: Vec<(u32, u32, u32)> =
                 (0..self.t.len() as u32).filter_map(|k| Some((self.label[k as usize], k, self.nearer(k)?))).collect();
             if moves.is_empty() {
@@ -56,11 +57,11 @@ impl Map<'_> {
         let middle = corners.iter().sum::<glam::DVec3>() / 3.0;
         let primitive = |p: u32| self.pieces[p as usize].primitive;
         let home = primitive(own)?;
-        let bound = NEARER * home.distance(middle).abs();
+        let bound = TIE_FACTOR * home.distance(middle).abs();
         let normal = area_vector(self.t, k).normalize_or_zero();
         // As near as the other vertices of a piece are, or as curves with a name are.
         let lies_on = |p: u32, q: &Primitive| {
-            let near = f64::max(2.0 * self.pieces[p as usize].max, NAMED * self.diagonal);
+            let near = f64::max(2.0 * self.pieces[p as usize].max, NAMED_DISTANCE * self.diagonal);
             corners.iter().all(|&c| q.distance(c).abs() <= near)
         };
         let better = |p: &u32| {
@@ -70,6 +71,6 @@ impl Map<'_> {
             (lies_on(own, &home) && lies_on(*p, &q) && off < bound && turned(&q) >= turned(&home)).then_some((off, *p))
         };
         let best = around.iter().filter_map(better).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        best.filter(|_| bound > FILE * self.diagonal).map(|b| b.1)
+        best.filter(|_| bound > FILE_PRECISION * self.diagonal).map(|b| b.1)
     }
 }

@@ -3,7 +3,7 @@
 //! Points come from the mesh's polyline and are moved onto both surfaces by Gauss–Newton steps of least length; the spline is
 //! C² by chord length. Spans whose middle is too far from a surface get another point there, until none is.
 
-use super::tuning::{DOUBLINGS, FREE, MOST_POINTS, STEPS, TANGENT};
+use super::tuning::{DOUBLINGS, FREE_EIGENVALUE, NEWTON_STEPS, SPLINE_POINTS, TANGENT_COSINE};
 use crate::brep::Surface;
 use crate::geometry::bspline::{BSplineCurve, Knots};
 use crate::numeric::eigen3::{Eigen3, outer};
@@ -21,7 +21,7 @@ pub fn meet(surfaces: &[&Surface], p: DVec3) -> DVec3 {
     let mut p = p;
     // The way is short: from the second step on the nearest points are near those before.
     let mut feet: Vec<[f64; 2]> = surfaces.iter().map(|s| s.project(p)).collect();
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         let (mut matrix, mut rhs) = (DMat3::ZERO, DVec3::ZERO);
         for (s, at) in surfaces.iter().zip(&mut feet) {
             *at = s.project_near(p, *at);
@@ -29,7 +29,7 @@ pub fn meet(surfaces: &[&Surface], p: DVec3) -> DVec3 {
             matrix += outer(n);
             rhs -= n * n.dot(p - s.point(at[0], at[1]));
         }
-        let step = Eigen3::new(matrix).solve(rhs, FREE);
+        let step = Eigen3::new(matrix).solve(rhs, FREE_EIGENVALUE);
         p += step;
         if !(step.length() > 1e-15 * p.length()) {
             break;
@@ -47,7 +47,7 @@ pub fn gap(a: &Surface, b: &Surface, p: DVec3) -> f64 {
 pub fn touch(a: &Surface, b: &Surface, points: &[DVec3]) -> bool {
     points.iter().all(|&p| {
         let (n, m) = (signed(a, p).0, signed(b, p).0);
-        n.dot(m).abs() > TANGENT
+        n.dot(m).abs() > TANGENT_COSINE
     })
 }
 
@@ -58,7 +58,7 @@ fn contact(a: &Surface, b: &Surface, p: DVec3, along: DVec3) -> DVec3 {
         let (n, m) = (signed(a, q).0, signed(b, q).0);
         (if n.dot(m) < 0.0 { -m } else { m } - n).dot(across)
     };
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         let across = signed(a, p).0.cross(along).normalize_or_zero();
         let h = 1e-4 * along.length();
         let (f, g) = (turn(p, across), turn(meet(&[a, b], p + across * h), across));
@@ -141,7 +141,7 @@ fn refined(
         if best.as_ref().is_none_or(|b| worst < b.1) {
             best = Some((spline, worst));
         }
-        if worst <= tolerance || points.len() > MOST_POINTS {
+        if worst <= tolerance || points.len() > SPLINE_POINTS {
             break;
         }
         // The neighbours too: knots that grade gently make no waves.

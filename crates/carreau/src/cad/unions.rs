@@ -10,29 +10,29 @@
 
 use super::regions::{Map, Piece, Rung, area_vector};
 use super::topology::{Chain, Graph};
-use super::tuning::{FILE, NAMED};
+use super::tuning::{FILE_PRECISION, NAMED_DISTANCE};
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::Kind;
 use crate::mesh::{DisjointSets, NONE};
 
-/// Radians: edges that bend by more are none of one smooth surface, whose facets bend by half a radian at most.
-pub const SHARP: f64 = 0.75;
-/// Triangles of a crumb: what is left over between regions.
-const CRUMB: usize = 3;
+/// Radians: edges that bend by more are none of one smooth surface, because its facets bend by half a radian at most.
+pub const UNION_BEND: f64 = 0.75;
+/// A count: most triangles of a crumb, because what is left over between regions is no larger.
+const UNION_CRUMB: usize = 3;
 
 /// Sets of pieces, each with one at least that is not flat; flat ones alone are left out.
 pub fn unions(map: &Map<'_>, graph: &Graph) -> Vec<Vec<u32>> {
     let is_free = |p: &Piece| p.rung == Rung::Spline;
     let is_flat = |p: &Piece| p.primitive.is_some_and(|q| q.kind() == Kind::Plane);
-    let is_doubtful = |p: &Piece| p.max > if is_flat(p) { NAMED } else { FILE } * map.diagonal;
-    let is_crumb = |p: &Piece| is_flat(p) && p.triangles.len() <= CRUMB;
+    let is_doubtful = |p: &Piece| p.max > if is_flat(p) { NAMED_DISTANCE } else { FILE_PRECISION } * map.diagonal;
+    let is_crumb = |p: &Piece| is_flat(p) && p.triangles.len() <= UNION_CRUMB;
     let wanted = |s: u32| {
         let piece = &map.pieces[s as usize];
         is_free(piece) || is_doubtful(piece) || is_crumb(piece)
     };
     let mut sets = DisjointSets::new(map.pieces.len());
     for chain in graph.chains.iter().filter(|c| c.sides.iter().all(|&s| s != NONE && wanted(s))) {
-        if bend(map, chain) < SHARP {
+        if bend(map, chain) < UNION_BEND {
             sets.union(chain.sides[0], chain.sides[1]);
         }
     }

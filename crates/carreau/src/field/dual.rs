@@ -8,8 +8,9 @@ use crate::mesh::{NONE, Triangles, unit_sized};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Weights |e| / dual length stay in this range.
-const WEIGHTS: [f64; 2] = [0.1, 10.0];
+/// Least and largest weight of an edge, as |e| over the length of its dual edge, which has no unit: slivers would get
+/// weights near zero or without bound, and solves would lose their digits.
+const WEIGHT_RANGE: [f64; 2] = [0.1, 10.0];
 
 /// The triangles around a vertex, or between two consecutive features there, counter-clockwise.
 pub struct Fan {
@@ -125,7 +126,11 @@ impl<'a> Dual<'a> {
         let length = self.along(c).length();
         let heights = 2.0 * (self.areas[c as usize / 3] + self.areas[o as usize / 3]);
         let weight = 3.0 * length * length / heights;
-        self.weight.push(if weight.is_finite() { weight.clamp(WEIGHTS[0], WEIGHTS[1]) } else { WEIGHTS[1] });
+        self.weight.push(if weight.is_finite() {
+            weight.clamp(WEIGHT_RANGE[0], WEIGHT_RANGE[1])
+        } else {
+            WEIGHT_RANGE[1]
+        });
     }
 
     /// The fan that a corner belongs to, if it is new.

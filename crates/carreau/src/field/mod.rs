@@ -191,12 +191,13 @@ impl Field {
     }
 }
 
-/// ℓ as a share of the root of the area: where the weight of the paper's authors leads.
-const SPREAD: f64 = 0.03;
-/// Interior vertices with a smaller sum of angles get three quads.
-const TIP: f64 = 1.25 * PI;
-/// Rounds of pins.
-const ROUNDS: usize = 3;
+/// ℓ as a share of the root of the area, because this is where the weight of the paper's authors leads.
+const LOCAL_LENGTH: f64 = 0.03;
+/// Radians: interior vertices with a smaller sum of angles get three quads, because the corners of four would have 56°
+/// at most.
+const TIP_ANGLE: f64 = 1.25 * PI;
+/// A count: rounds of pins, limited because each solves the whole field again.
+const PIN_ROUNDS: usize = 3;
 
 /// Computes a frame field. The mesh is triangulated, and repaired where it needs it.
 ///
@@ -283,7 +284,7 @@ struct Topology {
 fn topology(dual: &Dual<'_>, options: &FieldOptions, context: &Context) -> Result<Topology> {
     let spread = match options.propagation {
         Propagation::None => Spread::None,
-        Propagation::Local => Spread::Length(SPREAD * dual.areas.iter().sum::<f64>().sqrt()),
+        Propagation::Local => Spread::Length(LOCAL_LENGTH * dual.areas.iter().sum::<f64>().sqrt()),
         Propagation::Global => Spread::All,
     };
     let mut pins = first_pins(dual, options.pin);
@@ -300,7 +301,7 @@ fn topology(dual: &Dual<'_>, options: &FieldOptions, context: &Context) -> Resul
         let p = matching::matchings(dual, &alpha, &omega);
         let quads = matching::quads(dual, &alpha, &p);
         rounds += 1;
-        if options.pin == Pin::None || rounds > ROUNDS || !pin_more(dual, &quads, &mut pins) {
+        if options.pin == Pin::None || rounds > PIN_ROUNDS || !pin_more(dual, &quads, &mut pins) {
             return Ok(Topology { alpha, p, quads, rounds });
         }
     }
@@ -313,7 +314,7 @@ fn first_pins(dual: &Dual<'_>, pin: Pin) -> Vec<(u32, i32)> {
         Pin::Below45 => FRAC_PI_4,
         Pin::Below90 => FRAC_PI_2 * (1.0 - 1e-9),
     };
-    let is_pinned = |fan: &dual::Fan| if fan.closed { fan.angle < TIP } else { fan.angle < acute };
+    let is_pinned = |fan: &dual::Fan| if fan.closed { fan.angle < TIP_ANGLE } else { fan.angle < acute };
     (0u32..).zip(&dual.fans).filter(|(_, fan)| is_pinned(fan)).map(|(f, fan)| (f, matching::fewest(fan))).collect()
 }
 

@@ -12,18 +12,25 @@ use crate::mesh::NONE;
 use crate::numeric::sparse::{LeastSquares, Plan};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// ε of the term that favours orthogonality.
-const EPSILON: f64 = 1e-2;
-const MOST_ROUNDS: usize = 12;
-/// From this round on, fewer new ones than one in so many triangles are clipped as in the paper, if that is cheaper.
-const PATIENCE: usize = 2;
-const FEW: usize = 500;
-/// A turn from here on is made to share with others: beyond half a turn, p does not tell which way it goes.
+/// ε of the term that favours orthogonality, for an edge of weight 1: small, because it is to decide only where edges
+/// hardly do.
+const ORTHOGONALITY_WEIGHT: f64 = 1e-2;
+/// A count: most solves of a relaxation, because each that holds one more ρ costs as much as the first. Where they do
+/// not suffice the orthogonal field stays.
+const RELAXATION_ROUNDS: usize = 12;
+/// A count: from this round on a few new ρ beyond the limit are clipped as in the paper, if that is cheaper, because
+/// they change next to nothing.
+const EXACT_ROUNDS: usize = 2;
+/// A count: a few are fewer than one in so many triangles, because a clipped one moves only the field around it.
+const TRIANGLES_A_CLIP: usize = 500;
+/// Radians: a turn from here on is made to share with others, because beyond half a turn p does not tell which way it
+/// goes.
 const MOST_TURN: f64 = 0.95 * PI;
-/// What its edge weighs more in the next solve.
-const HEAVIER: f64 = 8.0;
-/// Weight that holds a ρ at the limit. So the matrix has its entries in the same places in every round.
-const HOLD: f64 = 1e6;
+/// A factor: what the edge of such a turn weighs more in the next solve, enough for few solves to spread it.
+const STEEP_FACTOR: f64 = 8.0;
+/// Weight that holds a ρ at the limit, for an edge of weight 1: a weight, because the matrix then has its entries in
+/// the same places in every round and is planned once.
+const HELD_WEIGHT: f64 = 1e6;
 
 /// A field whose second branch is at α + π/2 + ρ.
 pub struct Relaxed {
@@ -51,7 +58,7 @@ fn turns(dual: &Dual<'_>, alpha: &[f64], rho: &[f64], p: &[i32], e: u32) -> [f64
 fn weigh_steep(dual: &Dual<'_>, of: &Relaxed, p: &[i32], weight: &mut [f64]) -> bool {
     let is_steep = |&e: &u32| turns(dual, &of.alpha, &of.rho, p, e).iter().any(|r| r.abs() > MOST_TURN);
     let steep: Vec<u32> = (0..dual.edges.len() as u32).filter(is_steep).collect();
-    steep.iter().for_each(|&e| weight[e as usize] *= HEAVIER);
+    steep.iter().for_each(|&e| weight[e as usize] *= STEEP_FACTOR);
     !steep.is_empty()
 }
 
@@ -62,7 +69,7 @@ pub fn evened(dual: &Dual<'_>, alpha: Vec<f64>, p: &[i32], context: &Context) ->
     let mut weight = dual.weight.clone();
     let mut found = Relaxed { alpha, rho: vec![0.0; n] };
     let (held, mut plan) = (vec![Some(0.0); n], None);
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..RELAXATION_ROUNDS {
         if !weigh_steep(dual, &found, p, &mut weight) {
             break;
         }
@@ -80,7 +87,7 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
     let mut held: Vec<Option<f64>> = vec![None; n];
     let mut weight = dual.weight.clone();
     let mut plan = None;
-    for round in 1..=MOST_ROUNDS {
+    for round in 1..=RELAXATION_ROUNDS {
         context.check()?;
         let mut found = solve(dual, alpha, p, &weight, &held, &mut plan)?;
         let mut beyond = 0;
@@ -92,7 +99,7 @@ pub fn relax(dual: &Dual<'_>, alpha: &[f64], p: &[i32], most: f64, context: &Con
             *rho = rho.clamp(-most, most);
         }
         let is_steep = weigh_steep(dual, &found, p, &mut weight);
-        let is_settled = !is_steep && (beyond == 0 || (round >= PATIENCE && beyond * FEW <= n));
+        let is_settled = !is_steep && (beyond == 0 || (round >= EXACT_ROUNDS && beyond * TRIANGLES_A_CLIP <= n));
         if is_settled && energy(dual, &found.alpha, &found.rho, p) <= before {
             return Ok(found);
         }
@@ -152,8 +159,8 @@ fn solve(
     }
     for (i, held) in (0u32..).zip(held) {
         match held {
-            Some(rho) => system.add(HOLD, &[(i, 1.0)], -rho),
-            None => system.add(EPSILON, &[(i, 1.0)], 0.0),
+            Some(rho) => system.add(HELD_WEIGHT, &[(i, 1.0)], -rho),
+            None => system.add(ORTHOGONALITY_WEIGHT, &[(i, 1.0)], 0.0),
         }
     }
     // A triangle among features alone has no edge to say what its direction is.

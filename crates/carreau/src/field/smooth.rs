@@ -8,14 +8,19 @@ use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::sparse::{Complex, Factor, Matrix, Plan};
 
-/// Steps of diffusion, and their length over the inverse of the smallest eigenvalue.
-const STEPS: usize = 4;
-const STEP: f64 = 20.0;
-/// Steps of inverse iteration for that eigenvalue, and for the field where no feature gives a direction.
+/// A count: steps of diffusion, few because the lengths of z are even after some.
+const DIFFUSION_STEPS: usize = 4;
+/// Weight t of the masses in a step of diffusion, as a multiple of the smallest eigenvalue: well above 1, because a
+/// step is to even out lengths and leave the field what it is.
+const DIFFUSION_WEIGHT: f64 = 20.0;
+/// A count: steps of inverse iteration for that eigenvalue, few because only its size is needed.
 const EIGEN_STEPS: usize = 6;
+/// A count: steps of inverse iteration for the field where no feature gives a direction, more because the eigenvector
+/// is the field.
 const FREE_STEPS: usize = 30;
-/// Shift of the matrix where no feature gives a direction, as a share of its mean diagonal.
-const SHIFT: f64 = 1e-6;
+/// A share of the mean diagonal: what is added to the diagonal where no feature gives a direction, because the matrix
+/// may be singular then.
+const DIAGONAL_SHIFT: f64 = 1e-6;
 
 /// α of every triangle, in (−π/4, π/4]. The plan of elimination is the same for every ω.
 pub fn smoothest(dual: &Dual<'_>, omega: &[f64], plan: &mut Option<Plan>, context: &Context) -> Result<Vec<f64>> {
@@ -28,7 +33,7 @@ pub fn smoothest(dual: &Dual<'_>, omega: &[f64], plan: &mut Option<Plan>, contex
     }
     let system = System::new(dual, omega, &unknown, free.len());
     let mass: Vec<f64> = free.iter().map(|&i| dual.areas[i as usize].max(1e-12 * dual.areas[0])).collect();
-    let shift = if free.len() < n { 0.0 } else { SHIFT * system.mean_diagonal() };
+    let shift = if free.len() < n { 0.0 } else { DIAGONAL_SHIFT * system.mean_diagonal() };
     let mean_mass = mass.iter().sum::<f64>() / mass.len() as f64;
     let mass: Vec<f64> = mass.iter().map(|m| m / mean_mass).collect();
     let factor = system.matrix(&mass, shift).factor(plan)?;
@@ -37,9 +42,9 @@ pub fn smoothest(dual: &Dual<'_>, omega: &[f64], plan: &mut Option<Plan>, contex
     context.check()?;
     let mut z = if shift > 0.0 { eigenvector } else { factor.solve(&system.rhs)? };
     // (L + t M) z ← t M z / |z|
-    let t = STEP * lambda;
+    let t = DIFFUSION_WEIGHT * lambda;
     let diffusion = system.matrix(&mass, t).factor(plan)?;
-    for _ in 0..STEPS {
+    for _ in 0..DIFFUSION_STEPS {
         context.check()?;
         let rhs: Vec<Complex> = (0..z.len()).map(|k| unit(z[k]) * (t * mass[k]) + system.rhs[k]).collect();
         z = diffusion.solve(&rhs)?;

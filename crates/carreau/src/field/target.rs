@@ -13,8 +13,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::FRAC_PI_2;
 
-/// ω is zero farther than so many ℓ from the pinned fans.
-const REACH: f64 = 5.0;
+/// Multiple of ℓ: ω is zero farther from the pinned fans, because it fades over ℓ and next to nothing of it is left
+/// there.
+const REACH_LENGTHS: f64 = 5.0;
 
 /// How far the rotation spreads.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,7 +155,7 @@ fn near(dual: &Dual<'_>, pins: &[(u32, i32)], spread: Spread) -> Vec<bool> {
     let t = dual.triangles;
     let reach = match spread {
         Spread::None => 0.0,
-        Spread::Length(length) => REACH * length,
+        Spread::Length(length) => REACH_LENGTHS * length,
         Spread::All => return vec![true; t.points().len()],
     };
     let mut star = vec![Vec::new(); t.points().len()];

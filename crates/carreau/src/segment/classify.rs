@@ -11,18 +11,24 @@ use rayon::prelude::*;
 /// Curvature of a vertex or region: (k_max, |k_min|) times the length scale.
 pub type Pair = [f64; 2];
 
-/// Share of the values of an axis above which they are clamped.
-const CLAMP: f64 = 0.99;
-/// Clusters with a smaller share of the weight are dissolved.
-const SMALL: f64 = 0.01;
-/// Centres nearer than this share of the range are one.
-const SIMILAR: f64 = 0.01;
-const MAX_ROUNDS: usize = 60;
-/// Samples that are summed one by one before their sums are added.
-const CHUNK: usize = 4096;
-/// Automatic number of clusters: as few as leave no more than this share of the variance unexplained.
-const UNEXPLAINED: f64 = 0.01;
-const AUTO_RANGE: std::ops::RangeInclusive<usize> = 2..=24;
+/// A share of the values of an axis above which they are clamped, because a few extreme curvatures would have clusters
+/// of their own.
+const CLAMP_QUANTILE: f64 = 0.99;
+/// A share of the weight: clusters with less are dissolved, because they are noise.
+const SMALL_CLUSTER: f64 = 0.01;
+/// A share of the range: centres nearer than this are one, because noise moves them by as much.
+const SIMILAR_CENTRES: f64 = 0.01;
+/// A count: most rounds of k-means, because it settles in fewer but for the last samples.
+const MEANS_ROUNDS: usize = 60;
+/// A count: samples that are summed one by one before their sums are added, because the sum must not depend on the
+/// number of threads.
+const SUM_CHUNK: usize = 4096;
+/// A share of the variance: the automatic number of clusters is the least that leaves no more unexplained, because more
+/// clusters would follow noise.
+const UNEXPLAINED_VARIANCE: f64 = 0.01;
+/// Counts: range of the automatic number of clusters, from 2 because one tells nothing apart, to 24 because time grows
+/// with it.
+const CLUSTER_RANGE: std::ops::RangeInclusive<usize> = 2..=24;
 
 /// Clusters of curvature.
 pub struct Clusters {
@@ -49,7 +55,7 @@ pub fn classify(samples: &[Pair], weights: &[f64], count: Option<usize>, context
     }
     let limit: Pair = std::array::from_fn(|k| {
         let mut values: Vec<f64> = samples.iter().map(|s| s[k]).collect();
-        quantile(&mut values, CLAMP, f64::total_cmp).unwrap_or_default()
+        quantile(&mut values, CLAMP_QUANTILE, f64::total_cmp).unwrap_or_default()
     });
     let clamped: Vec<Pair> = samples.iter().map(|s| [s[0].min(limit[0]), s[1].min(limit[1])]).collect();
     let mut centers = match count {
@@ -57,7 +63,7 @@ pub fn classify(samples: &[Pair], weights: &[f64], count: Option<usize>, context
         None => automatic(&clamped, weights, context)?,
     };
     let (mut of, _) = assign(&clamped, weights, &centers);
-    regularise(weights, &mut of, &mut centers, limit[0].hypot(limit[1]) * SIMILAR);
+    regularise(weights, &mut of, &mut centers, limit[0].hypot(limit[1]) * SIMILAR_CENTRES);
     Ok(Clusters { of, centers })
 }
 
@@ -65,9 +71,9 @@ pub fn classify(samples: &[Pair], weights: &[f64], count: Option<usize>, context
 fn automatic(samples: &[Pair], weights: &[f64], context: &Context) -> Result<Vec<Pair>> {
     let (bins, mass) = histogram(samples, weights);
     let (_, all) = means(&bins, &mass, 1, context)?;
-    for count in AUTO_RANGE {
+    for count in CLUSTER_RANGE {
         let (centers, left) = means(&bins, &mass, count, context)?;
-        if left <= all * UNEXPLAINED || count == *AUTO_RANGE.end() {
+        if left <= all * UNEXPLAINED_VARIANCE || count == *CLUSTER_RANGE.end() {
             return Ok(means_from(samples, weights, centers, context)?.0);
         }
     }
@@ -101,7 +107,7 @@ fn means_from(
     context: &Context,
 ) -> Result<(Vec<Pair>, f64)> {
     let mut left = f64::INFINITY;
-    for _ in 0..MAX_ROUNDS {
+    for _ in 0..MEANS_ROUNDS {
         context.check()?;
         let (of, sum) = assign(samples, weights, &centers);
         // Converged as far as it matters for a classification that is regularised afterwards.
@@ -134,7 +140,7 @@ fn farthest_first(samples: &[Pair], weights: &[f64], count: usize) -> Vec<Pair> 
             break;
         }
         centers.push(next);
-        far.par_iter_mut().zip(samples).with_min_len(CHUNK).for_each(|(f, &s)| *f = f.min(squared(s, next)));
+        far.par_iter_mut().zip(samples).with_min_len(SUM_CHUNK).for_each(|(f, &s)| *f = f.min(squared(s, next)));
     }
     centers
 }
@@ -154,8 +160,8 @@ fn assign(samples: &[Pair], weights: &[f64], centers: &[Pair]) -> (Vec<u32>, f64
     };
     let mut of = vec![0u32; samples.len()];
     let parts: Vec<f64> = of
-        .par_chunks_mut(CHUNK)
-        .zip(samples.par_chunks(CHUNK).zip(weights.par_chunks(CHUNK)))
+        .par_chunks_mut(SUM_CHUNK)
+        .zip(samples.par_chunks(SUM_CHUNK).zip(weights.par_chunks(SUM_CHUNK)))
         .map(|(of, (samples, weights))| {
             let mut sum = 0.0;
             for ((of, &sample), &weight) in of.iter_mut().zip(samples).zip(weights) {
@@ -179,9 +185,9 @@ fn averages(samples: &[Pair], weights: &[f64], of: &[u32], count: usize) -> Vec<
         }
         sums
     };
-    let chunks = samples.len().div_ceil(CHUNK);
+    let chunks = samples.len().div_ceil(SUM_CHUNK);
     let parts: Vec<_> =
-        (0..chunks).into_par_iter().map(|c| part(c * CHUNK..samples.len().min((c + 1) * CHUNK))).collect();
+        (0..chunks).into_par_iter().map(|c| part(c * SUM_CHUNK..samples.len().min((c + 1) * SUM_CHUNK))).collect();
     let add = |k: usize| parts.iter().fold([0.0; 3], |s, p| std::array::from_fn(|j| s[j] + p[k][j]));
     (0..count).map(add).map(|s| (s[2] > 0.0).then(|| [s[0] / s[2], s[1] / s[2]])).collect()
 }
@@ -207,7 +213,7 @@ fn regularise(weights: &[f64], of: &mut [u32], centers: &mut Vec<Pair>, similar:
         let by = |a: &usize, b: &usize| {
             distance(centers[*a], centers[small]).total_cmp(&distance(centers[*b], centers[small]))
         };
-        let Some(nearest) = nearest.min_by(by).filter(|_| weight[small] < SMALL * total) else { break };
+        let Some(nearest) = nearest.min_by(by).filter(|_| weight[small] < SMALL_CLUSTER * total) else { break };
         join(small, nearest, &mut weight, centers);
         (alive[small], target[small]) = (false, nearest as u32);
     }

@@ -3,6 +3,7 @@
 //! Boundary edges with a good score stay (correct boundary edges); from their open ends the contour is continued by the
 //! edge of least weight P until every contour is closed; the regions are then what the contours enclose.
 
+use super::cut::BAND_RINGS;
 use super::score::Scores;
 use super::surface::Surface;
 use crate::context::Context;
@@ -14,12 +15,10 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-/// w_J of equation 8.
+/// w_J of equation 8, which has no unit: 1, because score and turn have about the same range.
 const TURN_WEIGHT: f64 = 1.0;
-/// A contour turns by no more than this at a vertex, in radians.
-const MAX_TURN: f64 = 100.0 / 180.0 * PI;
-/// Contours stay within this many rings of triangles around the old boundary.
-const BAND: usize = 3;
+/// Radians, 100°: a contour turns by no more at a vertex, because boundaries have right angles and no sharper ones.
+const CONTOUR_TURN: f64 = 100.0 / 180.0 * PI;
 
 /// An edge that may continue a contour at a vertex.
 struct Potential {
@@ -160,7 +159,7 @@ impl<'a> Contours<'a> {
         let back = away(last);
         for &edge in edges.iter().filter(|&&c| !self.correct[c as usize]) {
             let turn = angle_between(-back, away(edge));
-            if turn <= MAX_TURN {
+            if turn <= CONTOUR_TURN {
                 let weight = self.scores.score(edge) + TURN_WEIGHT * turn / PI;
                 out.push(Potential { weight, edge, end: v });
             }
@@ -244,7 +243,7 @@ fn band(surface: &Surface<'_>, label: &[u32]) -> Vec<bool> {
     let differs = |c: u32| t.opposite(c) == NONE || label[t.opposite(c) as usize / 3] != label[c as usize / 3];
     let mut inside: Vec<bool> = (0..t.len() as u32).map(|k| (3 * k..3 * k + 3).any(differs)).collect();
     let mut front: Vec<u32> = (0..t.len() as u32).filter(|&k| inside[k as usize]).collect();
-    for _ in 1..BAND {
+    for _ in 1..BAND_RINGS {
         let mut next = Vec::new();
         for n in
             front.iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE).map(|o| o / 3)

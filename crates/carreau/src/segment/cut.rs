@@ -19,13 +19,16 @@ use crate::numeric::flow::{CutGraph, Edge};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Rings of triangles on each side of a boundary.
-const BAND: usize = 3;
-/// Price of an edge of the best score, per length.
-const BASE: f64 = 0.05;
-/// Capacities are integers: this many steps for the dearest node or edge.
-const STEPS: f64 = 1e9;
-const ENDLESS: i64 = i64::MAX / 1024;
+/// A count: rings of triangles on each side of the old boundary within which a new one stays, because curvature is
+/// blurred over about as many.
+pub const BAND_RINGS: usize = 3;
+/// Price of an edge of the best score, per length: above zero, because of equally good boundaries the shortest is to
+/// win.
+const BASE_PRICE: f64 = 0.05;
+/// A count of steps for the dearest node or edge, because capacities are integers.
+const CUT_STEPS: f64 = 1e9;
+/// Capacity, in those steps, of what must not be cut: so far below the largest integer, because capacities are added.
+const ENDLESS_CAPACITY: i64 = i64::MAX / 1024;
 
 /// What a triangle costs in a region.
 type Price<'a> = &'a (dyn Fn(u32, u32) -> f64 + Sync);
@@ -139,7 +142,7 @@ impl<'a> Band<'a> {
         }
         let across = |m: u32, k: u32| surface.across(3 * m + k, barrier).filter(|&n| own(n));
         let mut from = 0;
-        for _ in 1..BAND * 2 {
+        for _ in 1..BAND_RINGS * 2 {
             let to = members.len();
             for k in from..to {
                 let m: u32 = members[k];
@@ -168,7 +171,7 @@ impl<'a> Band<'a> {
         for ((k, &m), adjacent) in (0u32..).zip(&self.members).zip(&self.adjacent) {
             for (c, &other) in (3 * m..).zip(adjacent) {
                 if other != NONE && k < other {
-                    edges.push(([k, other], self.surface.edge_length(c) * (BASE + scores.score(c))));
+                    edges.push(([k, other], self.surface.edge_length(c) * (BASE_PRICE + scores.score(c))));
                 }
             }
         }
@@ -178,8 +181,9 @@ impl<'a> Band<'a> {
         if top <= 0.0 {
             return self.old.clone();
         }
-        let steps = |x: f64| (x / top * STEPS) as i64;
-        let anchor = |k: usize, first: bool| if self.anchored[k] && self.old[k] == first { ENDLESS } else { 0 };
+        let steps = |x: f64| (x / top * CUT_STEPS) as i64;
+        let anchor =
+            |k: usize, first: bool| if self.anchored[k] && self.old[k] == first { ENDLESS_CAPACITY } else { 0 };
         let graph = CutGraph {
             edges: edges.into_iter().map(|(ends, x)| Edge { ends, capacity: steps(x) }).collect(),
             // Cutting a node from the source puts it into the second region, at the price it has there.

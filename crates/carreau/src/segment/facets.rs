@@ -8,8 +8,9 @@ use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec3;
 
-/// Triangles of a facet turn away from its plane by no more than this, however near their vertices are (radians).
-const MAX_TURN: f64 = 0.2;
+/// Radians: triangles of a facet turn away from its plane by no more, however near their vertices are, because a narrow
+/// one may stand upright on it.
+const FACET_TURN: f64 = 0.2;
 
 /// Facets of all triangles.
 pub struct Facets {
@@ -47,7 +48,7 @@ impl Facets {
         let mut of = vec![NONE; t.len()];
         let (mut normal, mut area) = (Vec::new(), Vec::new());
         let mut stack = Vec::new();
-        let cos = turn.max(MAX_TURN).cos();
+        let cos = turn.max(FACET_TURN).cos();
         for (step, &seed) in order.iter().enumerate() {
             context.check_every(step)?;
             if of[seed as usize] != NONE || !free[seed as usize] {

@@ -14,7 +14,7 @@
 //!
 //! The regions are those of the healed mesh; what was taken out joins the neighbour that it bends least towards.
 
-use super::slivers;
+use super::slivers::{self, SLIVER_ROUNDS};
 use super::surface::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -24,11 +24,9 @@ use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A collapse turns no triangle by more than this, in radians: a vertex that is off by a tenth of a sliver's height turns one
-/// that is hardly higher than a sliver by 0.1.
-const TURN: f64 = 0.2;
-/// Rounds: slivers beside slivers beside slivers.
-const ROUNDS: usize = 8;
+/// Radians: a collapse turns no triangle by more, because a vertex that is off by a tenth of a sliver's height turns
+/// one that is hardly higher than a sliver by 0.1.
+const COLLAPSE_TURN: f64 = 0.2;
 
 /// A mesh without the slivers of another one.
 pub struct Healed {
@@ -46,7 +44,7 @@ pub fn heal(mesh: &SurfaceMesh, triangles: Triangles<'_>, context: &Context) -> 
     }
     let Some(edit) = EditMesh::new(mesh) else { return Ok(None) };
     let mut healer = Healer { edit, height };
-    for _ in 0..ROUNDS {
+    for _ in 0..SLIVER_ROUNDS {
         let mut changed = false;
         for (step, &t) in slivers.iter().enumerate() {
             context.check_every(step)?;
@@ -168,7 +166,7 @@ impl Healer {
             let before = edit.positions(h / 3);
             let after = [target, self.point(edit.head(h)), self.point(edit.apex(h))];
             nearest = nearest.min(origin.distance(closest_on_triangle(origin, after)));
-            let along = |n: DVec3| area_vector(after).normalize_or_zero().dot(n) >= TURN.cos();
+            let along = |n: DVec3| area_vector(after).normalize_or_zero().dot(n) >= COLLAPSE_TURN.cos();
             let same = if is_sliver(before, self.height) {
                 is_sliver(after, self.height) || normals.iter().any(|&n| along(n))
             } else {

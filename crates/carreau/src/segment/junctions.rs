@@ -12,10 +12,11 @@ use crate::mesh::VertexId;
 use crate::numeric::eigen3::{Eigen3, outer};
 use glam::{DMat3, DVec3};
 
-/// Steps of the fit.
-const STEPS: usize = 20;
-/// Directions in which the surfaces are this much less steep than in the steepest are free.
-const FREE: f64 = 1e-4;
+/// A count: Newton steps, because convergence is quadratic but where surfaces touch.
+const JUNCTION_STEPS: usize = 20;
+/// A share of the steepest direction's eigenvalue: directions below it are free, because the surfaces differ by 1° only
+/// across them.
+const FREE_STEEPNESS: f64 = 1e-4;
 
 /// Where boundaries end.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +63,7 @@ fn farthest(p: DVec3, primitives: &[Primitive]) -> f64 {
 /// The point nearest to a vertex that lies on all surfaces; the vertex where there is none nearer than `room`.
 fn meeting_point(vertex: DVec3, primitives: &[Primitive], room: f64) -> DVec3 {
     let mut p = vertex;
-    for _ in 0..STEPS {
+    for _ in 0..JUNCTION_STEPS {
         let (mut matrix, mut rhs) = (DMat3::ZERO, DVec3::ZERO);
         for s in primitives {
             let n = s.normal(p);
@@ -72,7 +73,7 @@ fn meeting_point(vertex: DVec3, primitives: &[Primitive], room: f64) -> DVec3 {
         let eigen = Eigen3::new(matrix);
         let steepest = eigen.values.iter().copied().fold(0.0, f64::max);
         let along = |(&value, &axis): (&f64, &DVec3)| {
-            if value > FREE * steepest { axis * (axis.dot(rhs) / value) } else { DVec3::ZERO }
+            if value > FREE_STEEPNESS * steepest { axis * (axis.dot(rhs) / value) } else { DVec3::ZERO }
         };
         p += eigen.values.iter().zip(&eigen.vectors).map(along).sum::<DVec3>();
     }

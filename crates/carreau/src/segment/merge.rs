@@ -46,10 +46,10 @@ impl Dendrogram {
     /// The threshold in the widest gap of log D between 1 and 25; the paper's 5 where D grows
     /// without a gap.
     pub fn automatic_threshold(&self) -> f64 {
-        let mut top = AUTO_LOW;
-        let mut best = (MIN_GAP, DEFAULT_THRESHOLD);
-        for d in self.merges.iter().map(|m| m.distance).chain([AUTO_HIGH]) {
-            let d = d.clamp(AUTO_LOW, AUTO_HIGH);
+        let mut top = LEAST_THRESHOLD;
+        let mut best = (LEAST_GAP, DEFAULT_THRESHOLD);
+        for d in self.merges.iter().map(|m| m.distance).chain([LARGEST_THRESHOLD]) {
+            let d = d.clamp(LEAST_THRESHOLD, LARGEST_THRESHOLD);
             if d > top {
                 let gap = (d / top).ln();
                 if gap > best.0 {
@@ -78,11 +78,15 @@ impl Dendrogram {
     }
 }
 
-const AUTO_LOW: f64 = 1.0;
-const AUTO_HIGH: f64 = 25.0;
+/// Distance D, which has no unit: least automatic threshold, because regions below it hardly differ.
+const LEAST_THRESHOLD: f64 = 1.0;
+/// Distance D: largest automatic threshold, because regions above it differ much more than the paper's 5.
+const LARGEST_THRESHOLD: f64 = 25.0;
+/// Distance D: threshold where D grows without a gap, because it is the paper's.
 const DEFAULT_THRESHOLD: f64 = 5.0;
-const MIN_GAP: f64 = 0.4;
-/// e of equation 4.
+/// Logarithm of a ratio: least gap of D that a threshold is put into, a factor of 1.5, because smaller ones are chance.
+const LEAST_GAP: f64 = 0.4;
+/// A factor: e of equation 4, small because small regions are to be merged first.
 const SMALL_FACTOR: f64 = 1e-3;
 
 /// What the merging needs to know of curvature: (k_max, |k_min|) times the length scale.
@@ -146,9 +150,12 @@ struct Node {
     refreshed: [f64; 2],
 }
 
-/// Nodes with more neighbours compute all distances anew only when they have changed by [`STALE`].
-const HUB: usize = 64;
-const STALE: f64 = 0.02;
+/// A count: nodes with more neighbours compute all distances anew only when they have changed by [`STALE_CHANGE`],
+/// because that would take time that grows with the square.
+const HUB_NEIGHBOURS: usize = 64;
+/// A share of area and perimeter: distances are computed anew after a larger change, because smaller ones hardly move
+/// them.
+const STALE_CHANGE: f64 = 0.02;
 
 /// The adjacency graph of regions.
 struct Graph {
@@ -259,8 +266,8 @@ impl Graph {
     fn outdated(&mut self, kept: u32, touched: Vec<u32>) -> Vec<u32> {
         let node = &mut self.nodes[kept as usize];
         let size = [node.area, node.perimeter];
-        let changed = (0..2).any(|k| (size[k] - node.refreshed[k]).abs() > STALE * node.refreshed[k]);
-        if node.neighbours.len() > HUB && !changed {
+        let changed = (0..2).any(|k| (size[k] - node.refreshed[k]).abs() > STALE_CHANGE * node.refreshed[k]);
+        if node.neighbours.len() > HUB_NEIGHBOURS && !changed {
             return touched;
         }
         node.refreshed = size;

@@ -289,22 +289,30 @@ impl Segmentation {
     }
 }
 
-/// Share of the area that must lie on recognised surfaces for the mesh to be a part.
-const PART: f64 = 0.02;
-/// Largest distance of a vertex from the surface of its region, as a share of the extent.
-const TOLERANCE: f64 = 3e-5;
-/// The same on noisy parts, in standard deviations of the noise.
-const NOISE_TOLERANCE: f64 = 5.0;
-/// Across creases only regions smaller than A_min by this factor are merged first.
-const SHARP_DIVISOR: f64 = 50.0;
-/// Scans: clusters, A_min, rounds of averaging of curvature, and the multiple of the median bend from which edges are sharp.
+/// A share of the area that must lie on recognised surfaces for the mesh to be a part, because less may be chance.
+const PART_SHARE: f64 = 0.02;
+/// A share of the extent: largest distance of a vertex from the surface of its region, because careless kernels are
+/// about that exact.
+const EXACT_TOLERANCE: f64 = 3e-5;
+/// A count of standard deviations of the noise: the same on noisy parts, because normal noise is larger once in two
+/// million times.
+const NOISE_DEVIATIONS: f64 = 5.0;
+/// A factor: across creases only regions smaller than A_min by this are merged first, because creases part small faces
+/// as well.
+const CREASE_DIVISOR: f64 = 50.0;
+/// A count: clusters of curvature on scans, few because noise would make regions of more.
 const SCAN_CLUSTERS: usize = 5;
+/// A share of the area: A_min on scans, because smaller regions are noise.
 const SCAN_AREA: f64 = 4e-3;
+/// A count: rounds of averaging of curvature on scans, because it varies from vertex to vertex by noise.
 const SCAN_SMOOTHING: usize = 12;
-const SCAN_SHARP: f64 = 6.0;
+/// Multiple of the median bend from which edges of scans are sharp, because noise bends nearly all edges by less.
+const SCAN_BENDS: f64 = 6.0;
+/// Radians, 60°: edges of scans that bend by more are sharp in any case, because otherwise rough scans would have no
+/// creases.
 const SCAN_SHARPEST: f64 = 1.05;
-/// Rounds of rectification.
-const ROUNDS: usize = 2;
+/// A count: rounds of rectification, two because the first moves boundaries by nearly all.
+const RECTIFICATION_ROUNDS: usize = 2;
 
 /// Segments a triangle mesh.
 ///
@@ -426,7 +434,7 @@ impl Segmenter<'_> {
     fn run(mut self) -> Result<Segmentation> {
         let scale = self.scale();
         let extent = self.surface.extent();
-        let tolerance = self.options.tolerance.unwrap_or(self.rounding.max(TOLERANCE * extent));
+        let tolerance = self.options.tolerance.unwrap_or(self.rounding.max(EXACT_TOLERANCE * extent));
         let mut chosen = Chosen {
             basis: Basis::Labels,
             sharp_angle_deg: self.angle.to_degrees(),
@@ -441,7 +449,7 @@ impl Segmenter<'_> {
         let mut dendrogram = Dendrogram::default();
         let start = self.start(extent, &mut chosen)?;
         if start.is_none() && self.options.surfaces && self.options.sharp_angle.is_none() {
-            self.angle = surface::noisy_sharp_angle(self.surface, SCAN_SHARP).clamp(self.angle, SCAN_SHARPEST);
+            self.angle = surface::noisy_sharp_angle(self.surface, SCAN_BENDS).clamp(self.angle, SCAN_SHARPEST);
             self.sharp = Sharp::new(self.surface, self.angle);
             chosen.sharp_angle_deg = self.angle.to_degrees();
         }
@@ -483,7 +491,7 @@ impl Segmenter<'_> {
                 return Ok(Some(self.take_noisy(noisy, chosen)));
             }
         }
-        if chosen.recognised < PART {
+        if chosen.recognised < PART_SHARE {
             chosen.recognised = 0.0;
             return Ok(None);
         }
@@ -499,7 +507,7 @@ impl Segmenter<'_> {
         chosen.recognised = found.share;
         chosen.noise = found.sigma;
         if self.options.tolerance.is_none() {
-            chosen.tolerance = NOISE_TOLERANCE * found.sigma;
+            chosen.tolerance = NOISE_DEVIATIONS * found.sigma;
         }
         found.label
     }
@@ -559,7 +567,7 @@ impl Segmenter<'_> {
             threshold: self.options.merge_threshold,
             regions: self.options.regions.map(|n| n as usize),
             min_area: if scan { self.options.min_area.max(SCAN_AREA) } else { self.options.min_area },
-            min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / SHARP_DIVISOR },
+            min_area_across_creases: if scan { SCAN_AREA } else { self.options.min_area / CREASE_DIVISOR },
             smoothing: if scan { SCAN_SMOOTHING } else { 0 },
         };
         // Only creases ask for it.
@@ -581,7 +589,16 @@ impl Segmenter<'_> {
             let prices = Prices::new(self.surface, label, curvature, chosen);
             let price = |t: u32, l: u32| prices.of(t, l);
             let guard = chosen.basis == Basis::Labels;
-            let moved = cut::cut(self.surface, &scores, &self.sharp.edge, label, &price, ROUNDS, guard, self.context)?;
+            let moved = cut::cut(
+                self.surface,
+                &scores,
+                &self.sharp.edge,
+                label,
+                &price,
+                RECTIFICATION_ROUNDS,
+                guard,
+                self.context,
+            )?;
             if !guard && moved > 0 {
                 // A cut may have parted a region outside of its band; the smaller parts go to their neighbours.
                 regions::keep_largest_parts(self.surface, label, self.order);

@@ -3,12 +3,15 @@
 use super::surface::Surface;
 use glam::DVec3;
 
-/// Digits that a file may be rounded to; those of single precision are more than seven.
+/// A count: fewest decimal digits that a file may be rounded to, because with fewer no surface can be told.
 const LEAST_DIGITS: i32 = 5;
+/// A count: most decimal digits that a file of double precision may be rounded to, because more are as good as all.
 const MOST_DIGITS: i32 = 8;
-const MOST_OF_SINGLE: i32 = 7;
-/// Share of the coordinates that need the last digit; of rounded ones it is nine tenths, zeros and walls aside.
-const NEED_ALL: f64 = 0.25;
+/// A count: the same of a file of single precision, because that has some more than seven.
+const SINGLE_DIGITS: i32 = 7;
+/// A share of the coordinates that need the last digit: well below the nine tenths of rounded ones, because of zeros
+/// and walls.
+const LAST_DIGIT_SHARE: f64 = 0.25;
 
 /// Rounding of numbers of single or double precision, as a distance.
 pub fn floor(surface: &Surface<'_>, extent: f64) -> f64 {
@@ -28,8 +31,7 @@ fn is_single(points: &[DVec3]) -> bool {
 /// How far a vertex may be off in a file whose coordinates have few decimal digits, as those of text formats do; `None` for
 /// other files.
 pub fn decimal(points: &[DVec3]) -> Option<f64> {
-    let (slack, most) =
-        if is_single(points) { (f64::from(f32::EPSILON), MOST_OF_SINGLE) } else { (1e-13, MOST_DIGITS) };
+    let (slack, most) = if is_single(points) { (f64::from(f32::EPSILON), SINGLE_DIGITS) } else { (1e-13, MOST_DIGITS) };
     let all = || points.iter().flat_map(|p| p.to_array());
     let is_rounded = |x: f64, digits: i32| {
         if x == 0.0 || !x.is_finite() {
@@ -43,7 +45,7 @@ pub fn decimal(points: &[DVec3]) -> Option<f64> {
     let needing = all().filter(|&x| !is_rounded(x, digits - 1)).count();
     let largest = all().fold(0.0, |m: f64, x| m.max(x.abs()));
     // Half a unit in each of three coordinates, and some slack for the fit.
-    (needing as f64 >= NEED_ALL * 3.0 * points.len() as f64).then(|| last_digit(largest, digits))
+    (needing as f64 >= LAST_DIGIT_SHARE * 3.0 * points.len() as f64).then(|| last_digit(largest, digits))
 }
 
 /// The unit of the last of so many significant digits of a number.

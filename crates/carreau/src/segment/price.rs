@@ -8,10 +8,11 @@ use crate::geometry::curvature::Curvature;
 use crate::geometry::primitive::Primitive;
 use rayon::prelude::*;
 
-/// Weight of a triangle that is off the surface, against boundary length.
-const OFF_SURFACE: f64 = 4.0;
-/// Weight of a triangle of another curvature.
-const OFF_CURVATURE: f64 = 0.3;
+/// Weight of a triangle that is off the surface, against boundary length: large, because a surface is sure.
+const SURFACE_WEIGHT: f64 = 4.0;
+/// Weight of a triangle of another curvature, against boundary length: small, because curvature is blurred near
+/// boundaries.
+const CURVATURE_SHARE: f64 = 0.3;
 
 /// Prices of triangles, comparable to lengths of boundary.
 pub struct Prices<'a> {
@@ -66,10 +67,10 @@ impl<'a> Prices<'a> {
             let far = t.triangle(k).map(|v| p.distance(t.points()[v as usize]).abs()).into_iter().fold(0.0, f64::max);
             let x = far / self.tolerance;
             let off = p.normal(self.surface.center(k)).dot(self.surface.normals[k as usize]).abs() < 0.7;
-            return OFF_SURFACE * size * if off { 1.0 } else { (x * x).min(1.0) };
+            return SURFACE_WEIGHT * size * if off { 1.0 } else { (x * x).min(1.0) };
         }
         let (a, b) = (self.triangle[k as usize], self.region[l as usize]);
         let sum = a[0] + a[1] + b[0] + b[1];
-        if sum > 0.0 { OFF_CURVATURE * size * ((a[0] - b[0]).abs() + (a[1] - b[1]).abs()) / sum } else { 0.0 }
+        if sum > 0.0 { CURVATURE_SHARE * size * ((a[0] - b[0]).abs() + (a[1] - b[1]).abs()) / sum } else { 0.0 }
     }
 }

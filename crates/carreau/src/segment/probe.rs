@@ -6,19 +6,20 @@
 use super::facets::Facets;
 use super::recognise::{Accuracy, finds_any};
 use super::surface::Surface;
-use super::surfaces::{Planes, WORTH};
+use super::surfaces::{Planes, WORTH_AREA};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 
-/// Smaller meshes are asked everywhere.
-const LEAST: usize = 2000;
-/// Number of patches that are asked for planes: where a twentieth of the area lies on some, all miss it once in 27 times.
-const PATCHES: usize = 64;
-/// Curved surfaces, which take longer, are asked for at every second patch.
+/// A count: smaller meshes are asked everywhere, because that takes no time.
+const PROBED_TRIANGLES: usize = 2000;
+/// A count: patches that are asked for planes, because where a twentieth of the area lies on some, all miss it once in
+/// 27 times.
+const PLANE_PATCHES: usize = 64;
+/// A count: curved surfaces are asked for at every second patch, because they take longer.
 const CURVED_STEP: usize = 2;
-/// Triangles of a patch.
-const SIZE: usize = 200;
+/// A count: triangles of a patch, because a curved surface needs some facets to be told.
+const PATCH_TRIANGLES: usize = 200;
 
 /// Whether some patch lies on surfaces at the loosest accuracy, or at the tightest; true for small meshes. `order` lists the
 /// triangles independently of their numbers.
@@ -29,7 +30,7 @@ pub fn has_surfaces(
     [tightest, loosest]: [&Accuracy; 2],
     context: &Context,
 ) -> Result<bool> {
-    if surface.len() < LEAST {
+    if surface.len() < PROBED_TRIANGLES {
         return Ok(true);
     }
     let sample = Sample::new(surface, order);
@@ -84,7 +85,7 @@ impl<'a> Sample<'a> {
                     self.members.push(n);
                 }
             }
-            if at == self.members.len() || self.members.len() >= from + SIZE {
+            if at == self.members.len() || self.members.len() >= from + PATCH_TRIANGLES {
                 return;
             }
             let k = self.members[at];
@@ -114,7 +115,7 @@ impl<'a> Sample<'a> {
         let owner = vec![NONE; facets.len()];
         let planes = Planes { surface: self.surface, facets, owner: &owner, sharp_angle, accuracy, last: true };
         let is_plane = |&f: &u32| {
-            let large = facets.area[f as usize] > WORTH * self.surface.total_area;
+            let large = facets.area[f as usize] > WORTH_AREA * self.surface.total_area;
             (large || self.leaves(facets.triangles(f))) && planes.contains(f)
         };
         Ok(of.iter().any(is_plane)
@@ -130,11 +131,11 @@ impl<'a> Sample<'a> {
 
 /// Triangles at equal steps of the area before them.
 fn seeds(surface: &Surface<'_>, order: &[u32]) -> Vec<u32> {
-    let step = surface.total_area / PATCHES as f64;
-    let (mut before, mut seeds) = (0.0, Vec::with_capacity(PATCHES));
+    let step = surface.total_area / PLANE_PATCHES as f64;
+    let (mut before, mut seeds) = (0.0, Vec::with_capacity(PLANE_PATCHES));
     for &t in order {
         before += surface.areas[t as usize];
-        if before > step * (seeds.len() as f64 + 0.5) && seeds.len() < PATCHES {
+        if before > step * (seeds.len() as f64 + 0.5) && seeds.len() < PLANE_PATCHES {
             seeds.push(t);
         }
     }
@@ -167,7 +168,7 @@ mod tests {
         let part = sample::make("torus", None, &Context::new()).unwrap();
         let sphere = crate::mesh::test_models::sphere(5);
         for mesh in [part, sphere] {
-            assert!(mesh.face_count() >= LEAST, "{}", mesh.face_count());
+            assert!(mesh.face_count() >= PROBED_TRIANGLES, "{}", mesh.face_count());
             assert!(answer(&mesh));
             assert!(!answer(&crate::mesh::test_models::moved(&mesh, wave)));
         }

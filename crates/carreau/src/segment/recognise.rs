@@ -35,38 +35,47 @@ pub struct Found {
     pub primitive: Primitive,
 }
 
-/// Vertices beyond the number of parameters that a surface must explain.
-const MIN_SURPLUS: usize = 4;
-/// A border is hard where the next vertices are farther away than this many times the tolerance.
-const HARD: f64 = 30.0;
-/// Largest share of soft border of a surface.
-pub const MAX_SOFT: f64 = 0.3;
-/// A surface that uses up less of the tolerance than this is not one that the tolerance made possible.
-const SLACK: f64 = 0.1;
-/// A side of a facet is long from this share of its longest on.
+/// A count: vertices beyond the number of parameters that a surface must explain, because fewer are on some surface by
+/// chance.
+const LEAST_SURPLUS: usize = 4;
+/// Multiple of the tolerance: a border is hard where the next vertices are farther away, because a freeform surface
+/// leaves its piece slowly.
+const HARD_BORDER: f64 = 30.0;
+/// A share of the border of a surface that may be soft, because a piece of a freeform one has a soft border nearly all
+/// around.
+pub const MOST_SOFT: f64 = 0.3;
+/// A share of the tolerance: a surface that uses up less is not one that the tolerance made possible, because a tenth
+/// of it would have been enough.
+const USED_TOLERANCE: f64 = 0.1;
+/// A share of its longest side from which a side of a facet is long, because strips may taper.
 const LONG_SIDE: f64 = 0.4;
-/// Vertices beyond the number of parameters that a first neighbourhood has.
+/// A count: vertices beyond the number of parameters that a first neighbourhood has, because a fit through fewer would
+/// lead anywhere.
 const SEED_SURPLUS: usize = 3;
-/// A surface with this surplus is beyond doubt.
-const STRONG: usize = 12;
-/// Rings of a neighbourhood.
-const MAX_LEVELS: usize = 5;
-/// Angles that differ by less are one position of a profile.
+/// A count: a surface with so many vertices more than parameters is beyond doubt, because that is no chance.
+const CERTAIN_SURPLUS: usize = 12;
+/// A count: most rings of a neighbourhood, because a larger one reaches into other surfaces.
+const MOST_RINGS: usize = 5;
+/// Radians: angles that differ by less are one position of a profile, because rounding turns them.
 const SAME_ANGLE: f64 = 1e-3;
-/// The widest facet of a surface turns by no more than this many times the median facet.
-const UNEVEN: f64 = 3.0;
+/// A factor: the widest facet of a surface turns by no more than this many times the median facet, because a
+/// tessellation divides a surface evenly.
+const UNEVEN_TURN: f64 = 3.0;
+/// A factor: the same for areas, more because strips are as long as the face is there.
 const UNEVEN_AREA: f64 = 20.0;
-/// Surfaces of more facets are no coincidence.
-const FEW: usize = 40;
-/// A facet that was in this many neighbourhoods without a surface is no seed.
-const MAX_FAILURES: u8 = 2;
-/// With more facets than this a few seeds are asked first.
-const PROBED: usize = 20_000;
-const PROBES: usize = 200;
-/// Points given to a refit.
-const MAX_SAMPLES: usize = 400;
-/// Curved kinds, simplest first.
-const CURVED: [Kind; 4] = [Kind::Sphere, Kind::Cylinder, Kind::Cone, Kind::Torus];
+/// A count: surfaces of more facets need not be even, because they are no coincidence.
+const FEW_FACETS: usize = 40;
+/// A count: a facet that was in so many neighbourhoods without a surface is no seed, because its own would be nearly
+/// the same.
+const SEED_FAILURES: u8 = 2;
+/// A count: with more facets a few seeds are asked first, because a scan takes long and has no surface.
+const PROBED_FACETS: usize = 20_000;
+/// A count: seeds that are asked first, because among so many there is one of a surface in any part.
+const PROBE_FACETS: usize = 200;
+/// A count: most points given to a refit, because more would not change it.
+const REFIT_SAMPLES: usize = 400;
+/// Curved kinds, simplest first, because of equally good surfaces the first is taken.
+const CURVED_KINDS: [Kind; 4] = [Kind::Sphere, Kind::Cylinder, Kind::Cone, Kind::Torus];
 
 /// Recognises curved surfaces; returns the surface of every facet ([`NONE`]: none) and the surfaces.
 pub fn recognise(
@@ -79,8 +88,8 @@ pub fn recognise(
     let mut order: Vec<u32> = (0..facets.len() as u32).collect();
     // Large strips first: they say most about the surface.
     order.sort_by(|&a, &b| facets.area[b as usize].total_cmp(&facets.area[a as usize]));
-    let probes = (0..PROBES).map(|k| order[k * order.len() / PROBES]);
-    if facets.len() > PROBED && !search.finds_any(probes, context)? {
+    let probes = (0..PROBE_FACETS).map(|k| order[k * order.len() / PROBE_FACETS]);
+    if facets.len() > PROBED_FACETS && !search.finds_any(probes, context)? {
         return Ok((search.owner, search.found));
     }
     let mut weak = Vec::new();
@@ -88,14 +97,14 @@ pub fn recognise(
         if step.is_multiple_of(16) {
             context.check()?;
         }
-        if !search.free(seed) || search.tried[seed as usize] || search.failures[seed as usize] >= MAX_FAILURES {
+        if !search.free(seed) || search.tried[seed as usize] || search.failures[seed as usize] >= SEED_FAILURES {
             continue;
         }
         if let Some(found) = search.best_from(seed) {
             if search.is_soft(&found) {
                 // No surface of its own but a piece of a freeform one, and so are the facets around.
                 found.facets.iter().for_each(|&f| search.tried[f as usize] = true);
-            } else if found.surplus >= STRONG {
+            } else if found.surplus >= CERTAIN_SURPLUS {
                 search.claim(found);
             } else {
                 weak.push(seed);
@@ -182,7 +191,7 @@ impl<'a> Search<'a> {
     fn finds_any(&mut self, seeds: impl Iterator<Item = u32>, context: &Context) -> Result<bool> {
         for seed in seeds {
             context.check()?;
-            if self.best_from(seed).is_some_and(|found| found.surplus >= STRONG && !self.is_soft(&found)) {
+            if self.best_from(seed).is_some_and(|found| found.surplus >= CERTAIN_SURPLUS && !self.is_soft(&found)) {
                 return Ok(true);
             }
         }
@@ -228,7 +237,7 @@ impl<'a> Search<'a> {
     /// The best surface through a facet and its surroundings.
     fn best_from(&mut self, seed: u32) -> Option<Candidate> {
         let (mut best, all) = self.best_within(seed, Reach::All, &[]);
-        if best.as_ref().is_none_or(|b| b.surplus < STRONG)
+        if best.as_ref().is_none_or(|b| b.surplus < CERTAIN_SURPLUS)
             && let Some(other) = self.best_within(seed, Reach::Sideways, &all).0
             && best.as_ref().is_none_or(|b| better(&other, b))
         {
@@ -254,7 +263,7 @@ impl<'a> Search<'a> {
         let mut patch = vec![seed];
         let mut ring = Vec::new();
         let most = 4 * self.facets.triangles(seed).len().max(1);
-        for level in 0..MAX_LEVELS {
+        for level in 0..MOST_RINGS {
             // One more ring. A facet much larger than the seed is a plane beside it, most likely.
             let from = patch.len();
             for k in 0..from {
@@ -270,7 +279,7 @@ impl<'a> Search<'a> {
                 break;
             }
             let vertices = self.gather(&patch);
-            if vertices < self.accuracy.seed_vertices && level + 1 < MAX_LEVELS {
+            if vertices < self.accuracy.seed_vertices && level + 1 < MOST_RINGS {
                 continue;
             }
             let best = self.best_through(&patch, seed);
@@ -284,7 +293,7 @@ impl<'a> Search<'a> {
     /// The best surface through the gathered points of a patch.
     fn best_through(&mut self, patch: &[u32], seed: u32) -> Option<Candidate> {
         let mut best: Option<Candidate> = None;
-        for kind in CURVED {
+        for kind in CURVED_KINDS {
             if self.points.len() < kind.parameters() + SEED_SURPLUS {
                 continue;
             }
@@ -351,10 +360,10 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        if self.points.len() > MAX_SAMPLES {
+        if self.points.len() > REFIT_SAMPLES {
             let n = self.points.len();
-            (0..MAX_SAMPLES).for_each(|k| self.points[k] = self.points[k * n / MAX_SAMPLES]);
-            self.points.truncate(MAX_SAMPLES);
+            (0..REFIT_SAMPLES).for_each(|k| self.points[k] = self.points[k * n / REFIT_SAMPLES]);
+            self.points.truncate(REFIT_SAMPLES);
         }
     }
 
@@ -444,7 +453,7 @@ impl<'a> Search<'a> {
         let out_of_proportion = |sorted: &[f64], factor: f64, slack: f64| {
             sorted[sorted.len() - 1] > factor * sorted[sorted.len() / 2] + slack
         };
-        !out_of_proportion(&turns, UNEVEN, 0.02) && !out_of_proportion(&areas, UNEVEN_AREA, 0.0)
+        !out_of_proportion(&turns, UNEVEN_TURN, 0.02) && !out_of_proportion(&areas, UNEVEN_AREA, 0.0)
     }
 
     /// Whether the profile of the gathered points has more positions than parameters. The generators of a strip, the rings
@@ -492,14 +501,14 @@ impl<'a> Search<'a> {
     fn judge(&mut self, primitive: Primitive, facets: &[u32]) -> Option<Candidate> {
         self.gather_samples(facets);
         let vertices = self.points.len();
-        let needed = primitive.kind().parameters() + MIN_SURPLUS;
+        let needed = primitive.kind().parameters() + LEAST_SURPLUS;
         if facets.len() < 3 || vertices < needed {
             return None;
         }
         if !self.determined(&primitive, facets) {
             return None;
         }
-        if facets.len() < FEW && !self.even(&primitive, facets) {
+        if facets.len() < FEW_FACETS && !self.even(&primitive, facets) {
             return None;
         }
         let area: f64 = facets.iter().map(|&f| self.facets.area[f as usize]).sum();
@@ -512,7 +521,7 @@ impl<'a> Search<'a> {
 
     /// Whether a surface is one that only the tolerance made possible: a piece of a freeform one.
     fn is_soft(&self, c: &Candidate) -> bool {
-        c.max > SLACK * self.accuracy.distance && self.softness(c) > MAX_SOFT
+        c.max > USED_TOLERANCE * self.accuracy.distance && self.softness(c) > MOST_SOFT
     }
 
     fn softness(&self, c: &Candidate) -> f64 {
@@ -526,7 +535,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// See [`MAX_SOFT`].
+/// See [`MOST_SOFT`].
 pub fn softness(
     surface: &Surface<'_>,
     facets: &Facets,
@@ -550,7 +559,7 @@ pub fn softness(
             }
             let apex = t.points()[t.apex(o) as usize];
             let d = primitive.distance(apex).abs();
-            if d > accuracy.distance && d < HARD * accuracy.distance {
+            if d > accuracy.distance && d < HARD_BORDER * accuracy.distance {
                 soft += length;
             }
         }

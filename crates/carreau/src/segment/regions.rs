@@ -117,10 +117,11 @@ impl Groups {
     }
 }
 
-/// Points given to a fit.
-const MAX_SAMPLES: usize = 300;
-/// Points of the first test.
-const FEW_SAMPLES: usize = 60;
+/// A count: most points given to a fit, because more would not change it.
+pub const FIT_SAMPLES: usize = 300;
+/// A count: points of a first fit, few because it is tried from all kinds of starts and refuses most kinds at once.
+pub const FIRST_SAMPLES: usize = 60;
+/// A count: steps of a fit that starts from the result of another, few because it is near already.
 const REFINE_STEPS: usize = 30;
 
 /// The distinct vertices of some triangles, ascending, with their corners.
@@ -183,8 +184,8 @@ pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kind
     let corners = Corners::of(surface, triangles);
     let point = |k| corners.point(surface, k);
     let (few, few_normals): (Vec<DVec3>, Vec<DVec3>) =
-        corners.thinned(FEW_SAMPLES).map(|k| (point(k), corners.normal(surface, k))).unzip();
-    let points: Vec<DVec3> = corners.thinned(MAX_SAMPLES).map(point).collect();
+        corners.thinned(FIRST_SAMPLES).map(|k| (point(k), corners.normal(surface, k))).unzip();
+    let points: Vec<DVec3> = corners.thinned(FIT_SAMPLES).map(point).collect();
     let mut scratch = Scratch::default();
     let mut best: Option<(Fit, f64)> = None;
     for &kind in kinds {
@@ -206,7 +207,7 @@ pub fn fit_region(surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kind
         if kind == Kind::Plane {
             return Some(fit);
         }
-        let step = triangles.len().div_ceil(MAX_SAMPLES).max(1);
+        let step = triangles.len().div_ceil(FIT_SAMPLES).max(1);
         let s = sagitta(surface, triangles.iter().copied().step_by(step), &p);
         if best.as_ref().is_none_or(|b| s < 0.5 * b.1) {
             best = Some((fit, s));

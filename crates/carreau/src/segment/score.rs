@@ -5,10 +5,10 @@ use crate::geometry::curvature::Curvature;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// w_c of equation 5.
+/// w_c of equation 5, which has no unit: 1, because both terms have about the same range.
 const CURVATURE_WEIGHT: f64 = 1.0;
-/// Curvatures times the length scale below which a vertex has no direction.
-const FLAT: f64 = 1e-9;
+/// Curvatures times the length scale below which a vertex has no direction, because rounding alone gives it one.
+const FLAT_CURVATURE: f64 = 1e-9;
 
 /// Scores edges.
 pub struct Scores<'a> {
@@ -42,7 +42,7 @@ impl Scores<'_> {
     /// One of the two summands of equation 6, in 0..=π/2; halfway where the vertex has no direction.
     fn angle(&self, v: u32, along: DVec3) -> f64 {
         let (high, low, d_low, d_high) = self.tensor(v);
-        if high + low <= FLAT || d_low == DVec3::ZERO {
+        if high + low <= FLAT_CURVATURE || d_low == DVec3::ZERO {
             return FRAC_PI_2 / 2.0;
         }
         let unsigned = |d: DVec3| along.cross(d).length().atan2(along.dot(d).abs());

@@ -12,17 +12,17 @@
 use crate::mesh::{NONE, Triangles};
 use glam::DVec3;
 
-/// Height of a sliver as a share of the diagonal: vertices are off by up to a tenth of that in careless files, which turns a
-/// triangle of this height by 0.1 radians.
-const HEIGHT: f64 = 1e-6;
-/// Rounds: slivers beside slivers beside slivers.
-const ROUNDS: usize = 8;
+/// A share of the diagonal: height of a sliver, because vertices are off by up to a tenth of that in careless files,
+/// which turns a triangle of this height by 0.1 radians.
+const SLIVER_HEIGHT: f64 = 1e-6;
+/// A count: rounds, because there are slivers beside slivers beside slivers.
+pub const SLIVER_ROUNDS: usize = 8;
 
 /// Triangles that are lower than this are slivers.
 pub fn height(points: &[DVec3]) -> f64 {
     let Some(&first) = points.first() else { return 0.0 };
     let (low, high) = points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
-    HEIGHT * (high - low).length()
+    SLIVER_HEIGHT * (high - low).length()
 }
 
 /// Replaces the normals of slivers.
@@ -37,7 +37,7 @@ pub fn borrow_normals(triangles: Triangles<'_>, areas: &[f64], normals: &mut [DV
         waiting[t as usize] = true;
         normals[t as usize] = DVec3::ZERO;
     });
-    for _ in 0..ROUNDS {
+    for _ in 0..SLIVER_ROUNDS {
         let lender = |&t: &u32| {
             let known = |c: &u32| triangles.opposite(*c) != NONE && !waiting[triangles.opposite(*c) as usize / 3];
             let across =

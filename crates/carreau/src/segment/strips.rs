@@ -10,20 +10,21 @@ use super::surface::Surface;
 use crate::mesh::NONE;
 use std::ops::Range;
 
-/// Share of the border of an inner strip that is smooth.
-const SMOOTH: f64 = 0.5;
-/// Fewest inner strips of a row.
-const ROW: usize = 3;
-/// Outer strips are no larger than this many of the inner ones beside them.
-const LARGE: f64 = 3.0;
-/// Share of the total area that fragments are smaller than.
-const FRAGMENT: f64 = 2e-3;
+/// A share of the border of an inner strip that is smooth: more than half, because both long sides are.
+const SMOOTH_BORDER: f64 = 0.5;
+/// A count: fewest inner strips of a row, because two planes at a small bend are some faces of a part.
+const ROW_STRIPS: usize = 3;
+/// Multiple of the area of the inner strip beside it that an outer one is smaller than, because planes of the part are
+/// larger.
+const OUTER_AREA: f64 = 3.0;
+/// A share of the total area that fragments are smaller than, because larger planes are faces.
+const FRAGMENT_AREA: f64 = 2e-3;
 
 /// Which of the labels are in rows of strips. `is_plane` says which labels are planes, and smooth edges bend by an angle in
 /// `bends`, in radians.
 pub fn rows(surface: &Surface<'_>, label: &[u32], is_plane: &[bool], bends: &Range<f64>) -> Vec<bool> {
     let borders = Borders::new(surface, label, is_plane, bends);
-    let inner: Vec<bool> = (0..is_plane.len()).map(|l| borders.smooth[l] > SMOOTH * borders.all[l]).collect();
+    let inner: Vec<bool> = (0..is_plane.len()).map(|l| borders.smooth[l] > SMOOTH_BORDER * borders.all[l]).collect();
     let mut strip = vec![false; is_plane.len()];
     let mut seen = vec![false; is_plane.len()];
     for seed in (0..is_plane.len() as u32).filter(|&l| inner[l as usize]) {
@@ -40,12 +41,12 @@ pub fn rows(surface: &Surface<'_>, label: &[u32], is_plane: &[bool], bends: &Ran
             }
             k += 1;
         }
-        if row.len() < ROW {
+        if row.len() < ROW_STRIPS {
             continue;
         }
         for &l in &row {
             strip[l as usize] = true;
-            let outer = |n: &u32| borders.area[*n as usize] < LARGE * borders.area[l as usize];
+            let outer = |n: &u32| borders.area[*n as usize] < OUTER_AREA * borders.area[l as usize];
             borders.neighbours(l).filter(outer).for_each(|n| strip[n as usize] = true);
         }
     }
@@ -56,8 +57,8 @@ pub fn rows(surface: &Surface<'_>, label: &[u32], is_plane: &[bool], bends: &Ran
 /// it.
 pub fn fragments(surface: &Surface<'_>, label: &[u32], is_plane: &[bool], bends: &Range<f64>) -> Vec<bool> {
     let borders = Borders::new(surface, label, is_plane, bends);
-    let small = |l: usize| borders.area[l] < FRAGMENT * surface.total_area;
-    (0..is_plane.len()).map(|l| borders.free[l] > SMOOTH * borders.all[l] && small(l)).collect()
+    let small = |l: usize| borders.area[l] < FRAGMENT_AREA * surface.total_area;
+    (0..is_plane.len()).map(|l| borders.free[l] > SMOOTH_BORDER * borders.all[l] && small(l)).collect()
 }
 
 /// What the planes have in common.

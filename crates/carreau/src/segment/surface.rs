@@ -24,8 +24,9 @@ pub struct Surface<'a> {
     pub bend: Vec<f32>,
 }
 
-/// How far inside of a triangle is a little, as a share of the way to its centroid.
-const INSIDE: f64 = 1e-3;
+/// A share of the way from a corner to the centroid: a little inside of a triangle, because a normal at an apex or an
+/// axis means nothing.
+const INSIDE_SHARE: f64 = 1e-3;
 
 impl<'a> Surface<'a> {
     pub fn new(mesh: &'a SurfaceMesh, triangles: Triangles<'a>) -> Self {
@@ -115,7 +116,7 @@ impl<'a> Surface<'a> {
     /// says which.
     pub fn normals_on(&self, t: u32, p: &Primitive) -> [DVec3; 3] {
         let center = self.center(t);
-        [0, 1, 2].map(|k| p.normal(self.triangles.point(3 * t + k).lerp(center, INSIDE)))
+        [0, 1, 2].map(|k| p.normal(self.triangles.point(3 * t + k).lerp(center, INSIDE_SHARE)))
     }
 
     /// Length of the sides of equilateral triangles of the mean area.

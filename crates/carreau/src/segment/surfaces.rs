@@ -4,7 +4,7 @@
 use super::facets::Facets;
 use super::precision;
 use super::probe::has_surfaces;
-use super::recognise::{Accuracy, MAX_SOFT, recognise, softness};
+use super::recognise::{Accuracy, MOST_SOFT, recognise, softness};
 use super::regions::{Groups, count};
 use super::strips::{fragments, rows};
 use super::surface::{Lies, Surface, quantile};
@@ -17,39 +17,47 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use std::collections::VecDeque;
 
-/// Tolerances after the first, as shares of the extent: CAD kernels agree with themselves to the first, careless ones to
-/// the second.
-const RUNGS: [f64; 2] = [2e-6, 2e-5];
-/// Noise of normals, in radians.
-const TURN: f64 = 0.0175;
-/// Largest bend of an edge inside a curved surface, in radians: regular polygons of eight sides and fewer stay polygons.
-const MAX_BEND: f64 = 0.8;
-/// Vertices of the first neighbourhood.
+/// Shares of the extent: tolerances after the first, because CAD kernels agree with themselves to the first of these,
+/// careless ones to the second.
+const TOLERANCE_RUNGS: [f64; 2] = [2e-6, 2e-5];
+/// Radians, 1°: noise of normals, because triangles of one surface agree with it to this angle.
+pub const NORMAL_NOISE: f64 = 0.0175;
+/// Radians: largest bend of an edge inside a curved surface, because regular polygons of eight sides and fewer are to
+/// stay polygons.
+const SURFACE_BEND: f64 = 0.8;
+/// A count: vertices of the first neighbourhood, one more than a torus has parameters.
 const SEED_VERTICES: usize = 8;
-/// A facet this many times as large as those around it is a plane.
-const LARGE: f64 = 8.0;
-/// Free triangles join a surface whose normals they miss by no more than this, in radians.
+/// A factor: a facet this many times as large as those around it is a plane, because facets of one surface are about
+/// alike.
+const PLANE_FACTOR: f64 = 8.0;
+/// Radians, 30°: free triangles join a surface whose normals they miss by no more, because chords of a coarse
+/// tessellation turn by half of that at their ends.
 const JOIN_TURN: f64 = 0.52;
-/// Freeform surfaces bend between triangles by no more than this, in radians, however coarse they are.
+/// Radians, 60°: freeform surfaces bend between triangles by no more, however coarse they are, because sharper ones are
+/// edges.
 const COARSEST_BEND: f64 = 1.05;
-/// Most edges inside a freeform surface bend by no more than this share of its sharp angle.
-const MOST: f64 = 0.9;
-const MARGIN: f64 = 1.3;
-/// Half-edges of a free surface below which that says nothing.
+/// A share of the edges inside a freeform surface that bend by less than its sharp angle, because the rest may be edges
+/// of the part.
+const USUAL_SHARE: f64 = 0.9;
+/// A factor: the sharp angle of a freeform surface over that bend, because some of its edges bend by a little more.
+const BEND_FACTOR: f64 = 1.3;
+/// A count: half-edges of a free surface below which that says nothing, because a quantile of fewer is chance.
 const FEW_EDGES: usize = 40;
-/// Stray triangles join a surface from this many times the tolerance.
-const STRAY: f64 = 20.0;
-/// Strips of a curved surface bend by no more than this, in radians: planes that bend more are the sides of a prism.
+/// Multiple of the tolerance from which stray triangles join a surface, because their vertices were put anywhere near
+/// it.
+const STRAY_FACTOR: f64 = 20.0;
+/// Radians, 6°: strips of a curved surface bend by no more, because planes that bend more are the sides of a prism.
 const STRIP_BEND: f64 = 0.105;
-/// Rounds of freeing fragments of strips.
+/// A count: rounds of freeing fragments of strips, because what is freed makes fragments of planes beside it.
 const FRAGMENT_ROUNDS: usize = 4;
-/// Triangles and steps of the fit of a plane.
+/// A count: triangles that a plane is fitted to, because more would not change it.
 const PLANE_SAMPLES: usize = 300;
+/// A count: steps of that fit, few because it starts near.
 const PLANE_STEPS: usize = 8;
-/// Surfaces with a smaller share of the area do not make a part.
-pub const WORTH: f64 = 2e-4;
-/// Free pieces of no more triangles than this are none of their own.
-const CRUMB: u32 = 4;
+/// A share of the area: surfaces with less do not make a part, because a few triangles are on some surface by chance.
+pub const WORTH_AREA: f64 = 2e-4;
+/// A count: free pieces of no more triangles are none of their own, because they say nothing about a surface.
+const FREE_CRUMB: u32 = 4;
 
 /// The surfaces that were found.
 pub struct Surfaces {
@@ -74,10 +82,11 @@ pub fn find(
 ) -> Result<Surfaces> {
     // Below what the file is rounded to there are only pieces of surfaces, by chance.
     let floor = precision::floor(surface, extent).max(rounding).min(most.unwrap_or(f64::INFINITY));
-    let close = floor.max(RUNGS[0] * extent);
+    let close = floor.max(TOLERANCE_RUNGS[0] * extent);
     let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor, close };
     let rungs = rungs(extent, floor, most);
-    let accuracy = |distance| Accuracy { distance, turn: TURN, bend: MAX_BEND, seed_vertices: SEED_VERTICES };
+    let accuracy =
+        |distance| Accuracy { distance, turn: NORMAL_NOISE, bend: SURFACE_BEND, seed_vertices: SEED_VERTICES };
     let (tightest, loosest) = (accuracy(floor), accuracy(rungs[rungs.len() - 1]));
     if !has_surfaces(surface, order, sharp_angle, [&tightest, &loosest], context)? {
         return Ok(found);
@@ -95,7 +104,7 @@ pub fn find(
 
 /// The tolerances, increasing: what the file is rounded to, and those of kernels. `most` ends them.
 fn rungs(extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
-    let mut all: Vec<f64> = RUNGS.iter().map(|r| r * extent).collect();
+    let mut all: Vec<f64> = TOLERANCE_RUNGS.iter().map(|r| r * extent).collect();
     if let Some(most) = most {
         all.push(most);
         all.retain(|&r| r <= most);
@@ -123,7 +132,7 @@ impl Surfaces {
         context: &Context,
     ) -> Result<()> {
         // What a tighter rung refused for a vertex that is off is no surface of its own.
-        let close = Lies { distance: accuracy.distance, turn: TURN, spread: MAX_BEND + TURN };
+        let close = Lies { distance: accuracy.distance, turn: NORMAL_NOISE, spread: SURFACE_BEND + NORMAL_NOISE };
         self.absorb(surface, &close, |_| true);
         let free: Vec<bool> = self.label.iter().map(|&l| l == NONE).collect();
         let facets = Facets::new(surface, &free, by_area, accuracy.distance, accuracy.turn, context)?;
@@ -132,7 +141,7 @@ impl Surfaces {
         self.primitives.extend(curved.iter().map(|found| found.primitive));
         if last {
             self.assign(&facets, &owner, base);
-            self.absorb(surface, &joining(STRAY * accuracy.distance), |t| {
+            self.absorb(surface, &joining(STRAY_FACTOR * accuracy.distance), |t| {
                 facets.of[t as usize] == NONE || facets.triangles(facets.of[t as usize]).len() <= 2
             });
         }
@@ -238,7 +247,7 @@ impl Surfaces {
     /// Frees the flat strips of curved surfaces that were subdivided.
     fn free_strips(&mut self, surface: &Surface<'_>, sharp_angle: f64) {
         let is_plane: Vec<bool> = self.primitives.iter().map(|p| p.kind() == Kind::Plane).collect();
-        let bends = TURN..STRIP_BEND.min(sharp_angle);
+        let bends = NORMAL_NOISE..STRIP_BEND.min(sharp_angle);
         let free = |label: &mut [u32], gone: Vec<bool>| {
             let old = label.iter_mut().filter(|l| **l != NONE && gone[**l as usize]);
             old.map(|l| *l = NONE).count() > 0
@@ -262,7 +271,7 @@ impl Surfaces {
     fn lies_on(&self, surface: &Surface<'_>, triangles: &[u32], model: u32, label: u32) -> bool {
         let p = &self.primitives[label as usize];
         let sign = surface.side(model, p);
-        let demand = Lies { distance: self.tolerance, turn: TURN, spread: MAX_BEND + TURN };
+        let demand = Lies { distance: self.tolerance, turn: NORMAL_NOISE, spread: SURFACE_BEND + NORMAL_NOISE };
         triangles.iter().all(|&k| surface.lies_on(k, p, sign, &demand))
     }
 
@@ -275,7 +284,7 @@ impl Surfaces {
         let mut bends: Vec<f32> =
             (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
         let typical = 3.0 * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from);
-        let most = MARGIN * quantile(&mut bends, MOST, f32::total_cmp).map_or(0.0, f64::from);
+        let most = BEND_FACTOR * quantile(&mut bends, USUAL_SHARE, f32::total_cmp).map_or(0.0, f64::from);
         // A few edges have no distribution.
         let limit = if bends.len() < FEW_EDGES { typical } else { typical.max(most) };
         limit.max(sharp_angle).min(COARSEST_BEND.max(sharp_angle))
@@ -288,7 +297,7 @@ impl Surfaces {
             area[l as usize] += a;
         }
         let total = surface.total_area.max(f64::MIN_POSITIVE);
-        area.into_iter().filter(|&a| a > WORTH * total).sum::<f64>() / total
+        area.into_iter().filter(|&a| a > WORTH_AREA * total).sum::<f64>() / total
     }
 
     /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the
@@ -313,7 +322,7 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
         let count = count(label);
         let mut size = vec![0u32; count];
         label.iter().for_each(|&l| size[l as usize] += 1);
-        let crumb = |l: u32| l >= first_free && size[l as usize] <= CRUMB;
+        let crumb = |l: u32| l >= first_free && size[l as usize] <= FREE_CRUMB;
         let larger = |a: u32, b: u32| b >= first_free && (size[b as usize], b) > (size[a as usize], a);
         let mut common: FxHashMap<(u32, u32), f64> = FxHashMap::default();
         for c in 0..3 * surface.len() as u32 {
@@ -344,7 +353,7 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
 fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
     let groups = Groups::new(label, count(label));
     let count = groups.len() as u32;
-    let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= TURN;
+    let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= NORMAL_NOISE;
     let mut next = count;
     for l in first_free..count {
         let Some(&first) = groups.of(l).first() else { continue };
@@ -391,8 +400,8 @@ impl Planes<'_> {
         }
         let strip = self.is_strip(f);
         let Some(around) = self.mean_area_around(f) else { return self.last || !strip };
-        let large = self.last && self.facets.area[f as usize] > LARGE * around;
-        (large || !strip) && softness(self.surface, self.facets, self.accuracy, &self.plane(f), &[f]) <= MAX_SOFT
+        let large = self.last && self.facets.area[f as usize] > PLANE_FACTOR * around;
+        (large || !strip) && softness(self.surface, self.facets, self.accuracy, &self.plane(f), &[f]) <= MOST_SOFT
     }
 
     /// Mean area of the free facets beyond smooth edges; `None` where there is none.

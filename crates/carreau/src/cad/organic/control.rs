@@ -19,7 +19,8 @@ use crate::error::Result;
 use crate::geometry::bspline::Knots;
 use glam::DVec3;
 
-/// Knots that are halved towards an irregular vertex.
+/// A count: knots that are halved towards an irregular vertex, because the face is to follow the limit surface there
+/// and each halves what it misses.
 pub const GRADES: usize = 4;
 
 /// The face of a block: knots and control points, u fastest.

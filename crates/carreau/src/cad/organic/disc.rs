@@ -13,8 +13,8 @@
 use super::net::{Fan, Net, Role, next, previous};
 use super::refine::{Refined, Value};
 
-/// Rings of points around the vertex.
-pub const RINGS: usize = 3;
+/// A count: rings of points around the vertex, because those of three have all control points of the pieces around it.
+pub const DISC_RINGS: usize = 3;
 
 /// The points within three rings of a vertex, or two on the first level.
 #[derive(Clone)]
@@ -114,7 +114,7 @@ impl<V: Value> Disc<V> {
             ]
         };
         let inner = (0..n).map(sector).collect();
-        Disc { center: self.refined_center(&first), spokes, inner, rings: RINGS, ..*self }
+        Disc { center: self.refined_center(&first), spokes, inner, rings: DISC_RINGS, ..*self }
     }
 
     /// The rule for a regular vertex from the nine points around it.

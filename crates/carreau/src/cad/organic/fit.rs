@@ -35,22 +35,40 @@ impl Sample {
     }
 }
 
-/// Points inside facets count less than vertices: facets cut off what is round.
-const INSIDE: f64 = 0.03;
-/// Samples of a part where vertices are few, and most samples in all.
-const A_PART: f64 = 2.0;
-const MOST: usize = 120_000;
-/// Divisions towards irregular vertices during the fit: what is nearer is not looked at.
-const LEVELS: usize = 5;
-/// Steps of the search for a foot from the nearest of the points on the surface.
-const STEPS: usize = 4;
-/// The weight of fairness for a control point, for all the samples of one, in every round: the first rounds untangle.
-const FAIRNESS: [f64; 12] = [1e-2, 1e-3, 1e-4, LEAST, LEAST, LEAST, LEAST, LEAST, LEAST, LEAST, LEAST, LEAST];
-const LEAST: f64 = 1e-5;
-/// Rounds go on while they bring the mean distance below this share of that before.
-const NEARER: f64 = 0.97;
-/// Divisions of the side of a part into the triangles among which feet are looked for.
-const CELLS: usize = 2;
+/// Weight of a point inside a facet, for 1 of a vertex: small, because facets cut off what is round.
+const INSIDE_WEIGHT: f64 = 0.03;
+/// A count: samples of a part where vertices are few, because each part is to have some.
+const SAMPLES_A_PART: f64 = 2.0;
+/// A count: most samples in all, because time grows with them.
+const FIT_SAMPLES: usize = 120_000;
+/// A count: divisions towards irregular vertices during the fit, because no sample needs to be looked at nearer.
+const FIT_LEVELS: usize = 5;
+/// A count: steps of the search for a foot, few because it starts at the nearest of many points on the surface.
+const FOOT_STEPS: usize = 4;
+/// Weight of fairness for a control point in every round, for all the samples of one: large first, because the first
+/// rounds untangle.
+const FAIRNESS_WEIGHTS: [f64; 12] = [
+    1e-2,
+    1e-3,
+    1e-4,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+    LEAST_FAIRNESS,
+];
+/// The same in the last rounds: small, because the samples are to decide there.
+const LEAST_FAIRNESS: f64 = 1e-5;
+/// A share of the mean distance before: rounds go on while they bring it below, because each costs as much as the
+/// first.
+const ROUND_GAIN: f64 = 0.97;
+/// A count: divisions of the side of a part into the triangles among which feet are looked for, two because the search
+/// for a foot only has to start near it.
+const CELLS_A_SIDE: usize = 2;
 
 /// Of every vertex whether it has a face.
 pub fn used(mesh: &SurfaceMesh) -> Vec<bool> {
@@ -61,20 +79,20 @@ pub fn used(mesh: &SurfaceMesh) -> Vec<bool> {
 
 /// The points that are fitted: vertices, and points inside large facets.
 pub fn samples(mesh: &SurfaceMesh, parts: usize) -> Vec<Sample> {
-    let step = mesh.vertex_count().div_ceil(MOST).max(1);
+    let step = mesh.vertex_count().div_ceil(FIT_SAMPLES).max(1);
     let vertices = mesh.points().iter().zip(used(mesh)).filter(|v| v.1);
     let mut out: Vec<Sample> = vertices.step_by(step).map(|(&p, _)| Sample::new(p, 1.0)).collect();
     let corners = |f: &[u32]| [f[0], f[1], f[2]].map(|v| mesh.points()[v as usize]);
     let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let total: f64 = mesh.faces().iter().map(|f| area(corners(f))).sum();
-    let cell = total / (A_PART * parts as f64).min(MOST as f64);
+    let cell = total / (SAMPLES_A_PART * parts as f64).min(FIT_SAMPLES as f64);
     for face in mesh.faces().iter() {
         let [a, b, c] = corners(face);
         let n = (area([a, b, c]) / cell).sqrt().floor().min(64.0) as u32;
         for i in 0..n {
             for j in 0..n - i {
                 let [x, y] = [i, j].map(|k| (f64::from(k) + 1.0 / 3.0) / f64::from(n));
-                out.push(Sample::new(a + x * (b - a) + y * (c - a), INSIDE));
+                out.push(Sample::new(a + x * (b - a) + y * (c - a), INSIDE_WEIGHT));
             }
         }
     }
@@ -88,19 +106,19 @@ pub fn find_feet(
     parts: usize,
     context: &Context,
 ) -> Result<[f64; 2]> {
-    let per = CELLS + 1;
+    let per = CELLS_A_SIDE + 1;
     let mut points = Vec::with_capacity(parts * per * per);
-    let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(parts * 2 * CELLS * CELLS);
+    let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(parts * 2 * CELLS_A_SIDE * CELLS_A_SIDE);
     for part in 0..parts as u32 {
         context.check_every(part as usize)?;
         let first = points.len() as u32;
         for k in 0..per * per {
-            let at = [k % per, k / per].map(|x| x as f64 / CELLS as f64);
+            let at = [k % per, k / per].map(|x| x as f64 / CELLS_A_SIDE as f64);
             let apex = if k == 0 { surface.apex(part).copied() } else { None };
             points.push(apex.unwrap_or_else(|| surface.piece(part, at).point(at)));
         }
-        for k in 0..CELLS * CELLS {
-            let a = first + (k / CELLS * per + k % CELLS) as u32;
+        for k in 0..CELLS_A_SIDE * CELLS_A_SIDE {
+            let a = first + (k / CELLS_A_SIDE * per + k % CELLS_A_SIDE) as u32;
             let [b, c, d] = [a + 1, a + 1 + per as u32, a + per as u32];
             triangles.extend([[a, b, c], [a, c, d]]);
         }
@@ -109,12 +127,12 @@ pub fn find_feet(
     let one = |(k, sample): (usize, &mut Sample)| -> Result<f64> {
         context.check_every(k)?;
         let Some(near) = tree.closest(sample.point) else { return Ok(0.0) };
-        let part = near.triangle / (2 * CELLS * CELLS) as u32;
+        let part = near.triangle / (2 * CELLS_A_SIDE * CELLS_A_SIDE) as u32;
         let corners = triangles[near.triangle as usize].map(|v| (v, points[v as usize]));
         let weights = barycentric(near.point, corners.map(|c| c.1));
         let place = |v: u32| {
             let k = v as usize % (per * per);
-            [k % per, k / per].map(|x| x as f64 / CELLS as f64)
+            [k % per, k / per].map(|x| x as f64 / CELLS_A_SIDE as f64)
         };
         let mut at = [0.0; 2];
         for (w, (v, _)) in weights.iter().zip(corners) {
@@ -133,7 +151,7 @@ pub fn find_feet(
 /// Newton steps to the foot within the part. Returns the distance.
 fn approach(sample: &mut Sample, surface: &Limit<'_, DVec3>) -> f64 {
     let mut best = surface.piece(sample.part, sample.at).point(sample.at).distance(sample.point);
-    for _ in 0..STEPS {
+    for _ in 0..FOOT_STEPS {
         let piece = surface.piece(sample.part, sample.at);
         let [u, v] = piece.local(sample.at).map(basis);
         let r = piece.mix(&u[0], &v[0]) - sample.point;
@@ -177,20 +195,20 @@ impl<'a> Fit<'a> {
     /// The system of a net.
     pub fn new(net: &'a Net) -> Self {
         let own: Vec<Row> = (0..net.role.len() as u32).map(|v| Row(vec![(v, 1.0)])).collect();
-        Fit { net, rows: Limit::new(net, &own, LEVELS), fair: fairness(net, &own) }
+        Fit { net, rows: Limit::new(net, &own, FIT_LEVELS), fair: fairness(net, &own) }
     }
 
     /// Rounds of feet and least squares, as long as they bring the surface nearer. Returns the largest and the root mean square
     /// distance of the vertices.
     pub fn run(&self, points: &mut [DVec3], samples: &mut [Sample], context: &Context) -> Result<[f64; 2]> {
         let parts = self.net.edge.len();
-        let mut off = find_feet(samples, &Limit::new(self.net, points, LEVELS), parts, context)?;
-        for fairness in FAIRNESS {
+        let mut off = find_feet(samples, &Limit::new(self.net, points, FIT_LEVELS), parts, context)?;
+        for fairness in FAIRNESS_WEIGHTS {
             self.solve(points, samples, fairness, context)?;
             let before = off;
-            off = find_feet(samples, &Limit::new(self.net, points, LEVELS), parts, context)?;
+            off = find_feet(samples, &Limit::new(self.net, points, FIT_LEVELS), parts, context)?;
             tracing::debug!(max = off[0], rms = off[1], "surface");
-            if fairness <= LEAST && off[1] > NEARER * before[1] {
+            if fairness <= LEAST_FAIRNESS && off[1] > ROUND_GAIN * before[1] {
                 break;
             }
         }

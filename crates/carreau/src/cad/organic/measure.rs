@@ -11,8 +11,8 @@ use crate::mesh::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Samples of an edge for every knot of its faces.
-const A_SPAN: usize = 4;
+/// A count: samples of an edge for every knot of its faces, because the angle between faces changes between knots.
+const SAMPLES_A_KNOT: usize = 4;
 
 /// Angles in degrees between the faces at smooth edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
@@ -77,8 +77,8 @@ pub fn angles(net: &Net, blocks: &[Block], layout: &Layout, sheets: &[Sheet], br
         let breaks: Vec<f64> = knots.breaks().into_iter().filter(|&t| low <= t && t <= high).collect();
         let curve = &brep.edges[of.arc as usize];
         for w in breaks.windows(2) {
-            for k in 0..=A_SPAN {
-                let t = w[0] + (w[1] - w[0]) * k as f64 / A_SPAN as f64;
+            for k in 0..=SAMPLES_A_KNOT {
+                let t = w[0] + (w[1] - w[0]) * k as f64 / SAMPLES_A_KNOT as f64;
                 // The edge runs like its first user, counter-clockwise.
                 let share = (t - from) / (to - from);
                 let share = if of.reversed { 1.0 - share } else { share };

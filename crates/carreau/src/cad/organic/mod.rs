@@ -48,28 +48,32 @@ pub use measure::Angles;
 use net::Net;
 use tracks::Walls;
 
-/// Quads of a body between which the blocks are drawn: with fewer, quads of thin parts get worse; with more, tracks meet less often.
-/// The second number is for scans with which the first makes no valid model.
-const QUADS: [usize; 2] = [800, 1600];
-/// Quads in any case: fewer have irregular vertices next to each other.
+/// A count: quads of a body between which the blocks are drawn, because with fewer, quads of thin parts get worse, and
+/// with more, tracks meet less often. The second number is for scans with which the first makes no valid model.
+const QUADS_A_BODY: [usize; 2] = [800, 1600];
+/// A count: quads in any case, because fewer have irregular vertices next to each other.
 const LEAST_QUADS: usize = 200;
-/// Bodies for which there are as many quads.
+/// A count: bodies for which there are as many quads, because a scan with more has scraps among them, and time grows
+/// with the quads.
 const MOST_BODIES: usize = 50;
-/// Degrees: what CAD systems take as smooth, from which on a user is told.
-const KINK: f64 = 0.5;
-/// Times that all quads are divided in four where the surface does not come near enough.
+/// Degrees: from this angle between faces on a user is told, because it is what CAD systems take as smooth.
+const KINK_DEGREES: f64 = 0.5;
+/// A count: times that all quads are divided in four where the surface does not come near enough, because each takes
+/// four times as long.
 const DIVISIONS: usize = 2;
-/// Share of the diagonal: how near the scan has to be by default.
-const TOLERANCE: f64 = 1e-3;
-/// Root mean square distance for a largest one of 1: more quads are taken above it, but not so many that they would follow
-/// the facets.
-const MEAN: f64 = 0.1;
-/// Faces may be this much farther from the facets between vertices than the vertices are from the faces, and this share of the diagonal
-/// in any case: over the facets of a coarse scan surfaces bulge.
-const BULGE: f64 = 4.0;
+/// A share of the diagonal: how near the scan has to be by default, because scans are hardly more exact.
+const ORGANIC_TOLERANCE: f64 = 1e-3;
+/// Root mean square distance for a largest one of 1: more quads are taken above it, but not so many that they would
+/// follow the facets.
+const MEAN_DISTANCE: f64 = 0.1;
+/// A factor: faces may be this much farther from the facets between vertices than vertices are from faces, because over
+/// the facets of a coarse scan surfaces bulge.
+const BULGE_FACTOR: f64 = 4.0;
+/// A share of the diagonal: the same in any case, because facets bulge where all vertices are on the faces as well.
 const LEAST_BULGE: f64 = 4e-3;
-/// Divisions towards irregular vertices for the faces: twice as fine as their knots, so that feet near them are right.
-const LEVELS: usize = control::GRADES + 2;
+/// A count: divisions towards irregular vertices for the faces: twice as fine as their knots, because feet near them
+/// are to be right.
+const FACE_LEVELS: usize = control::GRADES + 2;
 
 /// What is known of an organic model besides.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -129,10 +133,10 @@ fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 
 /// Makes the model, from other quads where those at first make no valid one.
 pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
-    let tolerance = options.tolerance.unwrap_or(TOLERANCE * mesh.diagonal());
+    let tolerance = options.tolerance.unwrap_or(ORGANIC_TOLERANCE * mesh.diagonal());
     let bodies = bodies(mesh).min(MOST_BODIES);
     let mut last = None;
-    for count in QUADS {
+    for count in QUADS_A_BODY {
         // No more than the scan has vertices: between these nothing is known.
         let count = (bodies * count).min(mesh.vertex_count().max(LEAST_QUADS));
         match attempt(mesh, tolerance, &quad_options(count, options.style), context) {
@@ -194,7 +198,7 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
             model.distance_max
         ));
     }
-    if let Some(angle) = model.smooth.as_ref().map(|s| s.angles.max).filter(|&a| a > KINK) {
+    if let Some(angle) = model.smooth.as_ref().map(|s| s.angles.max).filter(|&a| a > KINK_DEGREES) {
         model.warnings.push(format!("faces meet at an angle of up to {angle:.2}°"));
     }
     Ok(model)
@@ -209,7 +213,7 @@ fn fitted(cage: Cage, mesh: &SurfaceMesh, tolerance: f64, context: &Context) -> 
         let [max, rms] = Fit::new(&cage.net).run(&mut cage.points, &mut feet, context)?;
         tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
         let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
-        if division == DIVISIONS || max <= tolerance && (rms <= MEAN * tolerance || !finer) {
+        if division == DIVISIONS || max <= tolerance && (rms <= MEAN_DISTANCE * tolerance || !finer) {
             return Ok(cage);
         }
         cage = cage.divided()?;
@@ -219,7 +223,7 @@ fn fitted(cage: Cage, mesh: &SurfaceMesh, tolerance: f64, context: &Context) -> 
 
 fn faces(cage: &Cage, blocks: &[Block], context: &Context) -> Result<Vec<Sheet>> {
     let _stage = context.stage("faces");
-    let surface = Limit::new(&cage.net, &cage.points, LEVELS);
+    let surface = Limit::new(&cage.net, &cage.points, FACE_LEVELS);
     let one = |block: &Block| {
         context.check()?;
         sheet(&cage.net, block, &surface)
@@ -252,7 +256,7 @@ fn finish(
     let _stage = context.stage("check");
     brep.check()?;
     let mut feet: Vec<Sample> = mesh.points().iter().map(|&point| Sample::new(point, 1.0)).collect();
-    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, LEVELS), cage.net.edge.len(), context)?;
+    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), cage.net.edge.len(), context)?;
     let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
     let off: Vec<f64> = off.into_iter().zip(fit::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
     let distance_max = off.iter().copied().fold(0.0, f64::max);
@@ -285,7 +289,7 @@ fn finish(
 /// What the validator of [`crate::brep`] has against a model that is so near to its scan.
 fn check(mesh: &SurfaceMesh, brep: &Brep, near: f64, context: &Context) -> Result<()> {
     let region_of = vec![0; mesh.face_count()];
-    let limits = Limits::new(mesh.diagonal(), (BULGE * near).max(LEAST_BULGE * mesh.diagonal()));
+    let limits = Limits::new(mesh.diagonal(), (BULGE_FACTOR * near).max(LEAST_BULGE * mesh.diagonal()));
     let findings = validate(brep, Some(&Reference { mesh, region_of: &region_of }), &limits, context)?;
     let Some(f) = findings.first() else { return Ok(()) };
     tracing::debug!(count = findings.len(), ?findings, "findings");

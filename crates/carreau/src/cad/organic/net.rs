@@ -63,8 +63,9 @@ pub fn previous(h: u32) -> u32 {
     h & !3 | (h + 3) & 3
 }
 
-/// Cosine of the bend at which a border or crease has a corner: 60°, more than a border that is ragged at the size of the quads.
-const BEND: f64 = 0.5;
+/// Cosine of 60°, the bend at which a border or crease has a corner, because a border that is ragged at the size of the
+/// quads bends by less.
+const CORNER_COSINE: f64 = 0.5;
 
 impl Net {
     /// The net of quads; edges in `creases` (by their ends, smaller first, sorted) part them.
@@ -173,7 +174,7 @@ impl Net {
                 [] => Role::Smooth,
                 [a, b] => {
                     let along = [p - points[a as usize], points[b as usize] - p].map(DVec3::normalize_or_zero);
-                    if along[0].dot(along[1]) < BEND { Role::Corner } else { Role::Border }
+                    if along[0].dot(along[1]) < CORNER_COSINE { Role::Corner } else { Role::Border }
                 }
                 _ => Role::Corner,
             };

@@ -20,21 +20,26 @@ use crate::geometry::bspline::Knots;
 use crate::numeric::dense;
 use glam::DVec3;
 
-/// Control points along an edge that are moved: the basis functions of these end within half a quad.
-const MOVED: usize = 3;
-/// Samples of a knot span along an edge.
-const SAMPLES: usize = 5;
-/// Gauss–Newton steps, damped by this share of what keeps control points where they are (Levenberg, Marquardt), and what that is
-/// multiplied by after a step that helped, divided by after one that did not.
-const STEPS: usize = 24;
-const DAMPING: f64 = 1.0;
-const EASE: f64 = 0.1;
-/// Moves of this share of the distance from the neighbours are the last.
-const STILL: f64 = 1e-6;
-/// What a control point that moves by its distance from its neighbours counts, for one sample at an angle of one radian.
-const STAY: f64 = 1e-5;
-/// The same for those on borders, which stay.
-const FIXED: f64 = 1e6;
+/// A count: control points along an edge that are moved, because the basis functions of these end within half a quad.
+const MOVED_CONTROLS: usize = 3;
+/// A count: samples of a knot span along an edge, because faces are to meet smoothly between knots as well.
+const POLISH_SAMPLES: usize = 5;
+/// A count: most Gauss–Newton steps, because each solves a dense system.
+const POLISH_STEPS: usize = 24;
+/// A share of what keeps control points where they are, by which the first step is damped (Levenberg, Marquardt),
+/// because control points far from the minimum would go too far.
+const FIRST_DAMPING: f64 = 1.0;
+/// A factor: what damping is multiplied by after a step that helped, and divided by after one that did not, as
+/// Marquardt has it.
+const DAMPING_FACTOR: f64 = 0.1;
+/// A share of the distance from the neighbours: moves below it are the last, because what they change cannot be
+/// measured.
+const LAST_MOVE: f64 = 1e-6;
+/// What a control point that moves by its distance from its neighbours counts, for one sample at an angle of one
+/// radian: little, because angles are what is to be mended.
+const MOVE_WEIGHT: f64 = 1e-5;
+/// The same for control points on borders: much, because these stay.
+const BORDER_WEIGHT: f64 = 1e6;
 
 /// The corner of a block that is in a sector of a fan.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +95,7 @@ impl<'a> Apex<'a> {
     fn new(fan: &'a Fan, sectors: Vec<Sector>, sheets: &[Sheet]) -> Self {
         let n = sectors.len();
         let spokes = n + usize::from(!fan.closed);
-        let count = 1 + MOVED * spokes + MOVED * MOVED * n;
+        let count = 1 + MOVED_CONTROLS * spokes + MOVED_CONTROLS * MOVED_CONTROLS * n;
         let knots = sectors.iter().map(|s| [0, 1].map(|axis| s.knots(sheets, axis))).collect();
         let mut apex = Apex {
             fan,
@@ -102,20 +107,20 @@ impl<'a> Apex<'a> {
             knots,
         };
         for s in 0..n {
-            for (i, j) in (0..=MOVED).flat_map(|i| (0..=MOVED).map(move |j| (i, j))) {
+            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
                 let k = apex.unknown(s, i, j);
                 apex.now[k] = apex.control(sheets, s, i, j);
             }
         }
         for s in 0..n {
-            for (i, j) in (0..=MOVED).flat_map(|i| (0..=MOVED).map(move |j| (i, j))) {
+            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
                 let next = apex.control(sheets, s, i + 1, j).distance(apex.control(sheets, s, i, j));
                 let k = apex.unknown(s, i, j);
                 apex.size[k] = next;
             }
         }
         if !fan.closed {
-            for i in 0..=MOVED {
+            for i in 0..=MOVED_CONTROLS {
                 let (first, last) = (apex.unknown(0, i, 0), apex.unknown(n - 1, 0, i));
                 (apex.fixed[first], apex.fixed[last]) = (true, true);
             }
@@ -129,9 +134,9 @@ impl<'a> Apex<'a> {
         let spokes = n + usize::from(!self.fan.closed);
         match (i, j) {
             (0, 0) => 0,
-            (i, 0) => 1 + MOVED * s + i - 1,
-            (0, j) => 1 + MOVED * ((s + 1) % spokes) + j - 1,
-            (i, j) => 1 + MOVED * spokes + MOVED * (MOVED * s + j - 1) + i - 1,
+            (i, 0) => 1 + MOVED_CONTROLS * s + i - 1,
+            (0, j) => 1 + MOVED_CONTROLS * ((s + 1) % spokes) + j - 1,
+            (i, j) => 1 + MOVED_CONTROLS * spokes + MOVED_CONTROLS * (MOVED_CONTROLS * s + j - 1) + i - 1,
         }
     }
 
@@ -142,7 +147,11 @@ impl<'a> Apex<'a> {
 
     /// The control point as an unknown or a point.
     fn term(&self, sheets: &[Sheet], s: usize, i: usize, j: usize) -> Term {
-        if i <= MOVED && j <= MOVED { Ok(self.unknown(s, i, j)) } else { Err(self.control(sheets, s, i, j)) }
+        if i <= MOVED_CONTROLS && j <= MOVED_CONTROLS {
+            Ok(self.unknown(s, i, j))
+        } else {
+            Err(self.control(sheets, s, i, j))
+        }
     }
 
     /// C', A and B of a place of the edge between sector `s − 1` and `s`.
@@ -168,25 +177,25 @@ impl<'a> Apex<'a> {
         let inner = usize::from(!self.fan.closed)..self.sectors.len();
         let all: Vec<[Terms; 3]> =
             inner.flat_map(|s| places.iter().map(move |&t| (s, t))).map(|(s, t)| self.terms(sheets, s, t)).collect();
-        let mut damping = DAMPING;
-        for _ in 0..STEPS {
+        let mut damping = FIRST_DAMPING;
+        for _ in 0..POLISH_STEPS {
             let (before, cost) = (self.now.clone(), self.cost(&all));
             match self.step(&all, damping) {
                 Some(largest) if self.cost(&all) < cost => {
-                    damping *= EASE;
-                    if largest < STILL {
+                    damping *= DAMPING_FACTOR;
+                    if largest < LAST_MOVE {
                         break;
                     }
                 }
                 _ => {
                     self.now = before;
-                    damping /= EASE;
+                    damping /= DAMPING_FACTOR;
                 }
             }
         }
         for s in 0..self.sectors.len() {
             let Sector { block, corner } = self.sectors[s];
-            for (i, j) in (0..=MOVED).flat_map(|i| (0..=MOVED).map(move |j| (i, j))) {
+            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
                 let k = sheets[block].index(corner, i, j);
                 sheets[block].points[k] = self.now[self.unknown(s, i, j)];
             }
@@ -196,10 +205,10 @@ impl<'a> Apex<'a> {
     /// Parameters of the samples along an edge, as far as control points move it.
     fn places(&self) -> Vec<f64> {
         let breaks = self.knots[0][0].breaks();
-        let within = breaks.windows(2).take(MOVED + 1);
+        let within = breaks.windows(2).take(MOVED_CONTROLS + 1);
         let in_span = |w: &[f64]| {
             let [a, b] = [w[0], w[1]];
-            (0..SAMPLES).map(move |k| a + (b - a) * k as f64 / SAMPLES as f64).collect::<Vec<_>>()
+            (0..POLISH_SAMPLES).map(move |k| a + (b - a) * k as f64 / POLISH_SAMPLES as f64).collect::<Vec<_>>()
         };
         within.flat_map(in_span).collect()
     }
@@ -216,7 +225,7 @@ impl<'a> Apex<'a> {
 
     /// The weight of the square of a control point's move.
     fn stay(&self, k: usize) -> f64 {
-        let weight = if self.fixed[k] { FIXED } else { STAY };
+        let weight = if self.fixed[k] { BORDER_WEIGHT } else { MOVE_WEIGHT };
         weight / (self.size[k] * self.size[k]).max(f64::MIN_POSITIVE)
     }
 

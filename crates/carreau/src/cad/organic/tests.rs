@@ -42,7 +42,7 @@ fn a_cube_has_six_blocks_and_its_faces_are_the_limit_surface() {
         let mut walls = Walls::new(&net, &points, &context).unwrap();
         let found = blocks(&net, &mut walls, &context).unwrap();
         assert!(found.len() == 6 && found.iter().all(|b| b.size == [n as usize; 2]), "{n}");
-        let surface = Limit::new(&net, &points, LEVELS);
+        let surface = Limit::new(&net, &points, FACE_LEVELS);
         for block in &found {
             let face = sheet(&net, block, &surface).unwrap();
             let [u, v] = face.knots.clone();

@@ -16,8 +16,8 @@ use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec3;
 
-/// Tracks may start in so many places for those between irregular vertices to be sought: with more, the quads are no grids anyway,
-/// and the time would grow with the square.
+/// A count: so many places may tracks start in for those between irregular vertices to be sought, because with more,
+/// the quads are no grids anyway and time would grow with the square.
 const MOST_STARTS: usize = 4000;
 
 /// The walls.

@@ -2,7 +2,7 @@
 
 use super::contact::contact;
 use crate::cad::adjust::{Body, Condition, direction};
-use crate::cad::tuning::STEPS;
+use crate::cad::tuning::NEWTON_STEPS;
 use glam::{DMat3, DVec3};
 
 /// At a place of a border: both surfaces are equally far from the point of contact.
@@ -20,7 +20,7 @@ pub fn concurring(all: &[Body], bodies: [u32; 4], place: DVec3) -> Condition {
     let base =
         |p: DVec3| DMat3::from_cols_array_2d(&[0, 1, 2].map(|k| of(k).primitive.normal(p).to_array())).transpose();
     let mut p = place;
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         let far = DVec3::from([0, 1, 2].map(|k| of(k).primitive.distance(p)));
         let step = base(p).inverse() * far;
         if !(step.length() < 1.0) {

@@ -25,7 +25,7 @@ mod tests;
 use super::adjust::{Body, Condition, adjust};
 use super::regions::{Map, Piece};
 use super::topology::Graph;
-use super::tuning::{FILE, NAMED};
+use super::tuning::{FILE_PRECISION, NAMED_DISTANCE};
 use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::Result;
@@ -36,10 +36,10 @@ use search::Found;
 
 pub use contact::room;
 
-/// How much farther from its vertices a surface may be that is adjusted, as a factor of what it was.
-const WORSE: f64 = 1.6;
-/// Rounds in which relations that do not hold are dropped.
-const ROUNDS: usize = 40;
+/// A factor: how much farther from its vertices a surface may be that is adjusted, because more than that is no noise.
+const WORSE_FACTOR: f64 = 1.6;
+/// A count: rounds in which relations that do not hold are dropped, because each solves for all surfaces.
+const RELATION_ROUNDS: usize = 40;
 
 /// What holds between surfaces; lengths as shares of the diagonal.
 #[derive(Debug, Clone)]
@@ -94,10 +94,10 @@ pub fn relate(map: &mut Map<'_>, context: &Context) -> Result<()> {
     let bodies = &found.bodies;
     let mut held = found.claims(map, &graph);
     // What is exact stays as it is.
-    if held.iter().all(|c| c.relation.off(bodies) <= NAMED) {
+    if held.iter().all(|c| c.relation.off(bodies) <= NAMED_DISTANCE) {
         return Ok(());
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..RELATION_ROUNDS {
         let mut adjusted = bodies.clone();
         let all = |b: &[Body]| held.iter().flat_map(|c| c.relation.conditions(b)).collect::<Vec<_>>();
         let multipliers = adjust(&mut adjusted, all, context)?;
@@ -147,7 +147,7 @@ fn strains(held: &[Claim], bodies: &[Body], multipliers: &[f64]) -> Vec<f64> {
 fn worse(before: &[Body], after: &[Body]) -> Vec<u32> {
     let is_worse = |(k, (b, a)): (u32, (&Body, &Body))| {
         let ([rms, max], [new_rms, new_max]) = (b.residuals(), a.residuals());
-        let bad = new_rms > WORSE * rms + FILE || new_max > WORSE * max + FILE;
+        let bad = new_rms > WORSE_FACTOR * rms + FILE_PRECISION || new_max > WORSE_FACTOR * max + FILE_PRECISION;
         bad.then_some(k)
     };
     (0u32..).zip(before.iter().zip(after)).filter_map(is_worse).collect()

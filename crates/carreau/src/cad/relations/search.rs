@@ -6,28 +6,34 @@ use crate::cad::adjust::{Body, direction};
 use crate::cad::clean::fitting_points;
 use crate::cad::regions::{Map, Rung, area_vector, inner_vertices};
 use crate::cad::topology::Graph;
-use crate::cad::tuning::{FILE, REFINE_STEPS, TANGENT};
+use crate::cad::tuning::{FILE_PRECISION, REFINE_STEPS, TANGENT_COSINE};
 use crate::geometry::primitive::{Kind, Primitive, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
 
-/// Most vertices that count for a surface; evenly thinned beyond.
-const MOST_SAMPLES: usize = 500;
-/// Places along a border at which surfaces are to touch: more than any pair has numbers to fit.
-const PLACES: usize = 8;
-/// Cosine: normals on both sides of the border of two surfaces that touch differ by less (40°: a facet of a coarse fillet).
-const SMOOTH: f64 = 0.766;
-/// How many times the largest distances of their vertices surfaces may miss each other: that many fits of few vertices do.
-const NEAR: f64 = 4.0;
-/// Volume of the normals of three surfaces that meet in a point which is certain.
-const SQUARE: f64 = 0.05;
-/// Standard deviations within which directions are parallel or perpendicular, and the angle beyond which they are not (3°).
-const DEVIATIONS: f64 = 3.5;
+/// A count: most vertices that count for a surface; more are thinned evenly, because they would not change it.
+const RELATION_SAMPLES: usize = 500;
+/// A count: places along a border at which surfaces are to touch, because that is more than any pair has numbers to
+/// fit.
+const TOUCH_PLACES: usize = 8;
+/// Cosine of 40°: normals on both sides of the border of two surfaces that touch differ by less, because a facet of a
+/// coarse fillet turns by as much.
+const TOUCH_COSINE: f64 = 0.766;
+/// A factor: how many times the largest distances of their vertices surfaces may miss each other, because fits of few
+/// vertices miss by that many.
+const MISS_FACTOR: f64 = 4.0;
+/// Volume of the normals of three surfaces that meet in a point, because the point of flatter ones is not certain.
+const LEAST_VOLUME: f64 = 0.05;
+/// A count of standard deviations within which directions are parallel or perpendicular, because normal noise leaves
+/// them once in two thousand times.
+const SAME_DEVIATIONS: f64 = 3.5;
+/// Radians, 3°: the largest angle between directions that are parallel, because larger angles are meant.
 const MOST_TURNED: f64 = 0.052;
-/// How much larger the mean distance from a surface may be that two pieces share.
-const SHARED: f64 = 1.3;
-/// Share of the diagonal: standard deviation of distances that are zero (float precision).
-const SHARP: f64 = 3e-8;
+/// A factor: how much larger the mean distance from a surface may be that two pieces share, because noise alone makes
+/// it a little larger.
+const SHARED_FACTOR: f64 = 1.3;
+/// A share of the diagonal: standard deviation of distances that are zero, because floats are no more precise.
+const LEAST_DEVIATION: f64 = 3e-8;
 
 /// Lengths as shares of the diagonal.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +77,7 @@ impl Found {
             let piece = &map.pieces[p as usize];
             let Some(primitive) = piece.primitive.filter(|_| piece.rung == Rung::Analytic) else { continue };
             let points = fitting_points(map.t, &piece.triangles, &inner, primitive.kind());
-            let step = points.len().div_ceil(MOST_SAMPLES).max(1);
+            let step = points.len().div_ceil(RELATION_SAMPLES).max(1);
             let some: Vec<DVec3> = points.iter().step_by(step).map(|&p| unit.enter(p)).collect();
             let body = body(primitive.moved(|p| unit.enter(p), |l| l / unit.diagonal), some);
             found.number[p as usize] = found.add(body, noisy);
@@ -86,14 +92,14 @@ impl Found {
             let [[rms, max], [new_rms, new_max]] = [known.residuals(), new.residuals()];
             let near = |&p: &DVec3| {
                 let turned = known.primitive.normal(p).dot(new.primitive.normal(p)).abs();
-                known.primitive.distance(p).abs() <= 2.0 * (max + new_max) + FILE && turned > SMOOTH
+                known.primitive.distance(p).abs() <= 2.0 * (max + new_max) + FILE_PRECISION && turned > TOUCH_COSINE
             };
             if !new.points.iter().all(near) {
                 continue;
             }
             let both: Vec<DVec3> = known.points.iter().chain(&new.points).copied().collect();
             if let Some(fit) = refine(known.primitive, &both, None, REFINE_STEPS)
-                && fit.rms <= SHARED * rms.max(new_rms) + FILE
+                && fit.rms <= SHARED_FACTOR * rms.max(new_rms) + FILE_PRECISION
             {
                 *known = body(fit.primitive, both);
                 return k;
@@ -115,8 +121,8 @@ impl Found {
 }
 
 fn body(primitive: Primitive, points: Vec<DVec3>) -> Body {
-    let mut body = Body::new(primitive, points, SHARP);
-    body.sigma = body.residuals()[0].max(SHARP);
+    let mut body = Body::new(primitive, points, LEAST_DEVIATION);
+    body.sigma = body.residuals()[0].max(LEAST_DEVIATION);
     body
 }
 
@@ -132,21 +138,21 @@ fn along_borders(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
         let point = |k: usize| unit.enter(map.t.points()[chain.vertices[k.min(n - 1)] as usize]);
         // A place of the border, and the length of the side that it is on.
         let place = |k: usize| {
-            let s = (k as f64 + 0.5) / PLACES as f64 * (n - 1) as f64;
+            let s = (k as f64 + 0.5) / TOUCH_PLACES as f64 * (n - 1) as f64;
             let (low, share) = (s as usize, s.fract());
             (point(low).lerp(point(low + 1), share), point(low).distance(point(low + 1)))
         };
-        let places: Vec<(DVec3, f64)> = (0..PLACES).map(place).collect();
+        let places: Vec<(DVec3, f64)> = (0..TOUCH_PLACES).map(place).collect();
         let bodies = chain.sides.map(|p| number[p as usize]);
         let [a, b] = bodies.map(|k| &all[k as usize]);
         let [x, y] = [a, b].map(|body| body.residuals()[1]);
         let (p, q) = (&a.primitive, &b.primitive);
-        let room = reach(p, q, x.max(y).max(FILE));
-        let near = NEAR * (x + y) + FILE;
+        let room = reach(p, q, x.max(y).max(FILE_PRECISION));
+        let near = MISS_FACTOR * (x + y) + FILE_PRECISION;
         let touches = |&(at, side): &(DVec3, f64)| {
             let is_near =
                 |c: DVec3| p.distance(c).abs() + q.distance(c).abs() <= near && c.distance(at) <= room.max(side);
-            p.normal(at).dot(q.normal(at)).abs() > SMOOTH && contact(p, q, at).is_some_and(is_near)
+            p.normal(at).dot(q.normal(at)).abs() > TOUCH_COSINE && contact(p, q, at).is_some_and(is_near)
         };
         let curved = [p, q].iter().any(|p| !matches!(p, Primitive::Plane { .. }));
         if curved && places.iter().all(touches) {
@@ -181,12 +187,12 @@ fn at_corners(map: &Map<'_>, graph: &Graph, found: &Found) -> Vec<Claim> {
             (0..n).flat_map(move |i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])))
         };
         let best = triples().map(|t| t.map(|i| own[i])).max_by(|s, t| volume(s).total_cmp(&volume(t)));
-        let Some(base) = best.filter(|t| volume(t) > SQUARE) else { continue };
+        let Some(base) = best.filter(|t| volume(t) > LEAST_VOLUME) else { continue };
         let spread: f64 = own.iter().map(|&k| all[k as usize].residuals()[1]).sum();
         for &other in own.iter().filter(|k| !base.contains(k)) {
             let relation = Relation::Concur { bodies: [base[0], base[1], base[2], other], place };
             // The flatter they cross, the less certain is their point.
-            let bound = (NEAR * spread + FILE) / volume(&base);
+            let bound = (MISS_FACTOR * spread + FILE_PRECISION) / volume(&base);
             if relation.off(all) <= bound {
                 out.push(Claim { relation, bound });
             }
@@ -204,10 +210,10 @@ fn touch_at(all: &[Body], bodies: [u32; 2], place: DVec3) -> Option<Claim> {
     let [x, y] = [a, b].map(|body| body.residuals()[1]);
     let turned = a.primitive.normal(place).dot(b.primitive.normal(place)).abs();
     let near = contact(&a.primitive, &b.primitive, place)?.distance(place)
-        <= reach(&a.primitive, &b.primitive, x.max(y).max(FILE));
+        <= reach(&a.primitive, &b.primitive, x.max(y).max(FILE_PRECISION));
     let relation = Relation::Touch { bodies, places: vec![place] };
-    let bound = NEAR * (x + y) + FILE;
-    (turned > TANGENT && near && relation.off(all) <= bound).then_some(Claim { relation, bound })
+    let bound = MISS_FACTOR * (x + y) + FILE_PRECISION;
+    (turned > TANGENT_COSINE && near && relation.off(all) <= bound).then_some(Claim { relation, bound })
 }
 
 /// Directions that are parallel to a surer one, and of those that are not, which are perpendicular to each other.
@@ -220,7 +226,7 @@ fn directions(all: &[Body]) -> Vec<Claim> {
     let mut first: Vec<(u32, DVec3, f64)> = Vec::new();
     let mut out = Vec::new();
     for (k, d, deviation) in known {
-        let bound = |other: f64| (DEVIATIONS * deviation.hypot(other)).min(MOST_TURNED);
+        let bound = |other: f64| (SAME_DEVIATIONS * deviation.hypot(other)).min(MOST_TURNED);
         if let Some(f) = first.iter().find(|f| f.1.cross(d).length() <= bound(f.2)) {
             out.push(Claim { relation: Relation::Parallel([f.0, k]), bound: bound(f.2) });
             continue;

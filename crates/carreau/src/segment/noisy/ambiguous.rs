@@ -11,12 +11,14 @@ use super::expand::Energy;
 use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 
-/// A group of surfaces is freeform where so large a share of its area is held by neighbours too.
-const SHARE: f64 = 0.35;
-/// The same where pieces that a wave may part were merged before, so that they have less in common.
+/// A share of the area of a group of surfaces: it is freeform where neighbours hold as much of it too, because a face
+/// of a part has one surface.
+const COMMON_SHARE: f64 = 0.35;
+/// The same where pieces that a wave may part were merged before, because they have less in common then.
 const SHARE_WITHIN_WAVES: f64 = 0.25;
-/// Fewer surfaces are no chain of pieces.
-const FEWEST: usize = 4;
+/// A count: fewer surfaces are no chain of pieces, because a blend and the faces beside it have something in common
+/// too.
+const CHAIN_SURFACES: usize = 4;
 
 /// Takes the surfaces away that are pieces of freeform ones. The first `held` models stay.
 pub fn free(energy: &Energy<'_>, label: &mut [u32], held: u32) {
@@ -71,10 +73,10 @@ pub fn free(energy: &Energy<'_>, label: &mut [u32], held: u32) {
             common[r] += if shared[k as usize] { energy.surface.areas[k as usize] } else { 0.0 };
         }
     }
-    let share = if energy.noise.has_waves() { SHARE_WITHIN_WAVES } else { SHARE };
+    let share = if energy.noise.has_waves() { SHARE_WITHIN_WAVES } else { COMMON_SHARE };
     for l in held..groups.len() as u32 {
         let r = root(&home, l) as usize;
-        if size[r] >= FEWEST && common[r] > share * area[r] {
+        if size[r] >= CHAIN_SURFACES && common[r] > share * area[r] {
             groups.of(l).iter().for_each(|&k| label[k as usize] = NONE);
         }
     }

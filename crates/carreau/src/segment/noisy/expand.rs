@@ -10,19 +10,21 @@
 //! w/2 |x − y|.
 
 use super::level::Noise;
-use super::model::{DEAREST, FREE, Model};
+use super::model::{DEAREST_PRICE, FREE_PRICE, Model};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use crate::numeric::flow::{CutGraph, Edge};
 use crate::segment::surface::Surface;
 
-/// λ, in prices of triangles.
-const LAMBDA: f64 = 1.5;
-/// Capacities are integers: this many steps for a price of 1.
-const STEPS: f64 = 1e6;
-/// Bends of this many deviations halve the price of a boundary.
-const SHARP: f64 = 3.0;
+/// λ, in prices of triangles, for an edge of mean length: somewhat more than a triangle costs on its own surface,
+/// because a single one is not to leave it.
+const BOUNDARY_PRICE: f64 = 1.5;
+/// A count of steps for a price of 1, because capacities are integers.
+const EXPANSION_STEPS: f64 = 1e6;
+/// A count of standard deviations: bends of so many halve the price of a boundary, because noise bends next to no edge
+/// by more.
+const HALF_PRICE_BEND: f64 = 3.0;
 
 /// The prices of a mesh.
 pub struct Energy<'a> {
@@ -38,8 +40,8 @@ pub struct Energy<'a> {
 impl<'a> Energy<'a> {
     pub fn new(surface: &'a Surface<'a>, noise: &'a Noise, models: Vec<Model>, fixed: &'a [bool]) -> Self {
         let boundary = |c: u32| {
-            let bend = f64::from(surface.bend[c as usize]) / (SHARP * noise.bend(surface, c).max(1e-9));
-            noise.triangles_a_sample.sqrt() * LAMBDA * (surface.edge_length(c) / noise.edge).min(3.0)
+            let bend = f64::from(surface.bend[c as usize]) / (HALF_PRICE_BEND * noise.bend(surface, c).max(1e-9));
+            noise.triangles_a_sample.sqrt() * BOUNDARY_PRICE * (surface.edge_length(c) / noise.edge).min(3.0)
                 / (1.0 + bend * bend)
         };
         let boundary = (0..3 * surface.len() as u32).map(boundary).collect();
@@ -48,7 +50,7 @@ impl<'a> Energy<'a> {
 
     /// The price of a triangle with a label; [`NONE`] is no surface.
     pub fn price(&self, k: u32, label: u32) -> f64 {
-        self.models.get(label as usize).map_or(FREE, |m| m.price(self.surface, self.noise, k))
+        self.models.get(label as usize).map_or(FREE_PRICE, |m| m.price(self.surface, self.noise, k))
     }
 
     /// Price of a boundary at a half-edge.
@@ -79,7 +81,7 @@ impl<'a> Energy<'a> {
     fn expand(&self, alpha: u32, label: &mut [u32], price: &mut [f64], node: &mut [u32]) -> bool {
         let (members, offered) = self.candidates(alpha, label, price, node);
         let mut graph = CutGraph::default();
-        let steps = |x: f64| (x * STEPS) as i64;
+        let steps = |x: f64| (x * EXPANSION_STEPS) as i64;
         let t = self.surface.triangles;
         for (&k, &offer) in members.iter().zip(&offered) {
             let own = label[k as usize];
@@ -132,12 +134,12 @@ impl<'a> Energy<'a> {
         let t = self.surface.triangles;
         let (mut members, mut offered) = (Vec::new(), Vec::new());
         if alpha == NONE {
-            for k in (0..label.len() as u32)
-                .filter(|&k| label[k as usize] != NONE && price[k as usize] > 0.5 * FREE && !self.fixed[k as usize])
-            {
+            for k in (0..label.len() as u32).filter(|&k| {
+                label[k as usize] != NONE && price[k as usize] > 0.5 * FREE_PRICE && !self.fixed[k as usize]
+            }) {
                 node[k as usize] = members.len() as u32;
                 members.push(k);
-                offered.push(FREE);
+                offered.push(FREE_PRICE);
             }
             return (members, offered);
         }
@@ -148,7 +150,7 @@ impl<'a> Energy<'a> {
                     continue;
                 }
                 let offer = self.price(n, alpha);
-                if offer < DEAREST {
+                if offer < DEAREST_PRICE {
                     node[n as usize] = members.len() as u32;
                     members.push(n);
                     offered.push(offer);

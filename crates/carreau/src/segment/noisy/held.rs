@@ -1,27 +1,30 @@
 //! Which of the surfaces that were found exactly stay as they are. The others are facets that happen to be flat: of chords, of
 //! edges that were rounded, of strips that were cut up; they are hypotheses like all others.
 
+use super::level::LEAST_CREASE;
 use super::model::Model;
 use crate::geometry::primitive::Kind;
 use crate::mesh::NONE;
 use crate::segment::surface::{Lies, Surface, quantile};
-use crate::segment::surfaces::Surfaces;
+use crate::segment::surfaces::{NORMAL_NOISE, Surfaces};
 
-/// A surface with so many vertices inside is no chance, if it is as exact as careful files are; strips of chords have none inside.
-const INNER: usize = 4;
-/// Where it is less exact it takes more: smooth waves are nearly flat in places.
+/// A count: a surface with so many vertices inside is no chance, if it is as exact as careful files are; strips of
+/// chords have none because all their vertices are on borders.
+const CERTAIN_INNER: usize = 4;
+/// A count: the same where it is less exact, more because smooth waves are nearly flat in places.
 const MANY_INNER: usize = 24;
-/// Nor is one with this share of its border at creases and the area of more than one triangle of the middle size.
-const CREASED: f64 = 0.8;
-const SIZE: f64 = 1.5;
-/// Curved surfaces are what they seem where no more than this share of the area is free or on planes that may be chance.
-const CLEAN: f64 = 0.1;
-/// Bends from here on are creases, in radians.
-const CREASE: f64 = 0.35;
-/// Normals of two pieces of a surface agree to this angle, in radians.
-const TURN: f64 = 0.0175;
-/// Twins agree to so many times the tolerance.
-pub const TWIN: f64 = 4.0;
+/// A share of its border at creases with which a surface is no chance either, because pieces of smooth shapes do not
+/// end there.
+const CREASED_BORDER: f64 = 0.8;
+/// Multiple of the area of the triangle of the middle size that such a surface has at least, because a single triangle
+/// lies on any plane.
+const CREASED_AREA: f64 = 1.5;
+/// A share of the area: curved surfaces are what they seem where no more is free or on planes that may be chance,
+/// because beside exact surfaces they are no chance.
+const DOUBTFUL_SHARE: f64 = 0.1;
+/// Multiple of the tolerance to which two pieces of one surface agree, because each may be off by it, and farther off
+/// where it does not reach.
+pub const TWIN_FACTOR: f64 = 4.0;
 
 /// The exact surfaces of a mesh that are held, per surface.
 pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
@@ -52,17 +55,19 @@ pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
             }
             let length = surface.edge_length(c);
             border[l] += length;
-            creased[l] += if f64::from(surface.bend[c as usize]) > CREASE { length } else { 0.0 };
+            creased[l] += if f64::from(surface.bend[c as usize]) > LEAST_CREASE { length } else { 0.0 };
         }
     }
     let middle = quantile(&mut surface.areas.clone(), 0.5, f64::total_cmp).unwrap_or_default();
     let is_plane = |l: usize| exact.primitives[l].kind() == Kind::Plane;
-    let enough = |l: usize| if off[l] <= exact.close { INNER } else { MANY_INNER };
-    let sure = |l: usize| inner[l] >= enough(l) || creased[l] >= CREASED * border[l] && area[l] >= SIZE * middle;
+    let enough = |l: usize| if off[l] <= exact.close { CERTAIN_INNER } else { MANY_INNER };
+    let sure = |l: usize| {
+        inner[l] >= enough(l) || creased[l] >= CREASED_BORDER * border[l] && area[l] >= CREASED_AREA * middle
+    };
     let free: f64 = surface.total_area - area.iter().sum::<f64>();
     let doubtful: f64 = free + (0..count).filter(|&l| is_plane(l) && !sure(l)).map(|l| area[l]).sum::<f64>();
     // The strips of a coarse tessellation have no vertex inside either: beside other exact surfaces they are no chance.
-    let clean = doubtful <= CLEAN * surface.total_area;
+    let clean = doubtful <= DOUBTFUL_SHARE * surface.total_area;
     (0..count).map(|l| sure(l) || clean && !is_plane(l)).collect()
 }
 
@@ -73,7 +78,7 @@ pub fn same(surface: &Surface<'_>, models: &[Model], groups: &[&[u32]], distance
     let mut home: Vec<u32> = (0..models.len() as u32).collect();
     for (k, &l) in order.iter().enumerate() {
         let lies = |other: &Model| {
-            let demand = Lies { distance, turn: TURN, spread: f64::INFINITY };
+            let demand = Lies { distance, turn: NORMAL_NOISE, spread: f64::INFINITY };
             groups[l].iter().all(|&k| surface.lies_on(k, &other.primitive, other.sign, &demand))
         };
         let kind = models[l].primitive.kind();

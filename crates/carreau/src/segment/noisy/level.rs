@@ -7,45 +7,48 @@ use crate::segment::surface::{Surface, quantile};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Patches that are asked.
-const SAMPLES: usize = 800;
-/// Triangles of a patch.
-const SIZE: usize = 24;
-/// Triangles of a patch that a cubic surface is fitted to.
-const CUBIC_SIZE: usize = 40;
-/// Fewer patches say nothing.
+/// A count: most patches that are asked, because a quartile of more is hardly surer.
+const LEVEL_PATCHES: usize = 800;
+/// A count: triangles of a patch that a paraboloid is fitted to, small because the surface is to be no more than one
+/// there.
+const PARABOLOID_TRIANGLES: usize = 24;
+/// A count: triangles of a patch that a cubic surface is fitted to, more because it has more coefficients.
+const CUBIC_TRIANGLES: usize = 40;
+/// A count: fewer patches say nothing, because a quartile of them is chance.
 const LEAST_PATCHES: usize = 8;
-/// Patches end where the mesh bends by more, in radians.
-const FOLD: f64 = 0.7;
-/// The quartile of the root mean square of about 13 normal numbers, over their deviation.
-const QUARTILE: f64 = 0.86;
-/// Coefficients of a paraboloid, and of a cubic surface.
-const PARABOLOID: usize = 6;
-const CUBIC: usize = 10;
+/// Radians: patches end where the mesh bends by more, because no polynomial over a plane follows an edge.
+const PATCH_FOLD: f64 = 0.7;
+/// The lower quartile of the root mean square of about 13 normal numbers, over their deviation: so many are free,
+/// because a patch has that many vertices beyond the coefficients.
+const RESIDUAL_QUARTILE: f64 = 0.86;
+/// A count: coefficients of a paraboloid, the terms of two variables up to degree two.
+const PARABOLOID_COEFFICIENTS: usize = 6;
+/// A count: coefficients of a cubic surface, the terms of two variables up to degree three.
+const CUBIC_COEFFICIENTS: usize = 10;
 
 /// The standard deviation of the vertices from a smooth surface, along the normal, as the quieter part of the mesh has it;
 /// `None` where there are too few patches to tell.
 pub fn level(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
-    let mut residuals = residuals::<PARABOLOID>(surface, order, SIZE);
+    let mut residuals = residuals::<PARABOLOID_COEFFICIENTS>(surface, order, PARABOLOID_TRIANGLES);
     let enough = residuals.len() >= LEAST_PATCHES;
     let quartile = quantile(&mut residuals, 0.25, f64::total_cmp)?;
-    enough.then_some(quartile / QUARTILE)
+    enough.then_some(quartile / RESIDUAL_QUARTILE)
 }
 
 /// How rough the rougher part of some triangles is: the upper quartile of the residuals from cubic surfaces, which all that is
 /// smooth follows over a few edges; `None` where there are too few patches to tell.
 pub fn roughness(surface: &Surface<'_>, order: &[u32]) -> Option<f64> {
-    let mut residuals = residuals::<CUBIC>(surface, order, CUBIC_SIZE);
+    let mut residuals = residuals::<CUBIC_COEFFICIENTS>(surface, order, CUBIC_TRIANGLES);
     let enough = residuals.len() >= LEAST_PATCHES;
     quantile(&mut residuals, 0.75, f64::total_cmp).filter(|_| enough)
 }
 
 /// Residuals of patches around some of the triangles.
 fn residuals<const N: usize>(surface: &Surface<'_>, order: &[u32], size: usize) -> Vec<f64> {
-    let barrier = |c: u32| f64::from(surface.bend[c as usize]) > FOLD;
+    let barrier = |c: u32| f64::from(surface.bend[c as usize]) > PATCH_FOLD;
     let mut patches = Patches::new(surface);
     let mut residuals = Vec::new();
-    for &seed in order.iter().step_by(order.len().div_ceil(SAMPLES).max(1)) {
+    for &seed in order.iter().step_by(order.len().div_ceil(LEVEL_PATCHES).max(1)) {
         patches.around(seed, size, &barrier);
         if patches.triangles.len() == size {
             residuals.extend(residual::<N>(surface, &patches.triangles, &patches.points));
@@ -103,10 +106,11 @@ pub struct Noise {
     pub crease: Vec<bool>,
 }
 
-/// Bends of this many deviations, and of at least so many radians, are creases.
-const CREASE: f64 = 4.0;
-const LEAST_CREASE: f64 = 0.35;
-/// Normals of slivers say nothing; this deviation, in radians, says so.
+/// A count of standard deviations: larger bends are creases, because noise makes no such bends.
+const CREASE_DEVIATIONS: f64 = 4.0;
+/// Radians: creases bend by this at least, because facets of coarse smooth surfaces bend by nearly as much.
+pub const LEAST_CREASE: f64 = 0.35;
+/// Radians: largest deviation of a normal, because normals of slivers say nothing and this says so.
 const LARGEST_TURN: f64 = 1.0;
 
 impl Noise {
@@ -149,5 +153,5 @@ fn bend_deviation(surface: &Surface<'_>, turn: &[f64], c: u32) -> f64 {
 
 /// Borders have the bend π.
 fn is_crease(surface: &Surface<'_>, turn: &[f64], c: u32) -> bool {
-    f64::from(surface.bend[c as usize]) > (CREASE * bend_deviation(surface, turn, c)).max(LEAST_CREASE)
+    f64::from(surface.bend[c as usize]) > (CREASE_DEVIATIONS * bend_deviation(surface, turn, c)).max(LEAST_CREASE)
 }

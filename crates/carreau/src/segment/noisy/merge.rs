@@ -10,8 +10,9 @@ use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A surface may be a wave away from a piece: a triangle of each piece costs no more than this in the mean.
-pub const WITHIN_WAVES: f64 = 1.0;
+/// Mean price of the triangles of each piece of a merged surface at most: that of triangles on their own surface,
+/// because a surface may be a wave away from a piece.
+pub const WAVE_PRICE: f64 = 1.0;
 
 /// Merges neighbours while that pays; returns whether any were. Labels without triangles stay behind, without harm. The first
 /// `held` models stay what they are.
@@ -74,7 +75,7 @@ pub fn merge(
 fn alike(energy: &Energy<'_>, pieces: [&[u32]; 2], pair: [u32; 2], model: &Model) -> f64 {
     let noise = energy.noise;
     let more = noise.triangles_a_wave / noise.triangles_a_sample - 1.0;
-    if !noise.has_waves() || pieces.iter().any(|p| price(energy, p, model) > WITHIN_WAVES * p.len() as f64) {
+    if !noise.has_waves() || pieces.iter().any(|p| price(energy, p, model) > WAVE_PRICE * p.len() as f64) {
         return 0.0;
     }
     let cost = |l: u32| energy.models[l as usize].cost(noise);

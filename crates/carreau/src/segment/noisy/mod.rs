@@ -33,10 +33,10 @@ mod propose;
 mod settle;
 mod simplest;
 
-use super::growth;
 use super::regions::{Groups, connected, count};
 use super::surface::{Surface, quantile};
 use super::surfaces::Surfaces;
+use super::{PART_SHARE, growth};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::Primitive;
@@ -46,64 +46,80 @@ use level::Noise;
 use model::{Fitter, Model};
 use propose::Probe;
 
-/// Noise below and above these shares of an edge is none, or no part is left.
-const QUIETEST: f64 = 2e-3;
-const LOUDEST: f64 = 0.15;
-/// Paraboloids of a few triangles and surfaces of the part see the same noise, up to this factor. On organic shapes the surfaces
-/// grow until they are as wrong as noise allows: measured 1.46 to 1.86 on scans, at most 1.1 on parts.
+/// A share of an edge: deviations below are no noise, because chords of exact surfaces deviate by more.
+const QUIETEST_NOISE: f64 = 2e-3;
+/// A share of an edge: deviations above leave no part, because faces cannot be told from noise there.
+const LOUDEST_NOISE: f64 = 0.15;
+/// A factor: paraboloids of a few triangles and surfaces of the part see the same noise up to this. On organic shapes
+/// the surfaces grow until they are as wrong as noise allows: measured 1.46 to 1.86 on scans, at most 1.1 on parts.
 const SAME_NOISE: f64 = 1.28;
-/// Some of the seeds are enough where they are apart by more.
+/// A factor: some of the seeds are enough where both are apart by more, because all of them would not bring them
+/// together.
 const OTHER_NOISE: f64 = 1.55;
-/// The rougher part of a mesh with white noise is rougher than the quieter part by no more than this factor.
-const EVEN: f64 = 2.5;
-/// Noise that is larger than a distance by this factor cannot hide in it.
-const CLEARLY: f64 = 6.0;
-/// Share of the seeds, and of the area, that lies on surfaces where the mesh is a part.
-const PROBED: f64 = 0.25;
-const PART: f64 = 0.6;
-/// Exact surfaces on a larger share of the area say that the mesh is a part.
-const SOME: f64 = 0.02;
-/// Where exact surfaces hold more than this there is no noise that is the same everywhere.
-const MOST: f64 = 0.5;
-/// What no exact surface is sure to hold is crumbs where it is no more than this share of the area, and so is what none holds.
-const NEARLY_ALL: f64 = 2e-3;
-const CRUMBS: f64 = 1e-4;
-/// Height over longest side of the middle triangle below which triangles are those of a kernel: smoothing, remeshing and scanning
-/// leave better ones, 0.87 at most.
+/// A factor: the rougher part of a mesh with white noise is rougher than the quieter part by no more, because white
+/// noise is the same everywhere.
+const EVEN_FACTOR: f64 = 2.5;
+/// A factor: noise that is larger than a distance by this cannot hide in it, because no surface could hold its vertices
+/// as closely.
+const HIDDEN_FACTOR: f64 = 6.0;
+/// A share of the seeds that lies on surfaces where the mesh is a part: small, because those on blends and borders
+/// miss.
+const PROBED_SHARE: f64 = 0.25;
+/// A share of the area that lies on surfaces where the mesh is a part: more than half, because a mesh of which most is
+/// free is none.
+const DIVIDED_SHARE: f64 = 0.6;
+/// A share of the area: where exact surfaces hold more there is no white noise, because that is the same everywhere.
+const EXACT_SHARE: f64 = 0.5;
+/// A share of the area: what no exact surface is sure to hold is crumbs where it is no more, because no face of a part
+/// is smaller.
+const UNSURE_CRUMBS: f64 = 2e-3;
+/// A share of the area: what no exact surface holds at all is crumbs where it is no more, because a few triangles of
+/// every file are spoiled.
+const FREE_CRUMBS: f64 = 1e-4;
+/// Height over longest side of the middle triangle below which triangles are those of a kernel, because smoothing,
+/// remeshing and scanning leave better ones, 0.87 at most.
 const WELL_SHAPED: f64 = 0.3;
-/// Free triangles whose vertices lie on a smooth surface up to this share of an edge are freeform, beside exact surfaces.
-const SMOOTH: f64 = 5e-3;
-/// The tolerance of triangles that came about somehow, as a share of their edges: noise, chords and the waves of smoothing are
-/// within that.
-const TOLERANT: f64 = 0.045;
-/// Triangles that say as much as a single one with independent noise would: such deviations are those of the neighbours too.
-const SAMPLE: f64 = 4.0;
-/// Triangles whose deviations from the right surface are alike where smooth waves are a part of the noise, some ten edges long.
-const WAVE: f64 = 200.0;
-/// Share of the seeds whose surfaces are large where the mesh is a part; a part of small faces has fewer. Smooth waves that look like
-/// white noise to paraboloids have none.
+/// A share of an edge: free triangles whose vertices lie this near to a smooth surface are freeform, beside exact
+/// surfaces, because noise would be larger.
+const SMOOTH_ROUGHNESS: f64 = 5e-3;
+/// A share of an edge: least tolerance of triangles that came about somehow, because noise, chords and the waves of
+/// smoothing are within that.
+const LEAST_TOLERANCE: f64 = 0.045;
+/// A count: triangles that say as much as a single one with independent noise would, because such deviations are those
+/// of the neighbours too.
+const TRIANGLES_A_SAMPLE: f64 = 4.0;
+/// A count: triangles whose deviations from the right surface are alike where smooth waves are a part of the noise,
+/// because such waves are some ten edges long.
+const TRIANGLES_A_WAVE: f64 = 200.0;
+/// A share of the seeds whose surfaces are large where the mesh is a part, because smooth waves that look like white
+/// noise to paraboloids have none.
 const LARGE_PROBES: f64 = 0.8;
+/// The same where the noise is white: less, because a part of small faces has fewer.
 const LARGE_WHITE: f64 = 0.3;
-/// The same before the tolerance is raised: what has hardly a large surface then has rounded edges, not waves.
+/// The same before the tolerance is raised, because what has hardly a large surface then has rounded edges, not waves.
 const LARGE_FIRST: f64 = 0.5;
-/// The tolerance is raised until the surfaces that it allows are wrong by no more than this factor of it: those of a part then
-/// have their whole faces, organic shapes have no such tolerance.
-const SETTLED: f64 = 1.1;
-/// A little more, so that one surface holds all of its face.
-const AMPLE: f64 = 1.2;
-/// No part is left where the vertices are farther off, as a share of an edge; and steps that lead there.
-const WAVIEST: f64 = 0.3;
+/// A factor: the tolerance is raised until the surfaces that it allows are wrong by no more than this times it, because
+/// those of a part then have their whole faces and organic shapes have no such tolerance.
+const SETTLED_FACTOR: f64 = 1.1;
+/// A factor: the tolerance is a little more, because one surface is to hold all of its face.
+const AMPLE_FACTOR: f64 = 1.2;
+/// A share of an edge: no part is left where the vertices are farther off, because faces cannot be told from waves
+/// there.
+const WAVIEST_TOLERANCE: f64 = 0.3;
+/// A count: most times that the tolerance is raised, because six steps of [`AMPLE_FACTOR`] reach its limit in general.
 const RAISES: usize = 6;
-/// Larger meshes would take minutes.
-const LARGEST: usize = 400_000;
-/// So would more triangles that no exact surface holds.
+/// A count: most triangles of the mesh, because larger ones would take minutes.
+const MOST_TRIANGLES: usize = 400_000;
+/// A count: most triangles that no exact surface holds, because more would take minutes as well.
 const MOST_OPEN: usize = 60_000;
-/// Rounds of division and fit.
-const ROUNDS: usize = 4;
+/// A count: rounds of division and fit, few because hardly a triangle changes after some.
+const DIVISION_ROUNDS: usize = 4;
+/// A count: rounds in which every label is offered, few because hardly a triangle changes after some.
 const EXPANSIONS: usize = 3;
-/// Pieces of fewer triangles are no faces.
-const CRUMB: usize = 4;
-const FREE_CRUMB: usize = 10;
+/// A count: pieces of fewer triangles are no faces, because noise makes such pieces.
+const FACE_TRIANGLES: usize = 4;
+/// A count: the same of pieces without a surface, more because nothing speaks for them.
+const FREE_TRIANGLES: usize = 10;
 
 /// The faces of a noisy part.
 pub struct Noisy {
@@ -129,10 +145,10 @@ pub struct Before<'a> {
 
 /// The faces of a part with noise; `None` for other meshes.
 pub fn find(surface: &Surface<'_>, order: &[u32], before: &Before<'_>, context: &Context) -> Result<Option<Noisy>> {
-    if surface.len() > LARGEST {
+    if surface.len() > MOST_TRIANGLES {
         return Ok(None);
     }
-    let white = if before.share < MOST { noise_of_part(surface, order, before, context)? } else { None };
+    let white = if before.share < EXACT_SHARE { noise_of_part(surface, order, before, context)? } else { None };
     if let Some(noise) = white {
         let start = Start { models: Vec::new(), label: vec![NONE; surface.len()], fixed: vec![false; surface.len()] };
         return divide(surface, &noise, order, start, true, context);
@@ -168,7 +184,7 @@ impl Start {
             .zip(&members)
             .map(|(&l, members)| Model::of(exact.primitives[l as usize], surface, members))
             .collect();
-        let home = held::same(surface, &start.models, &members, held::TWIN * exact.tolerance);
+        let home = held::same(surface, &start.models, &members, held::TWIN_FACTOR * exact.tolerance);
         for (members, &home) in members.iter().zip(&home) {
             for &k in *members {
                 (start.label[k as usize], start.fixed[k as usize]) = (home, true);
@@ -193,7 +209,7 @@ fn divide(
     propose::choose(surface, noise, &proposals, &mut models, &mut label);
     let mut energy = Energy::new(surface, noise, models, &fixed);
     let mut fitter = Fitter::new(surface, noise, &fixed);
-    for _ in 0..ROUNDS {
+    for _ in 0..DIVISION_ROUNDS {
         let changed = energy.minimise(&mut label, EXPANSIONS, context)?;
         refit(&mut energy, &mut fitter, &label, held);
         let merged = merge::merge(&mut energy, &mut fitter, &mut label, held, context)?;
@@ -213,7 +229,7 @@ fn divide(
     }
     let on = label.iter().zip(&surface.areas).filter(|(l, _)| **l != NONE).map(|(_, a)| a).sum::<f64>();
     let share = on / surface.total_area.max(f64::MIN_POSITIVE);
-    if share < PART {
+    if share < DIVIDED_SHARE {
         return Ok(None);
     }
     let mut label = complete(surface, noise, &energy, label, order, white, context)?;
@@ -240,16 +256,16 @@ fn noise_of_part(
 ) -> Result<Option<Noise>> {
     let Some(sigma) = level::level(surface, order) else { return Ok(None) };
     // No surface could hold its vertices as closely.
-    if before.share >= SOME && sigma > CLEARLY * before.exact.tolerance {
+    if before.share >= PART_SHARE && sigma > HIDDEN_FACTOR * before.exact.tolerance {
         return Ok(None);
     }
     let edge = surface.mean_edge();
-    if !(QUIETEST * edge..LOUDEST * edge).contains(&sigma) {
+    if !(QUIETEST_NOISE * edge..LOUDEST_NOISE * edge).contains(&sigma) {
         return Ok(None);
     }
     // White noise is the same everywhere; smoothed edges are rougher than what lies between.
     let rough = level::roughness(surface, order).unwrap_or_default();
-    if rough > EVEN * sigma {
+    if rough > EVEN_FACTOR * sigma {
         return Ok(None);
     }
     let first = Noise::white(surface, sigma);
@@ -257,7 +273,7 @@ fn noise_of_part(
     let probe = propose::probe(surface, &first, order, hopeless, context)?;
     tracing::debug!(sigma, rough, probe = probe.sigma, share = probe.share, large = probe.large, "white noise");
     let same = probe.sigma > 0.0 && probe.sigma <= SAME_NOISE * sigma;
-    let is_part = same && probe.share >= PROBED && probe.large >= LARGE_WHITE;
+    let is_part = same && probe.share >= PROBED_SHARE && probe.large >= LARGE_WHITE;
     Ok(is_part.then(|| if probe.sigma < sigma { Noise::white(surface, probe.sigma) } else { first }))
 }
 
@@ -277,7 +293,7 @@ fn tolerant(
     let area: f64 = open.iter().map(|&k| surface.areas[k as usize]).sum();
     let free: f64 =
         open.iter().filter(|&&k| before.exact.label[k as usize] == NONE).map(|&k| surface.areas[k as usize]).sum();
-    let nothing_left = area <= NEARLY_ALL * surface.total_area || free <= CRUMBS * surface.total_area;
+    let nothing_left = area <= UNSURE_CRUMBS * surface.total_area || free <= FREE_CRUMBS * surface.total_area;
     if nothing_left && before.tolerance.is_none() {
         return Ok(None);
     }
@@ -295,16 +311,16 @@ fn tolerant(
         return Ok(None);
     }
     let held = 1.0 - area / surface.total_area.max(f64::MIN_POSITIVE);
-    if held >= SOME && rough < SMOOTH * edge && before.tolerance.is_none() {
+    if held >= PART_SHARE && rough < SMOOTH_ROUGHNESS * edge && before.tolerance.is_none() {
         return Ok(None);
     }
     let measured = level::level(surface, &open).unwrap_or_default();
     let sigma = match before.tolerance {
-        Some(tolerance) => tolerance / model::REACH,
-        None => measured.clamp(TOLERANT * edge, LOUDEST * edge),
+        Some(tolerance) => tolerance / model::MODEL_REACH,
+        None => measured.clamp(LEAST_TOLERANCE * edge, LOUDEST_NOISE * edge),
     };
-    if held >= SOME {
-        return Ok(Some(Noise::new(surface, sigma, edge, SAMPLE)));
+    if held >= PART_SHARE {
+        return Ok(Some(Noise::new(surface, sigma, edge, TRIANGLES_A_SAMPLE)));
     }
     raise(surface, order, sigma, edge, before.tolerance.is_some(), context)
 }
@@ -319,18 +335,18 @@ fn raise(
     context: &Context,
 ) -> Result<Option<Noise>> {
     for step in 0..RAISES {
-        let noise = Noise::new(surface, sigma, edge, SAMPLE);
+        let noise = Noise::new(surface, sigma, edge, TRIANGLES_A_SAMPLE);
         // Organic shapes need no more seeds to be told.
         let hopeless = |probe: &Probe| !given && probe.sigma > OTHER_NOISE * sigma;
         let probe = propose::probe(surface, &noise, order, hopeless, context)?;
-        if given || probe.sigma <= SETTLED * sigma {
+        if given || probe.sigma <= SETTLED_FACTOR * sigma {
             return Ok((probe.large >= LARGE_PROBES).then(|| {
-                let ample = if given { sigma } else { sigma.max(AMPLE * probe.sigma) };
-                Noise { triangles_a_wave: WAVE, ..Noise::new(surface, ample, edge, SAMPLE) }
+                let ample = if given { sigma } else { sigma.max(AMPLE_FACTOR * probe.sigma) };
+                Noise { triangles_a_wave: TRIANGLES_A_WAVE, ..Noise::new(surface, ample, edge, TRIANGLES_A_SAMPLE) }
             }));
         }
-        sigma = AMPLE * probe.sigma;
-        if sigma > WAVIEST * edge || step == 0 && probe.large < LARGE_FIRST {
+        sigma = AMPLE_FACTOR * probe.sigma;
+        if sigma > WAVIEST_TOLERANCE * edge || step == 0 && probe.large < LARGE_FIRST {
             break;
         }
     }
@@ -383,7 +399,7 @@ fn complete(
     let mut size = vec![0usize; count(&part)];
     part.iter().for_each(|&p| size[p as usize] += 1);
     for k in 0..label.len() {
-        let least = if label[k] >= models { FREE_CRUMB } else { CRUMB };
+        let least = if label[k] >= models { FREE_TRIANGLES } else { FACE_TRIANGLES };
         if size[part[k] as usize] < least {
             label[k] = NONE;
         }

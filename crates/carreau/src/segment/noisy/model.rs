@@ -4,32 +4,37 @@ use super::level::Noise;
 use super::patch::Patches;
 use crate::geometry::normals::angle_between;
 use crate::geometry::primitive::{Fit, Kind, Primitive, Scratch, fit_within, refine};
+use crate::segment::regions::{FIRST_SAMPLES, FIT_SAMPLES};
 use crate::segment::surface::Surface;
 use glam::DVec3;
 
-/// Vertices farther away, in deviations, are not on the surface.
-pub const REACH: f64 = 3.6;
-/// The price of a triangle that has nothing to do with a surface. On its own surface a triangle costs 1 in the mean.
-pub const DEAREST: f64 = 8.0;
-/// What a triangle costs on no surface.
-pub const FREE: f64 = 4.0;
-/// The price of a surface, and of each of its parameters.
-const SURFACE: f64 = 4.0;
-const PER_PARAMETER: f64 = 1.5;
-/// The largest wrongness of a surface, see [`Model::wrongness`].
-const MOST_WRONG: f64 = 0.3;
-/// Weight of the turn in the price: distances say nearly the same.
+/// A count of standard deviations: vertices farther away are not on the surface, because normal noise is larger once in
+/// three thousand times.
+pub const MODEL_REACH: f64 = 3.6;
+/// The price of a triangle that has nothing to do with a surface, for 1 in the mean on its own one: a limit, because
+/// one outlier is not to outweigh a face.
+pub const DEAREST_PRICE: f64 = 8.0;
+/// The price of a triangle on no surface: half of the dearest, because triangles off their surface are to become free.
+pub const FREE_PRICE: f64 = 4.0;
+/// The price of a surface, in prices of triangles: that of a few, because a surface for each of them would be cheaper
+/// otherwise.
+const SURFACE_PRICE: f64 = 4.0;
+/// The price of each parameter of a surface in the same unit, because of surfaces that fit alike the simplest is to
+/// win.
+const PARAMETER_PRICE: f64 = 1.5;
+/// Variances of the noise: the largest wrongness of a surface, see [`Model::wrongness`], because what it is wrong by
+/// hides in noise up to there.
+const MOST_WRONGNESS: f64 = 0.3;
+/// Weight of the turn in the price, for 1 of the distances: less, because both say nearly the same.
 const NORMAL_SHARE: f64 = 0.5;
-/// Systematic turn of chords, in radians.
-const CHORD: f64 = 0.05;
-/// Points given to a fit, and steps.
-const MAX_SAMPLES: usize = 300;
-const FEW_SAMPLES: usize = 60;
-const STEPS: usize = 20;
-/// Rounds of growth and fit.
-const ROUNDS: usize = 6;
-/// The level of noise is known to this factor.
-const UNSURE: f64 = 1.25;
+/// Radians: turn of chords, which is no noise, because a facet of a curved surface is turned against it at its corners.
+const CHORD_TURN: f64 = 0.05;
+/// A count: steps of a fit, few because it starts near.
+const MODEL_STEPS: usize = 20;
+/// A count: rounds of growth and fit, few because each of them reaches much farther.
+const GROWTH_ROUNDS: usize = 6;
+/// A factor to which the level of noise is known, because it is measured on few patches.
+const LEVEL_FACTOR: f64 = 1.25;
 
 /// A surface with the side that the triangles look to.
 #[derive(Debug, Clone, Copy)]
@@ -52,32 +57,32 @@ impl Model {
         }
         let angle = angle_between(own, natural);
         let away = angle > std::f64::consts::FRAC_PI_2;
-        let turn = if away { f64::INFINITY } else { angle / (noise.turn[k as usize] + CHORD) };
+        let turn = if away { f64::INFINITY } else { angle / (noise.turn[k as usize] + CHORD_TURN) };
         (distances, turn)
     }
 
-    /// Minus the logarithm of the likelihood of a triangle, up to [`DEAREST`].
+    /// Minus the logarithm of the likelihood of a triangle, up to [`DEAREST_PRICE`].
     pub fn price(&self, surface: &Surface<'_>, noise: &Noise, k: u32) -> f64 {
         let (d, turn) = self.misfit(surface, noise, k);
         let square = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
-        (0.5 * square + 0.5 * NORMAL_SHARE * turn * turn).min(DEAREST)
+        (0.5 * square + 0.5 * NORMAL_SHARE * turn * turn).min(DEAREST_PRICE)
     }
 
     /// Whether a triangle may lie on the surface.
     pub fn holds(&self, surface: &Surface<'_>, noise: &Noise, k: u32) -> bool {
         let (d, turn) = self.misfit(surface, noise, k);
-        d.into_iter().all(|d| d <= REACH) && turn <= REACH
+        d.into_iter().all(|d| d <= MODEL_REACH) && turn <= MODEL_REACH
     }
 
     /// The price of the surface itself.
     pub fn cost(&self, noise: &Noise) -> f64 {
-        noise.triangles_a_sample * (SURFACE + PER_PARAMETER * self.primitive.kind().parameters() as f64)
+        noise.triangles_a_sample * (SURFACE_PRICE + PARAMETER_PRICE * self.primitive.kind().parameters() as f64)
     }
 
     /// Mean product of the distances at the two ends of edges, in variances of the noise, and the number of edges: about 0
     /// where the distances are noise; where the surface is a wrong one, the mean square of what it is wrong by.
     pub fn wrongness(&self, surface: &Surface<'_>, noise: &Noise, triangles: &[u32]) -> (f64, usize) {
-        let most = REACH * noise.sigma;
+        let most = MODEL_REACH * noise.sigma;
         let products = |&k: &u32| {
             let p = surface.triangles.triangle(k).map(|v| surface.triangles.points()[v as usize]);
             let d = p.map(|p| self.primitive.distance(p).clamp(-most, most) / noise.sigma);
@@ -100,13 +105,13 @@ impl Model {
 pub fn is_noise(rms: f64, points: usize, kind: Kind, sigma: f64) -> bool {
     // The sum of squares over σ² has about this mean, and a variance of twice that.
     let freedom = points.saturating_sub(kind.parameters()) as f64;
-    let most = (UNSURE * sigma).powi(2) * (1.0 + 3.0 * (2.0 / freedom).sqrt());
+    let most = (LEVEL_FACTOR * sigma).powi(2) * (1.0 + 3.0 * (2.0 / freedom).sqrt());
     freedom >= 1.0 && rms * rms * points as f64 / freedom <= most
 }
 
 /// Whether a wrongness over so many edges is more than chance.
 pub fn is_wrong((wrongness, edges): (f64, usize)) -> bool {
-    wrongness > MOST_WRONG + 2.0 / (edges.max(1) as f64).sqrt()
+    wrongness > MOST_WRONGNESS + 2.0 / (edges.max(1) as f64).sqrt()
 }
 
 /// Fits models to triangles.
@@ -132,9 +137,9 @@ impl<'a> Fitter<'a> {
         if self.patches.points.len() < kind.parameters() + 2 {
             return None;
         }
-        let start = self.quick(kind, 1.3 * REACH * self.noise.sigma)?;
+        let start = self.quick(kind, 1.3 * MODEL_REACH * self.noise.sigma)?;
         let points = &self.patches.points;
-        let found = refine(start, points, None, STEPS)?;
+        let found = refine(start, points, None, MODEL_STEPS)?;
         is_noise(found.rms, points.len(), kind, self.noise.sigma).then_some(found)
     }
 
@@ -142,10 +147,10 @@ impl<'a> Fitter<'a> {
     fn quick(&mut self, kind: Kind, tolerance: f64) -> Option<Primitive> {
         let Patches { points, normals, .. } = &self.patches;
         let n = points.len();
-        if n <= FEW_SAMPLES {
+        if n <= FIRST_SAMPLES {
             return fit_within(kind, points, normals, tolerance, &mut self.scratch).map(|fit| fit.primitive);
         }
-        let few = |all: &[DVec3]| -> Vec<DVec3> { (0..FEW_SAMPLES).map(|k| all[k * n / FEW_SAMPLES]).collect() };
+        let few = |all: &[DVec3]| -> Vec<DVec3> { (0..FIRST_SAMPLES).map(|k| all[k * n / FIRST_SAMPLES]).collect() };
         fit_within(kind, &few(points), &few(normals), tolerance, &mut self.scratch).map(|fit| fit.primitive)
     }
 
@@ -154,7 +159,7 @@ impl<'a> Fitter<'a> {
         let (surface, noise, fixed) = (self.surface, self.noise, self.fixed);
         let mut model = start;
         let mut best: Option<(Model, Vec<u32>)> = None;
-        for _ in 0..ROUNDS {
+        for _ in 0..GROWTH_ROUNDS {
             if !model.holds(surface, noise, seed) {
                 break;
             }
@@ -166,8 +171,8 @@ impl<'a> Fitter<'a> {
             let settled = self.patches.triangles.len() as f64 <= 1.02 * before as f64;
             best = Some((model, self.patches.triangles.clone()));
             self.patches.gather();
-            self.patches.thin(MAX_SAMPLES);
-            let Some(fit) = refine(model.primitive, &self.patches.points, None, STEPS) else { break };
+            self.patches.thin(FIT_SAMPLES);
+            let Some(fit) = refine(model.primitive, &self.patches.points, None, MODEL_STEPS) else { break };
             model = Model::of(fit.primitive, surface, &self.patches.triangles);
             if settled {
                 break;
@@ -179,11 +184,11 @@ impl<'a> Fitter<'a> {
     /// The best fit of a kind to triangles, from a start where one is given; whatever its distances.
     pub fn fit(&mut self, kind: Kind, triangles: &[u32], start: Option<Primitive>) -> Option<Fit> {
         self.patches.gather_of(triangles);
-        self.patches.thin(MAX_SAMPLES);
+        self.patches.thin(FIT_SAMPLES);
         let start = match start {
             Some(start) => start,
-            None => self.quick(kind, 2.0 * REACH * self.noise.sigma)?,
+            None => self.quick(kind, 2.0 * MODEL_REACH * self.noise.sigma)?,
         };
-        refine(start, &self.patches.points, None, STEPS)
+        refine(start, &self.patches.points, None, MODEL_STEPS)
     }
 }

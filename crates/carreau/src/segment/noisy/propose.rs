@@ -1,7 +1,7 @@
 //! Hypotheses: surfaces through patches of several sizes, grown as far as they reach.
 
 use super::level::Noise;
-use super::model::{DEAREST, FREE, Fitter, Model, is_wrong};
+use super::model::{DEAREST_PRICE, FREE_PRICE, Fitter, Model, is_wrong};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::Kind;
@@ -9,29 +9,37 @@ use crate::mesh::NONE;
 use crate::segment::surface::{Surface, quantile};
 use rustc_hash::FxHashSet;
 
-/// Triangles of a patch, from sure to small.
-const SIZES: [usize; 4] = [160, 64, 26, 10];
-/// Seeds that are asked at most; parts have tens to hundreds.
+/// Counts: triangles of a patch, from sure to small, because a large patch says more and a small one fits into more
+/// faces.
+const PATCH_SIZES: [usize; 4] = [160, 64, 26, 10];
+/// A count: most seeds that are asked, because parts have tens to hundreds of faces.
 const MOST_SEEDS: usize = 3000;
-/// A triangle that was in so many patches without a surface is no seed any more.
-const MOST_FAILURES: u32 = 3;
-/// A triangle this cheap on a surface that was proposed is no seed any more.
-const EXPLAINED: f64 = 2.0;
-/// A surface that ends at creases with this share of its border needs no rival.
-const BOUNDED: f64 = 0.9;
-/// Share of the price per parameter: of equally good surfaces the simplest.
-const PER_PARAMETER: f64 = 0.01;
-/// Triangles that a hypothesis has at least.
-const LEAST: usize = 5;
+/// A count: a triangle that was in so many patches without a surface is no seed any more, because its own patch would
+/// be nearly the same.
+const PATCH_FAILURES: u32 = 3;
+/// A price: a triangle this cheap on a surface that was proposed is no seed any more, because it would propose the same
+/// one.
+const EXPLAINED_PRICE: f64 = 2.0;
+/// A share of its border: a surface that ends at creases with this much of it needs no rival, because it fills a face.
+const BOUNDED_BORDER: f64 = 0.9;
+/// A share of the score for each parameter, because of equally good surfaces the simplest is to win.
+const PARAMETER_MALUS: f64 = 0.01;
+/// A count: fewest triangles of a proposal, because fewer lie on some surface by chance.
+const LEAST_PROPOSED: usize = 5;
 
-/// Seeds of a probe, in so many rounds, how far their surfaces grow (triangles), and what each says at most (vertices).
-const PROBES: usize = 48;
+/// A count: seeds of a probe, few because a share of them is sure enough and a large scan is to be told in a fraction
+/// of a second.
+const PROBE_SEEDS: usize = 48;
+/// A count: rounds in which those are asked, because the answer is often clear after one.
 const PROBE_ROUNDS: usize = 8;
-const PROBE_SIZE: usize = 1000;
-const PROBE_SAMPLES: usize = 100;
-/// A surface of so many triangles is large.
-const LARGE_SIZE: usize = 200;
-/// Standard deviation of a normal distribution over its median absolute value.
+/// A count: triangles that the surface of a seed grows over at most, because time grows with them.
+const PROBE_TRIANGLES: usize = 1000;
+/// A count: vertices by which a surface has a say at most, because a large one is not to outweigh all others.
+const PROBE_VERTICES: usize = 100;
+/// A count: a surface of so many triangles is large, because waves end surfaces before.
+const LARGE_TRIANGLES: usize = 200;
+/// Standard deviation of a normal distribution over its median absolute value: a constant of the distribution, because
+/// outliers would spoil the deviation itself.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
 
 /// A hypothesis with its triangles.
@@ -54,7 +62,7 @@ pub fn propose(
     let mut all = Vec::new();
     let mut asked = 0;
     for seed in seeds(surface, noise, order) {
-        if explained[seed as usize] || failures[seed as usize] >= MOST_FAILURES {
+        if explained[seed as usize] || failures[seed as usize] >= PATCH_FAILURES {
             continue;
         }
         context.check()?;
@@ -66,7 +74,7 @@ pub fn propose(
         explained[seed as usize] = true;
         if let Some(found) = best_from(&mut fitter, seed) {
             for &k in &found.triangles {
-                explained[k as usize] |= found.model.price(surface, noise, k) <= EXPLAINED;
+                explained[k as usize] |= found.model.price(surface, noise, k) <= EXPLAINED_PRICE;
             }
             all.push(found);
         } else {
@@ -97,9 +105,9 @@ pub fn probe(
 ) -> Result<Probe> {
     let fixed = vec![false; surface.len()];
     let mut fitter = Fitter::new(surface, noise, &fixed);
-    fitter.most = PROBE_SIZE;
-    let step = (order.len() / PROBES).max(1);
-    let seeds: Vec<u32> = order.iter().copied().skip(order.len() / PROBES / 2).step_by(step).collect();
+    fitter.most = PROBE_TRIANGLES;
+    let step = (order.len() / PROBE_SEEDS).max(1);
+    let seeds: Vec<u32> = order.iter().copied().skip(order.len() / PROBE_SEEDS / 2).step_by(step).collect();
     let (mut asked, mut hits, mut large) = (0.0, 0.0, 0.0);
     let mut distances = Vec::new();
     let mut answer = Probe { large: 0.0, share: 0.0, sigma: noise.sigma };
@@ -108,14 +116,14 @@ pub fn probe(
             context.check()?;
             asked += 1.0;
             let Some(found) = best_from(&mut fitter, seed) else { continue };
-            if found.triangles.len() >= LARGE_SIZE || found.bounded(surface, noise) >= BOUNDED {
+            if found.triangles.len() >= LARGE_TRIANGLES || found.bounded(surface, noise) >= BOUNDED_BORDER {
                 large += 1.0;
             }
             if !is_wrong(found.model.wrongness(surface, noise, &found.triangles)) {
                 hits += 1.0;
             }
             fitter.patches.gather_of(&found.triangles);
-            fitter.patches.thin(PROBE_SAMPLES);
+            fitter.patches.thin(PROBE_VERTICES);
             distances.extend(fitter.patches.points.iter().map(|&p| found.model.primitive.distance(p).abs()));
         }
         let median = quantile(&mut distances, 0.5, f64::total_cmp);
@@ -156,7 +164,7 @@ fn seeds(surface: &Surface<'_>, noise: &Noise, order: &[u32]) -> Vec<u32> {
 fn best_from(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
     let noise = fitter.noise;
     let mut last = usize::MAX;
-    for size in SIZES {
+    for size in PATCH_SIZES {
         let fixed = fitter.fixed;
         let triangles = fitter.surface.triangles;
         let outside = |c: u32| triangles.opposite(c) != NONE && fixed[triangles.opposite(c) as usize / 3];
@@ -183,12 +191,12 @@ fn best_through(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
         let Some(start) = fitter.through(kind) else { continue };
         let start = Model::of(start.primitive, surface, &patch);
         let Some((model, triangles)) = fitter.grow(start, seed) else { continue };
-        if triangles.len() < LEAST {
+        if triangles.len() < LEAST_PROPOSED {
             continue;
         }
         let proposal = Proposal { model, triangles };
-        let score = proposal.score(surface, noise) * (1.0 - PER_PARAMETER * kind.parameters() as f64);
-        let bounded = proposal.bounded(surface, noise) >= BOUNDED;
+        let score = proposal.score(surface, noise) * (1.0 - PARAMETER_MALUS * kind.parameters() as f64);
+        let bounded = proposal.bounded(surface, noise) >= BOUNDED_BORDER;
         if best.as_ref().is_none_or(|b| score > b.0) {
             best = Some((score, proposal));
         }
@@ -202,7 +210,7 @@ fn best_through(fitter: &mut Fitter<'_>, seed: u32) -> Option<Proposal> {
 impl Proposal {
     /// Area of the triangles, less where they are dear.
     fn score(&self, surface: &Surface<'_>, noise: &Noise) -> f64 {
-        let worth = |&k: &u32| surface.areas[k as usize] * (1.0 - self.model.price(surface, noise, k) / DEAREST);
+        let worth = |&k: &u32| surface.areas[k as usize] * (1.0 - self.model.price(surface, noise, k) / DEAREST_PRICE);
         self.triangles.iter().map(worth).sum()
     }
 
@@ -222,7 +230,8 @@ impl Proposal {
     }
 }
 
-/// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE`] and a surface its own price.
+/// Picks proposals greedily by what they save, where a triangle without a surface costs [`FREE_PRICE`] and a surface
+/// its own price.
 /// Adds the models, and labels the triangles that no model had.
 pub fn choose(
     surface: &Surface<'_>,
@@ -235,7 +244,7 @@ pub fn choose(
         .iter()
         .map(|p| p.triangles.iter().map(|&k| p.model.price(surface, noise, k) as f32).collect())
         .collect();
-    let mut current: Vec<f32> = label.iter().map(|&l| if l == NONE { FREE as f32 } else { 0.0 }).collect();
+    let mut current: Vec<f32> = label.iter().map(|&l| if l == NONE { FREE_PRICE as f32 } else { 0.0 }).collect();
     let saving = |p: usize, current: &[f32]| -> f64 {
         let each = proposals[p].triangles.iter().zip(&prices[p]).map(|(&k, &x)| f64::from(current[k as usize] - x));
         each.filter(|&x| x > 0.0).sum::<f64>() - proposals[p].model.cost(noise)

@@ -18,26 +18,33 @@ use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Regions of fewer triangles are no faces.
-const FEWEST: usize = 4;
-/// Rings between the border of a region and its innermost triangle below which it is shallow.
-const SHALLOW: u32 = 3;
-/// The share of the triangles that are no deeper than the innermost ones: a strip is wider in a few places.
-const INNERMOST: f64 = 0.95;
-/// A shallow region is a rounded edge where this share of its triangles is within so many edges of a surface beside it.
-const MOST: f64 = 0.75;
-const NEAR: f64 = 0.5;
-/// A distance of so many edges, a turn of so many radians and a bend of so many cost 1.
-const DISTANCE: f64 = 0.25;
-const TURN: f64 = 0.44;
-const BEND: f64 = 0.7;
-/// What a free triangle costs a free region that grows over it.
-const FREE: f64 = 4.0;
-const ROUNDS: usize = 3;
+/// A count: regions of fewer triangles are no faces, because noise makes such regions.
+const REGION_TRIANGLES: usize = 4;
+/// A count: rings between the border of a region and its innermost triangle below which it is shallow, because rounded
+/// edges have a few triangles across.
+const SHALLOW_RINGS: u32 = 3;
+/// A share of the triangles that are no deeper than the innermost ones, because a strip is wider in a few places.
+const INNERMOST_QUANTILE: f64 = 0.95;
+/// A share of the triangles of a shallow region near a surface beside it with which it is a rounded edge, because of a
+/// narrow face only the corners are near.
+const ROUNDED_SHARE: f64 = 0.75;
+/// A share of an edge: those are no farther from the surface, because rounding by smoothing moves vertices by no more.
+const ROUNDED_DISTANCE: f64 = 0.5;
+/// A share of an edge: distance that costs 1, because that is how far smoothing moves vertices.
+const UNIT_DISTANCE: f64 = 0.25;
+/// Radians, 25°: turn that costs 1, because a triangle of a rounded edge turns about halfway to the next surface.
+const UNIT_TURN: f64 = 0.44;
+/// Radians, 40°: bend that costs 1, more because the bend of one edge says less than the turn against a surface.
+const UNIT_BEND: f64 = 0.7;
+/// What a triangle costs a free region that grows over it, in the same unit, because the surfaces beside it are to have
+/// it first.
+const GROWTH_PRICE: f64 = 4.0;
+/// A count: rounds, because regions may be weak that were between weak ones.
+const SETTLE_ROUNDS: usize = 3;
 
 /// Dissolves rounded edges and crumbs, unless that leaves nothing. `fixed` triangles stay.
 pub fn settle(energy: &Energy<'_>, label: &mut [u32], fixed: &[bool], order: &[u32], context: &Context) -> Result<()> {
-    for _ in 0..ROUNDS {
+    for _ in 0..SETTLE_ROUNDS {
         context.check()?;
         let pieces = Pieces::new(energy, label, fixed, order);
         let weak: Vec<bool> = (0..pieces.groups.len() as u32).map(|p| pieces.is_weak(p)).collect();
@@ -81,13 +88,13 @@ impl<'a> Pieces<'a> {
         if self.fixed[p as usize] {
             return false;
         }
-        if members.len() < FEWEST {
+        if members.len() < REGION_TRIANGLES {
             return true;
         }
-        if self.depth[p as usize] >= SHALLOW {
+        if self.depth[p as usize] >= SHALLOW_RINGS {
             return false;
         }
-        self.is_free(p) || self.near(p) >= MOST * members.len() as f64
+        self.is_free(p) || self.near(p) >= ROUNDED_SHARE * members.len() as f64
     }
 
     /// Number of triangles of a piece that are near surfaces beside it all over, in the middle of a rounded edge not near the same
@@ -98,12 +105,13 @@ impl<'a> Pieces<'a> {
         for o in self.groups.of(p).iter().flat_map(|&k| 3 * k..3 * k + 3).map(|c| t.opposite(c)).filter(|&o| o != NONE)
         {
             let q = self.of[o as usize / 3];
-            let worthy = q != p && !self.is_free(q) && (self.depth[q as usize] >= SHALLOW || self.fixed[q as usize]);
+            let worthy =
+                q != p && !self.is_free(q) && (self.depth[q as usize] >= SHALLOW_RINGS || self.fixed[q as usize]);
             if worthy && !beside.contains(&self.label[q as usize]) {
                 beside.push(self.label[q as usize]);
             }
         }
-        let reach = NEAR * self.energy.noise.edge;
+        let reach = ROUNDED_DISTANCE * self.energy.noise.edge;
         let surfaces: Vec<_> = beside.iter().map(|&l| self.energy.models[l as usize].primitive).collect();
         let holds = |p: DVec3| surfaces.iter().any(|s| s.distance(p).abs() <= reach);
         let all_over = |k: u32| {
@@ -144,7 +152,7 @@ fn depths(energy: &Energy<'_>, of: &[u32], groups: &Groups) -> Vec<u32> {
     let ring = rings(energy, of);
     let depth = |p: u32| {
         let mut all: Vec<u32> = groups.of(p).iter().map(|&k| ring[k as usize]).collect();
-        quantile(&mut all, INNERMOST, u32::cmp).unwrap_or_default()
+        quantile(&mut all, INNERMOST_QUANTILE, u32::cmp).unwrap_or_default()
     };
     (0..groups.len() as u32).map(depth).collect()
 }
@@ -176,11 +184,11 @@ fn spread(energy: &Energy<'_>, label: &mut [u32], mut open: Vec<bool>) {
 
 fn step_price(energy: &Energy<'_>, k: u32, l: u32, bend: f64) -> f64 {
     let surface = energy.surface;
-    let Some(model) = energy.models.get(l as usize) else { return FREE };
+    let Some(model) = energy.models.get(l as usize) else { return GROWTH_PRICE };
     let p = surface.triangles.triangle(k).map(|v| surface.triangles.points()[v as usize]);
-    let unit = DISTANCE * energy.noise.edge;
+    let unit = UNIT_DISTANCE * energy.noise.edge;
     let far = p.iter().map(|&p| (model.primitive.distance(p) / unit).powi(2)).sum::<f64>() / 3.0;
     let turn =
-        angle_between(surface.normals[k as usize], model.primitive.normal(surface.center(k)) * model.sign) / TURN;
-    far + turn * turn + (bend / BEND).powi(2)
+        angle_between(surface.normals[k as usize], model.primitive.normal(surface.center(k)) * model.sign) / UNIT_TURN;
+    far + turn * turn + (bend / UNIT_BEND).powi(2)
 }

@@ -2,19 +2,23 @@
 //! the border decide.
 
 use super::expand::Energy;
-use super::merge::WITHIN_WAVES;
+use super::merge::WAVE_PRICE;
 use super::model::{Fitter, Model};
 use super::settle::rings;
 use crate::geometry::primitive::Kind;
 use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 
-/// Rings of triangles beside the border that have no say, where enough is left.
-const RINGS: u32 = 2;
-const ENOUGH: f64 = 0.3;
-/// A simpler kind may cost so much more per triangle, over what the dearer one costs.
-const SLACK: f64 = 0.15;
-const FACTOR: f64 = 1.25;
+/// A count: rings of triangles beside the border that have no say, where enough is left, because rounded borders bend
+/// surfaces.
+const SILENT_RINGS: u32 = 2;
+/// A share of the triangles: so many are enough, because fewer say too little about the surface.
+const INNER_SHARE: f64 = 0.3;
+/// A price that a simpler kind may cost more per triangle than the dearer one, because the dearer one fits noise as
+/// well.
+const SIMPLER_PRICE: f64 = 0.15;
+/// A factor by which a simpler kind may cost more besides, for the same reason.
+const SIMPLER_FACTOR: f64 = 1.25;
 
 /// Gives every surface that is not held the simplest kind that explains its inner triangles as well.
 pub fn simplify(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32], held: u32) {
@@ -23,12 +27,12 @@ pub fn simplify(energy: &mut Energy<'_>, fitter: &mut Fitter<'_>, label: &[u32],
     let ring = rings(energy, label);
     for l in held..groups.len() as u32 {
         let all = groups.of(l);
-        let inner: Vec<u32> = all.iter().copied().filter(|&k| ring[k as usize] >= RINGS).collect();
-        let members = if inner.len() as f64 >= ENOUGH * all.len() as f64 { &inner } else { all };
+        let inner: Vec<u32> = all.iter().copied().filter(|&k| ring[k as usize] >= SILENT_RINGS).collect();
+        let members = if inner.len() as f64 >= INNER_SHARE * all.len() as f64 { &inner } else { all };
         let old = energy.models[l as usize];
         let price = |model: &Model| members.iter().map(|&k| model.price(energy.surface, energy.noise, k)).sum::<f64>();
-        let most = FACTOR * price(&old) + SLACK * members.len() as f64;
-        let most = if energy.noise.has_waves() { most.max(WITHIN_WAVES * members.len() as f64) } else { most };
+        let most = SIMPLER_FACTOR * price(&old) + SIMPLER_PRICE * members.len() as f64;
+        let most = if energy.noise.has_waves() { most.max(WAVE_PRICE * members.len() as f64) } else { most };
         let simpler = Kind::ALL.into_iter().take_while(|&kind| kind != old.primitive.kind()).find_map(|kind| {
             let fit = fitter.fit(kind, members, None)?;
             let model = Model::of(fit.primitive, energy.surface, members);
