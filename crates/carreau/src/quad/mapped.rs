@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 
 /// How often quads are made of a map, smaller ones each time where some were no good; and the share of those before that may be
 /// left for another time.
-const REFINEMENTS: usize = 5;
+const REFINEMENTS: usize = 6;
 const PROGRESS: f64 = 0.9;
 /// A quad that is turned over counts as so many that are too far from the surface: one that stays so is refused.
 const NO_GOOD: usize = 10;
@@ -122,7 +122,8 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
         if now < before {
             best = Ok((now, work));
         }
-        if now.1 == 0 || now.1 as f64 > PROGRESS * before.1 as f64 {
+        // A curve may need several edges more before any part of it is found again.
+        if now.1 == 0 || lost.is_empty() && now.1 as f64 > PROGRESS * before.1 as f64 {
             break;
         }
     }
