@@ -47,7 +47,7 @@ use locate::Locator;
 use seamless::Map;
 use strips::Strips;
 use tuning::{
-    CANCELLED, FAILED, LACKING, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE,
+    CANCELLED, FAILED, LACKING, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STALLED,
     WORKING_SMALLEST,
 };
 
@@ -169,7 +169,7 @@ impl QuadMap {
         let _stage = context.stage("numbers");
         let mut scale = self.scale;
         let mut best: Option<((bool, f64), f64, Flat)> = None;
-        let mut failed = 0;
+        let (mut failed, mut stalled) = (0, 0);
         for _ in 0..SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
@@ -183,10 +183,12 @@ impl QuadMap {
                 let off = ratio.ln().abs();
                 let lacking = LACKING * missing as f64 / self.curves.fewest.iter().sum::<usize>().max(1) as f64;
                 let cost = (missing > 0, off + lacking);
-                if best.as_ref().is_none_or(|b| cost < b.0) {
+                let is_nearer = best.as_ref().is_none_or(|b| cost < b.0);
+                if is_nearer {
                     best = Some((cost, scale, tried));
                 }
-                if off < NUMBER && missing == 0 {
+                stalled = if is_nearer { 0 } else { stalled + 1 };
+                if off < NUMBER && missing == 0 || stalled == STALLED {
                     break;
                 }
                 scale /= ratio.sqrt();

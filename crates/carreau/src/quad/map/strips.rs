@@ -23,6 +23,7 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec2;
+use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
@@ -57,6 +58,9 @@ impl Step {
         (side.opposite != NONE).then(|| Step::new(side.opposite, self.turn + side.turn))
     }
 }
+
+/// What the way to a step costs, and the step before it, by index: few steps of all that there are come into question.
+type Known = FxHashMap<usize, (f64, usize)>;
 
 /// Steps of a strip, with what they cost.
 struct Strip {
@@ -229,22 +233,24 @@ impl<'a> Strips<'a> {
 
     /// The shortest path from where a face is entered to a step, or out of a border (Dijkstra).
     fn shortest(&self, entry: Step, goal: Step, barred: &[u32]) -> Option<Strip> {
-        let mut known = vec![(f64::INFINITY, usize::MAX); 4 * self.flat.sides.len()];
+        let mut known = Known::default();
         let mut queue = BinaryHeap::new();
         self.go_on(entry, 0.0, usize::MAX, &mut known, &mut queue);
         while let Some(Reverse((bits, index))) = queue.pop() {
             let (step, cost) = (Step::of_index(index), f64::from_bits(bits));
-            if cost > known[index].0 {
+            if known.get(&index).is_some_and(|k| cost > k.0) {
                 continue;
             }
             if barred.contains(&(step.half_edge / 3)) && step != goal {
                 continue;
             }
             let Some(entry) = step.entry(self.flat).filter(|_| step != goal) else {
-                let (mut steps, mut at) = (vec![step], known[index].1);
+                let mut steps = vec![step];
+                let before = |at: usize| known.get(&at).map_or(usize::MAX, |k| k.1);
+                let mut at = before(index);
                 while at != usize::MAX {
                     steps.push(Step::of_index(at));
-                    at = known[at].1;
+                    at = before(at);
                 }
                 steps.reverse();
                 return Some(Strip { cost, steps });
@@ -260,7 +266,7 @@ impl<'a> Strips<'a> {
         entry: Step,
         cost: f64,
         from: usize,
-        known: &mut [(f64, usize)],
+        known: &mut Known,
         queue: &mut BinaryHeap<Reverse<(u64, usize)>>,
     ) {
         for exit in [next(entry.half_edge), previous(entry.half_edge)] {
@@ -268,8 +274,8 @@ impl<'a> Strips<'a> {
             let Some(crossing) = self.cost(step) else { continue };
             let more = crossing + self.cost_of_pass(entry, exit);
             // Infinite costs are no way.
-            if cost + more < known[step.index()].0 {
-                known[step.index()] = (cost + more, from);
+            if cost + more < known.get(&step.index()).map_or(f64::INFINITY, |k| k.0) {
+                known.insert(step.index(), (cost + more, from));
                 // Costs are not negative: their bits are ordered as they are.
                 queue.push(Reverse(((cost + more).to_bits(), step.index())));
             }

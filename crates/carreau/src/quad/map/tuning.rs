@@ -88,6 +88,9 @@ pub const MOST_UNKNOWNS: usize = 2_500;
 /// Numbers of quads are met within this share; sizes that are tried for that.
 pub const NUMBER: f64 = 0.02;
 pub const SIZES: usize = 10;
+/// Sizes that come no nearer to the number before it is given up: features may need more quads than are wanted, however large these
+/// are elsewhere.
+pub const STALLED: usize = 3;
 /// Sizes without whole numbers before it is given up: edges are stretched in all of their orders.
 pub const FAILED: usize = 3;
 /// Cells that are looked at in the box of one face at most.
