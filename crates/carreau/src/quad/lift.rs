@@ -9,7 +9,7 @@
 
 use super::around::{Around, Ring};
 use super::gaps::{Gaps, largest};
-use super::nudge::nudge;
+use super::nearer::nudge;
 use super::smooth::{GOOD_SHAPE, WAY_SHARES};
 use super::source::Source;
 use super::work::{Place, Work};

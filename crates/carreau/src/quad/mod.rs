@@ -7,21 +7,22 @@
 //! |---|---|---|
 //! | | the methods in their order; what speaks against quads | `methods`; `judged` |
 //! | 1 | global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities; its quads, put onto the surface | `map`; `mapped` |
-//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `third`, `pair` |
+//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `pair`; `paired` |
 //! | 4 | every triangle of the input becomes three quads; features stay to the bit | `halve` |
 //!
 //! | stages of rung 1 | file |
 //! |---|---|
 //! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `sew` |
 //! | working mesh, field, map, whole numbers, quads | `map` |
-//! | vertices go to where features bend, and where the surface comes to a point | `bends`, `tips` |
+//! | vertices go to where features bend, and where the surface comes to a point | `bends`, `apices` |
 //! | smoothing | `smooth`, `straighten`, `around`, `ceiling` |
 //! | where quads are no good: smaller ones, by other whole numbers; the last few are taken out | `mapped`; `collapse` |
-//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nudge` |
+//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nearer` |
 //! | the validator; figures | `validate`; `quality` |
 //!
 //! [`graph`] is the motorcycle graph of the same field (the second application that the paper makes of it), a result of its own.
 
+mod apices;
 mod around;
 mod bends;
 mod ceiling;
@@ -37,8 +38,9 @@ mod lift;
 mod map;
 mod mapped;
 mod methods;
-mod nudge;
+mod nearer;
 mod pair;
+mod paired;
 mod quality;
 mod sew;
 mod smooth;
@@ -46,8 +48,6 @@ mod source;
 mod straighten;
 #[cfg(test)]
 mod tests;
-mod third;
-mod tips;
 mod validate;
 mod work;
 

@@ -1,12 +1,12 @@
 //! Smoothing: vertices move to the mean of their neighbours, back to their curve or region, and only as far as the worst
 //! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
+use super::apices;
 use super::around::{Around, BAD_JACOBIAN, Moves, Ring, beside};
 use super::bends;
 use super::fit::fit;
 use super::source::Source;
 use super::straighten::straighten;
-use super::tips;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -79,7 +79,7 @@ impl Smoothing {
     pub fn new(work: &mut Work, source: &Source) -> Self {
         let mut around = Around::new(work);
         let held = bends::follow(work, &around, source);
-        tips::follow(work, &mut around, source);
+        apices::follow(work, &mut around, source);
         Smoothing { around, held, even: None }
     }
 

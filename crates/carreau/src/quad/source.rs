@@ -1,10 +1,10 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
+use super::apices::{Tip, tips};
 use super::bends::{BEND_DEG, bends};
 use super::curve::{Curve, paths};
 use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
 use super::sew::sewn;
-use super::tips::{Tip, tips};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::{Error, Result};

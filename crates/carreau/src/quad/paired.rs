@@ -44,7 +44,7 @@ const HOPELESS_RATIO: f64 = 10.0;
 const PAIRED_STRAYING: f64 = 1.0;
 
 /// The quads; `None` where the validator refuses.
-pub fn third(
+pub fn quads(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
