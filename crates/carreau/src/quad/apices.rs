@@ -17,13 +17,13 @@ use crate::mesh::{CornerId, SurfaceMesh};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Degrees: the angles around a tip add up to less than a full turn by more, because there flatter ones are hardly cut
-/// off; a drill's tip has 50.
+/// Degrees: the angles around a tip add up to less than a full turn by more than this, because flatter ones are hardly
+/// cut off; a drill's tip has 50.
 const POINTED_DEG: f64 = 40.0;
-/// Degrees: they add up to more, because quads would be too narrow at a sharper one.
+/// Degrees: the angles around a tip add up to more than this, because quads would be too narrow at a sharper one.
 const SHARP_DEG: f64 = 25.0;
-/// Degrees: below this only a vertex of three quads goes there, as the field wants it, because others would have
-/// narrower quads still.
+/// Degrees: where they add up to less only a vertex of three quads goes there, as the field wants it, because others
+/// would have narrower quads still.
 const NARROW_DEG: f64 = 120.0;
 /// A share of the mean edge: a vertex goes no farther, more than half the diagonal of a quad because a tip may be in
 /// the middle of one.

@@ -11,7 +11,7 @@ use glam::DVec3;
 pub const BAD_JACOBIAN: f64 = 0.02;
 /// A cosine: a quad may turn by less in one move, because one that turns farther is on its way to be turned over.
 const MOVE_TURN: f64 = 0.5;
-/// A count: so many quads beside one will do, because many may meet in one vertex.
+/// A count: so many quads beside one will do for its normal, because very many may meet in one vertex.
 const ENOUGH_BESIDE: usize = 64;
 /// A factor of the shape in an exponent: how much more a worse one counts, because what cannot become better is not to
 /// hide what can.

@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 /// Degrees: curves are straight where they turn by less, because an edge cuts off hardly anything there.
 pub const BEND_DEG: f64 = 8.0;
 /// A share of the mean edge: a vertex goes no farther where there are more bends than vertices, a little more than half
-/// because bends between two would be left out.
+/// because bends between two would be left out otherwise.
 const BEND_REACH: f64 = 0.55;
 /// A share of the mean edge: two bends that are nearer to each other do not both get a vertex, because the edge between
 /// would be too short.

@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// A scaled Jacobian: no ceiling is lower, because what there is gets divided by it.
 const LOWEST_CEILING: f64 = 0.01;
 
-/// A count: quads around a tip at least, because with two of them it would be inside of one.
+/// A count: quads around a tip at least, because fewer than three cannot be.
 const FEWEST_AT_TIP: f64 = 3.0;
 
 /// The ceiling of every corner, for the quads that are there.

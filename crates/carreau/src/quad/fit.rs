@@ -23,12 +23,13 @@ use glam::DVec3;
 /// A count: rounds over all vertices, because they go to the mean of neighbours that move as well.
 const FIT_ROUNDS: usize = 8;
 /// Shares of the sides of a quad from a vertex: where the surface beneath is looked at, a little farther than to the
-/// middle because what is there would be nobody's.
+/// middle because what is there would be nobody's otherwise.
 const FIT_PLACES: [f64; 3] = [0.1, 0.33, 0.56];
 /// A scaled Jacobian over what it can be: a move may worsen quads down to it, further than in smoothing because much
 /// would be cut off otherwise.
 const FITTED_SHAPE: f64 = 0.4;
-/// A share of the diagonal: more than this is much, because [`FITTED_SHAPE`] is too poor a shape for what is seen less.
+/// A share of the diagonal: shapes may become as poor as [`FITTED_SHAPE`] only where more would be cut off, because
+/// less is not worth it.
 const FITTED_GAP: f64 = 0.0015;
 /// A share of the planes' weight: directions that hold less are left to the neighbours, because across a ridge of about
 /// ten degrees planes hold no more.

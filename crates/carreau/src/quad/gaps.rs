@@ -13,8 +13,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// A count: parts of an edge of half a quad between places that are looked at, and rows of them, because one triangle
 /// of the surface may stick out between the middles.
 const FINE_PARTS: usize = 5;
-/// A share of what is allowed: where the middles of half a quad and its edges are farther off it is looked at in more
-/// places, because a place between may be too far off only there.
+/// A share of what is allowed: where the middles of half a quad and of its edges are farther off more places are looked
+/// at, because one between may be off by more than what is allowed.
 const ROUGH_GAP: f64 = 0.5;
 /// A share of the edges of quads: places of the source that are looked at are so far apart, because each quad is to
 /// have some above it.

@@ -14,17 +14,17 @@ pub const USELESS_STRAYING: f64 = 0.4;
 const USELESS_SHAPE: f64 = 0.02;
 /// A share of the features: quads that lose more are of no use, because they are made for what they keep.
 const USELESS_LOST: f64 = 0.2;
-/// A scaled Jacobian over what it can be: a worst one below counts against quads, because above it they are as good as
-/// others.
+/// A scaled Jacobian over what it can be: a worst one below counts against quads, because better ones do no harm.
 const GRADED_SHAPE: f64 = 0.5;
 /// A scaled Jacobian over what it can be: a grade of the worst shape, because less is hardly seen.
 const SHAPE_GRADE: f64 = 0.1;
-/// A share of the number: a grade of what is missed of it, because it weighs as much as a tenth of the worst shape.
+/// A share of the number: a grade of what is missed of it, because that is to weigh as much as a tenth of the worst
+/// shape.
 const NUMBER_GRADE: f64 = 0.1;
 /// A share of the diagonal: a distance from the surface above it counts against quads, because that is what a feature
 /// may be off by, too.
 const GRADED_GAP: f64 = 0.002;
-/// A share of the diagonal: a grade of that distance, because it weighs as much as a tenth of the worst shape.
+/// A share of the diagonal: a grade of that distance, because that is to weigh as much as a tenth of the worst shape.
 const GAP_GRADE: f64 = 0.001;
 /// A scaled Jacobian: a mean below it counts against quads, because good ones are above it on most surfaces.
 const GRADED_MEAN: f64 = 0.93;

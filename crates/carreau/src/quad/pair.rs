@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// A share of the largest size: the smallest triangles where the surface bends, because smaller ones would be far too
 /// many.
 const SMALLEST_SIZE: f64 = 0.12;
-/// Degrees: edges deviate by so much from the surface, because finer quads come from halving them.
+/// Degrees: edges deviate from the surface by so much at most, because halving puts the vertices between onto it.
 const DEVIATION_DEG: f64 = 16.0;
 /// A share of the diagonal: features may move by so much before their new vertices go back to them, well below
 /// [`FOUND_NEAR`] because they have to be found again.
@@ -30,7 +30,7 @@ const FOUND_ALONG_DEG: f64 = 20.0;
 /// A share of its length: a path is on the curve that so much of it is said to be on, because an edge near a corner may
 /// be as near to the next curve.
 const PATH_SHARE: f64 = 0.8;
-/// A tag: edges that stay as they are, apart from all others because these may be changed.
+/// A tag: edges that stay as they are have it, because others have another one and may change.
 const HELD_TAG: i32 = 2;
 /// A share of the diagonal: vertices on features are so near, because they are put back to them but for rounding.
 const ON_FEATURE: f64 = 1e-5;

@@ -11,7 +11,7 @@ use super::{NUMBER_WITHIN, QuadOptions, lifted, off, quality, take_back, validat
 use crate::context::Context;
 use crate::error::{Error, Result};
 
-/// A count: runs in search of a number of quads at most, because later ones come hardly any nearer.
+/// A count: runs in search of a number of quads at most, because each takes as long as the first.
 const MOST_RUNS: usize = 6;
 /// A factor of the length for the next run where one is refused, because shorter edges keep more of the surface.
 const SHORTER_FACTOR: f64 = 0.7;

@@ -31,7 +31,7 @@ pub struct QuadQuality {
     pub distance_found: Option<f64>,
 }
 
-/// A count: samples in search of what quads leave out, few because that is as large as a quad where it counts.
+/// A count: samples in search of what quads leave out, few because a part that matters is as large as a quad.
 const STRAYING_SAMPLES: usize = 5_000;
 
 /// All but the distance.

@@ -32,7 +32,7 @@ const CARE_STEPS: [f64; 5] = [0.3, 0.15, 0.07, 0.03, 0.015];
 /// A share of the mean edge: edges of these vertices become no shorter, because both ends would come to lie on each
 /// other.
 const SHORTEST_EDGE: f64 = 0.05;
-/// A count: rounds for quads that are turned over, because they are turned back from the outside in.
+/// A count: rounds for quads that are turned over, because a vertex that moves makes room for others.
 const UNTANGLE_ROUNDS: usize = 24;
 /// Shares of the mean edge: steps of these rounds in turn, longer than others because vertices have to cross a quad.
 const UNTANGLE_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];

@@ -29,7 +29,7 @@ const LEAN_SINE: f64 = 0.5;
 /// A cosine: rows between curves whose directions differ by more are not across a strip, because they have no direction
 /// to lean from.
 const STRIP_COSINE: f64 = 0.7;
-/// A count: steps at most, because curves bend and each is solved as if they were straight.
+/// A count: steps at most, more than one because curves bend and each step takes them for straight.
 const STRAIGHTEN_STEPS: usize = 8;
 /// A share of its edges: no vertex moves farther in one step, because it would come past its neighbours.
 const STRAIGHTEN_REACH: f64 = 0.5;

@@ -18,8 +18,8 @@ const FEATURE_SAMPLES: f64 = 1000.0;
 /// A share of the diagonal: borders are so near to features, a little nearer than what keeps them because an edge is
 /// looked at in three places only.
 const BORDER_NEAR: f64 = 0.0018;
-/// A share of its longest edge: a quad looks the wrong way where no triangle from the nearest one on up to there agrees
-/// with it, because needles of the input look anywhere.
+/// A share of its longest edge: a quad looks the wrong way where no triangle so little farther than the nearest one
+/// agrees with it, because needles of the input look anywhere.
 const WITNESS_REACH: f64 = 0.2;
 /// A share of the features: so much has to be kept, which is all but rounding because every one of them is asked for.
 pub const LEAST_RECALL: f64 = 0.9995;

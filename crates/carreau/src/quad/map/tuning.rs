@@ -70,8 +70,8 @@ pub const REMOVAL_FLIPS: usize = 400;
 /// A count: flips towards Delaunay for each half-edge at most, because rounding may let them go on forever.
 pub const DELAUNAY_FLIPS: usize = 40;
 
-/// Areas of quads, twice: while numbers are rounded one after the other the mean of the rest leaves every face so much,
-/// if it can, because one of a half is to be left in the end.
+/// Twice an area, in quads: while numbers are rounded one after the other the mean of the rest leaves every face so
+/// much, if it can, because each is to end with half a quad.
 pub const FACE_ROOM: f64 = 0.6;
 /// A count: rounded values that are looked at for each edge, the nearest first because those far off distort the quads.
 pub const MOST_CANDIDATES: usize = 14;
@@ -81,7 +81,7 @@ pub const ROUNDING_ORDERS: usize = 4;
 /// A share of their lengths: edges are shaken by it for another order, because short ones are still to come first.
 pub const ORDER_SHAKE: f64 = 0.4;
 /// A factor of the edges around a face that has no cell: they are to be longer in the next order, by little because ten
-/// times it make a limb of one cell one of two or three.
+/// such factors make a limb of one cell one of two or three.
 pub const CELL_STRETCH: f64 = 1.1;
 /// A factor of the edges where quads came to nothing: they are to be longer, because a limb of two cells around becomes
 /// one of three.
