@@ -6,14 +6,16 @@ use crate::geometry::quality::scaled_jacobian;
 use crate::mesh::HalfEdges;
 use glam::DVec3;
 
-/// Quads with a smaller scaled Jacobian have no normal of their own to go by.
-pub const BAD: f64 = 0.02;
-/// A quad may turn by less than this cosine in one move.
-const TURN: f64 = 0.5;
-/// So many of those around it will do: many may meet in one vertex.
-const ENOUGH: usize = 64;
-/// How much more a worse shape counts.
-const STEEP: f64 = 10.0;
+/// A scaled Jacobian: quads with a smaller one have no normal of their own to go by, because they are turned over or
+/// all but.
+pub const BAD_JACOBIAN: f64 = 0.02;
+/// A cosine: a quad may turn by less in one move, because one that turns farther is on its way to be turned over.
+const MOVE_TURN: f64 = 0.5;
+/// A count: so many quads beside one will do for its normal, because very many may meet in one vertex.
+const ENOUGH_BESIDE: usize = 64;
+/// A factor of the shape in an exponent: how much more a worse one counts, because what cannot become better is not to
+/// hide what can.
+const SHAPE_STEEPNESS: f64 = 10.0;
 
 /// The quads and neighbours of every vertex.
 pub struct Around {
@@ -111,7 +113,7 @@ impl<'a> Ring<'a> {
             let (own, ceilings) = (corners(work, quad, vertex, at), &around.ceilings[quad as usize]);
             let mut up = normal(own);
             let mut found = jacobians(own, up);
-            let is_good = found.into_iter().all(|j| j > BAD);
+            let is_good = found.into_iter().all(|j| j > BAD_JACOBIAN);
             if !is_good {
                 up = up_beside(work, around, quad).normalize_or(up);
                 found = jacobians(own, up);
@@ -133,7 +135,7 @@ impl<'a> Ring<'a> {
                 return shape(after, before.up, ceilings);
             }
             let up = normal(after);
-            if up.dot(before.up) < TURN { [-1.0; 4] } else { shape(after, up, ceilings) }
+            if up.dot(before.up) < MOVE_TURN { [-1.0; 4] } else { shape(after, up, ceilings) }
         })
     }
 
@@ -144,7 +146,7 @@ impl<'a> Ring<'a> {
 
     /// A sum that the worst of the shapes make most of: what cannot become better does not hide what can.
     pub fn distress(&self, at: DVec3) -> f64 {
-        self.shapes(at).flatten().map(|shape| (-STEEP * shape).exp()).sum()
+        self.shapes(at).flatten().map(|shape| (-SHAPE_STEEPNESS * shape).exp()).sum()
     }
 }
 
@@ -156,10 +158,10 @@ pub fn worst(work: &Work, around: &Around, vertex: u32) -> f64 {
 /// The normals of the quads beside one, those that have one.
 fn up_beside(work: &Work, around: &Around, q: u32) -> DVec3 {
     beside(work, around, q)
-        .take(ENOUGH)
+        .take(ENOUGH_BESIDE)
         .map(|other| work.faces.face(other as usize))
         .map(|f| [0, 1, 2, 3].map(|k| work.points[f[k] as usize]))
-        .filter(|&p| scaled_jacobian(p) > BAD)
+        .filter(|&p| scaled_jacobian(p) > BAD_JACOBIAN)
         .map(normal)
         .sum()
 }

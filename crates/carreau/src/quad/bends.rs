@@ -16,7 +16,7 @@
 
 use super::around::{Around, worst};
 use super::curve::{Curve, end_of, in_order};
-use super::smooth::jacobian;
+use super::smooth::{POOR_SHAPE, jacobian};
 use super::source::Source;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
@@ -25,20 +25,19 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Curves are straight where they turn by less, in degrees.
+/// Degrees: curves are straight where they turn by less, because an edge cuts off hardly anything there.
 pub const BEND_DEG: f64 = 8.0;
-/// Where there are more bends than vertices, a vertex goes no farther than this share of the mean edge: a little more than half,
-/// or bends between two would be left out.
-const REACH: f64 = 0.55;
-/// Two bends nearer to each other than this share of the mean edge do not both get a vertex.
-const APART: f64 = 0.35;
-/// Quads between features alone that become worse than this scaled Jacobian are taken back: bends of two features side by side
-/// may be out of step, and no smoothing mends that.
-const FAIR: f64 = 0.2;
-/// Vertices that have a worse quad when all has been smoothed are let go.
-const TIGHT: f64 = 0.6;
-/// More pairs of a vertex and a bend than this are not looked at for one curve: they would take a gigabyte.
-const MOST_PAIRS: usize = 50_000_000;
+/// A share of the mean edge: a vertex goes no farther where there are more bends than vertices, a little more than half
+/// because bends between two would be left out otherwise.
+const BEND_REACH: f64 = 0.55;
+/// A share of the mean edge: two bends that are nearer to each other do not both get a vertex, because the edge between
+/// would be too short.
+const BEND_SPACING: f64 = 0.35;
+/// A scaled Jacobian: quads between features alone that become worse are taken back, because bends of two features side
+/// by side may be out of step, and no smoothing mends that.
+const RIGID_JACOBIAN: f64 = 0.2;
+/// A count: more pairs of a vertex and a bend are not looked at for one curve, because they would take a gigabyte.
+const MOST_BEND_PAIRS: usize = 50_000_000;
 
 /// The vertices of a curve of the mesh in their order, with their stations on the curve of the source.
 struct Chain<'a> {
@@ -80,7 +79,7 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
 /// Vertices held at bends may move along their curves again where no smoothing has made the quads around good. Returns whether
 /// there are any.
 pub fn let_go(work: &mut Work, around: &Around, held: &[(u32, Place)]) -> bool {
-    let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v) < TIGHT;
+    let is_poor = |&&(v, _): &&(u32, Place)| worst(work, around, v) < POOR_SHAPE;
     let poor: Vec<(u32, Place)> = held.iter().filter(is_poor).copied().collect();
     poor.iter().for_each(|&(v, place)| work.place[v as usize] = place);
     !poor.is_empty()
@@ -143,13 +142,13 @@ impl<'a> Chain<'a> {
         let quads = self.vertices.iter().flat_map(|&v| around.quads[v as usize].iter().copied());
         let is_rigid =
             |&q: &u32| work.faces.face(q as usize).iter().all(|&v| !matches!(work.place[v as usize], Place::Region(_)));
-        let flat: Vec<u32> = quads.filter(is_rigid).filter(|&q| jacobian(work, q) < FAIR).collect();
+        let flat: Vec<u32> = quads.filter(is_rigid).filter(|&q| jacobian(work, q) < RIGID_JACOBIAN).collect();
         if flat.is_empty() {
             return false;
         }
         let after = self.state(work);
         self.restore(work, before);
-        let is_new = flat.iter().any(|&q| jacobian(work, q) > FAIR);
+        let is_new = flat.iter().any(|&q| jacobian(work, q) > RIGID_JACOBIAN);
         self.restore(work, &after);
         is_new
     }
@@ -192,15 +191,15 @@ impl<'a> Chain<'a> {
         let mean = self.curve.length() / count as f64;
         let mut bends: Vec<f64> = Vec::new();
         for &bend in &self.curve.bends {
-            if bends.last().is_none_or(|last| bend - last >= APART * mean) {
+            if bends.last().is_none_or(|last| bend - last >= BEND_SPACING * mean) {
                 bends.push(bend);
             }
         }
         if !self.curve.is_closed {
             // Near an end the vertex there is near enough.
-            bends.retain(|&b| b >= APART * mean && self.curve.length() - b >= APART * mean);
+            bends.retain(|&b| b >= BEND_SPACING * mean && self.curve.length() - b >= BEND_SPACING * mean);
             let inner: Vec<f64> = self.stations[1..count].to_vec();
-            return alignment(&inner, &bends, REACH * mean).into_iter().map(|(i, j)| (i + 1, bends[j])).collect();
+            return alignment(&inner, &bends, BEND_REACH * mean).into_iter().map(|(i, j)| (i + 1, bends[j])).collect();
         }
         // Once around from the vertex and the bend that are nearest to each other.
         let first = self.stations[0];
@@ -223,7 +222,7 @@ impl<'a> Chain<'a> {
         let others: Vec<f64> = (1..count).map(vertex).collect();
         let other_bends: Vec<f64> = (1..bends.len()).map(|i| bend(i) - shift).collect();
         let mut matched = vec![(k, bend(0) - shift)];
-        let rest = alignment(&others, &other_bends, REACH * mean);
+        let rest = alignment(&others, &other_bends, BEND_REACH * mean);
         matched.extend(rest.into_iter().map(|(i, j)| (k + i + 1, other_bends[j])));
         matched
     }
@@ -233,7 +232,7 @@ impl<'a> Chain<'a> {
 /// sum of the squares of the ways between them is least.
 fn alignment(vertices: &[f64], bends: &[f64], reach: f64) -> Vec<(usize, usize)> {
     let (n, m) = (vertices.len(), bends.len());
-    if n == 0 || m == 0 || n.saturating_mul(m) > MOST_PAIRS {
+    if n == 0 || m == 0 || n.saturating_mul(m) > MOST_BEND_PAIRS {
         return Vec::new();
     }
     // Leaving a bend out costs more than any way, or as much as the farthest one.

@@ -16,11 +16,11 @@ use glam::DVec3;
 use rustc_hash::FxHashSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// No ceiling is lower.
-const LOWEST: f64 = 0.01;
+/// A scaled Jacobian: no ceiling is lower, because what there is gets divided by it.
+const LOWEST_CEILING: f64 = 0.01;
 
-/// Quads around a tip: fewer than three cannot be.
-const FEWEST: f64 = 3.0;
+/// A count: quads around a tip at least, because fewer than three cannot be.
+const FEWEST_AT_TIP: f64 = 3.0;
 
 /// The ceiling of every corner, for the quads that are there.
 pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
@@ -30,7 +30,7 @@ pub fn ceilings(work: &Work) -> Vec<[f64; 4]> {
 
 /// The ceiling of every corner, for the best number of quads in its sector or around its tip.
 fn best_ceilings(work: &Work) -> Vec<[f64; 4]> {
-    let around_tip = |angle: f64, _| (angle / FEWEST).min(FRAC_PI_2).sin();
+    let around_tip = |angle: f64, _| (angle / FEWEST_AT_TIP).min(FRAC_PI_2).sin();
     let in_sector = |angle: f64, _| {
         let few = (angle / FRAC_PI_2).floor().max(1.0);
         (angle / few).min(PI).sin().max((angle / (few + 1.0)).sin())
@@ -65,8 +65,8 @@ fn of_sectors(work: &Work, ceiling: impl Fn(f64, u32) -> f64, at_tip: impl Fn(f6
     let of = |c: usize| {
         let (v, angle, quads) = (corners[c] as usize, angle[sector[c] as usize], quads[sector[c] as usize]);
         match (is_on_feature[v], work.place.get(v)) {
-            (true, _) => ceiling(angle, quads).max(LOWEST),
-            (false, Some(Place::Fixed)) => at_tip(angle, quads).max(LOWEST),
+            (true, _) => ceiling(angle, quads).max(LOWEST_CEILING),
+            (false, Some(Place::Fixed)) => at_tip(angle, quads).max(LOWEST_CEILING),
             (false, _) => 1.0,
         }
     };

@@ -22,25 +22,28 @@ use crate::error::Result;
 use crate::mesh::Polygons;
 use rustc_hash::FxHashSet;
 
-/// Quads of a worse shape go as well, if that leaves fewer of them.
-const POOR: f64 = 0.1;
-/// Where more quads than this share of them are no good, others are needed.
-const MOST: f64 = 0.05;
-/// Rounds at most, and those that leave no fewer such quads before it is given up.
-const ROUNDS: usize = 30;
-const PATIENCE: usize = 8;
-/// The longer diagonal of a quad is collapsed only where the other one leaves valences that are worse, and it is no longer than
-/// so many times that one for each of them.
-const LONGER: f64 = 1.3;
-/// Rings of quads around a collapse that are smoothed after it.
-const RINGS: usize = 3;
+/// A scaled Jacobian over what it can be: quads with a worse one go as well, if that leaves fewer of them, because no
+/// smoothing has mended them.
+const COLLAPSED_SHAPE: f64 = 0.1;
+/// A share of the quads: where more are no good nothing is collapsed, because other quads are needed.
+const MOST_COLLAPSED: f64 = 0.05;
+/// A count: rounds at most, because collapses that touch each other are made one after the other.
+const COLLAPSE_ROUNDS: usize = 30;
+/// A count: rounds that leave no fewer such quads before it is given up, because one may have to grow worse before it
+/// goes.
+const COLLAPSE_PATIENCE: usize = 8;
+/// A factor of length for each valence that becomes worse: the longer diagonal is collapsed only where the other one
+/// costs more, because it takes vertices farther.
+const LONGER_DIAGONAL: f64 = 1.3;
+/// A count: rings of quads around a collapse that are smoothed after it, because those farther away hardly notice it.
+const SMOOTHED_RINGS: usize = 3;
 
 /// Collapses quads until all are good. Returns whether they are.
 pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<bool> {
     let mut best: Option<(usize, usize, bool, Work)> = None;
-    for round in 0..ROUNDS {
+    for round in 0..COLLAPSE_ROUNDS {
         let no_good: Vec<u32> = faults(work, source).map(|(q, _)| q as u32).collect();
-        let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < POOR).map(|(_, q)| q);
+        let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < COLLAPSED_SHAPE).map(|(_, q)| q);
         let bad: Vec<u32> = no_good.iter().copied().chain(poor).collect();
         let count = no_good.len() * work.faces.len() + bad.len();
         tracing::debug!(target: "carreau::quad", round, no_good = no_good.len(), bad = bad.len(), "to be collapsed");
@@ -49,7 +52,7 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<b
             best = Some((count, round, no_good.is_empty(), work.clone()));
         }
         let since = best.as_ref().map_or(0, |b| round - b.1);
-        if bad.is_empty() || since > PATIENCE || bad.len() as f64 > MOST * work.faces.len() as f64 {
+        if bad.is_empty() || since > COLLAPSE_PATIENCE || bad.len() as f64 > MOST_COLLAPSED * work.faces.len() as f64 {
             break;
         }
         context.check()?;
@@ -68,7 +71,7 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<b
 
 /// The vertices within some rings of quads around others.
 fn rings(work: &Work, around: &Around, mut vertices: Vec<u32>) -> Vec<u32> {
-    for _ in 0..RINGS {
+    for _ in 0..SMOOTHED_RINGS {
         let quads = vertices.iter().flat_map(|&v| around.quads[v as usize].iter());
         vertices = quads.flat_map(|&q| work.faces.face(q as usize)).copied().collect();
         vertices.sort_unstable();
@@ -130,7 +133,7 @@ impl<'a> Collapses<'a> {
         }
         let cost = |[from, to]: [u32; 2]| {
             let length = self.work.points[from as usize].distance(self.work.points[to as usize]);
-            length * LONGER.powi(self.worse([from, to], q) as i32)
+            length * LONGER_DIAGONAL.powi(self.worse([from, to], q) as i32)
         };
         let ways = [[a, c], [b, d]].into_iter().filter_map(|ends| self.directed(q, ends, may_flatten));
         ways.min_by(|&x, &y| cost(x).total_cmp(&cost(y)))

@@ -7,16 +7,18 @@
 //! ```
 
 use super::source::{Source, bits};
-use super::validate::{ALONG_DEG, NEAR};
+use super::validate::{FEATURE_ALONG_DEG, FEATURE_NEAR};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 use std::collections::BTreeMap;
 
-/// Chords keep a place within these shares of the distance and of the angle that count: smoothing moves their ends.
-const SURE: f64 = 0.8;
-const PARALLEL: f64 = 0.9;
-/// A curve that turns by this angle needs a chord (radians): what is kept of a bend is within [`ALONG_DEG`] of its chord.
-const TURN: f64 = 2.0 * PARALLEL * ALONG_DEG / 180.0 * std::f64::consts::PI;
+/// A share of [`FEATURE_NEAR`]: chords keep a place that is so near, because smoothing moves their ends.
+const CHORD_NEAR: f64 = 0.8;
+/// A share of [`FEATURE_ALONG_DEG`]: chords keep a place that is so parallel, because smoothing turns them.
+const CHORD_PARALLEL: f64 = 0.9;
+/// Radians: a curve needs a chord for each turn by so much, because what a chord keeps of a bend is within half of it
+/// to either side.
+const CHORD_TURN: f64 = 2.0 * CHORD_PARALLEL * FEATURE_ALONG_DEG / 180.0 * std::f64::consts::PI;
 
 /// A curve of the source.
 pub struct Curve {
@@ -115,8 +117,8 @@ impl Curve {
     pub fn fewest(&self, source: &Source, most: usize) -> Option<usize> {
         let turn = |w: &[DVec3]| (w[1] - w[0]).angle_between(w[2] - w[1]);
         let turned: f64 = self.points.windows(3).map(turn).filter(|a| a.is_finite()).sum();
-        let least = ((turned / TURN).floor() as usize).max(1);
-        (least..=most).find(|&count| self.is_kept(&self.ticks(count), SURE * NEAR * source.diagonal))
+        let least = ((turned / CHORD_TURN).floor() as usize).max(1);
+        (least..=most).find(|&count| self.is_kept(&self.ticks(count), CHORD_NEAR * FEATURE_NEAR * source.diagonal))
     }
 
     /// Where so many edges begin and end: at bends, if there are enough, and evenly between them.
@@ -145,7 +147,7 @@ impl Curve {
 
     /// Whether chords between ticks keep it: every piece that is of one edge and of one chord.
     fn is_kept(&self, ticks: &[f64], near: f64) -> bool {
-        let cos = (PARALLEL * ALONG_DEG).to_radians().cos();
+        let cos = (CHORD_PARALLEL * FEATURE_ALONG_DEG).to_radians().cos();
         let ends: Vec<DVec3> = ticks.iter().map(|&t| self.at(t)).collect();
         let keeps = |k: usize, p: DVec3, along: DVec3| {
             let chord = ends[k + 1] - ends[k];

@@ -12,7 +12,7 @@
 //! Along the planes it goes to the mean of its neighbours.
 
 use super::around::{Around, Moves, Ring};
-use super::smooth::{GOOD, SHARES};
+use super::smooth::{GOOD_SHAPE, WAY_SHARES};
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -20,24 +20,28 @@ use crate::error::Result;
 use crate::geometry::quadric::Quadric;
 use glam::DVec3;
 
-/// Rounds over all vertices.
-const ROUNDS: usize = 8;
-/// Where the surface beneath a quarter of a quad is looked at, along its sides: a little farther than to the middle, or what
-/// is there would be nobody's.
-const SAMPLES: [f64; 3] = [0.1, 0.33, 0.56];
-/// A move may worsen quads down to this scaled Jacobian, worse than in smoothing, where more than this share of the diagonal
-/// would be cut off.
-const FAIR: f64 = 0.4;
-const FAR: f64 = 0.0015;
-/// Directions that the planes hold by less than this share of their weight are left to the neighbours: those across a ridge
-/// of about ten degrees.
-const STEADY: f64 = 0.01;
-/// A vertex goes no farther than this share of its shortest edge at once, and comes no nearer to its neighbours than this
-/// share of their mean distance, unless it was.
-const REACH: f64 = 0.5;
-const LEFT: f64 = 0.35;
-/// It stays where it would move by a smaller share of the mean.
-const LITTLE: f64 = 0.003;
+/// A count: rounds over all vertices, because they go to the mean of neighbours that move as well.
+const FIT_ROUNDS: usize = 8;
+/// Shares of the sides of a quad from a vertex: where the surface beneath is looked at, a little farther than to the
+/// middle because what is there would be nobody's otherwise.
+const FIT_PLACES: [f64; 3] = [0.1, 0.33, 0.56];
+/// A scaled Jacobian over what it can be: a move may worsen quads down to it, further than in smoothing because much
+/// would be cut off otherwise.
+const FITTED_SHAPE: f64 = 0.4;
+/// A share of the diagonal: shapes may become as poor as [`FITTED_SHAPE`] only where more would be cut off, because
+/// less is not worth it.
+const FITTED_GAP: f64 = 0.0015;
+/// A share of the planes' weight: directions that hold less are left to the neighbours, because across a ridge of about
+/// ten degrees planes hold no more.
+const STEADY_WEIGHT: f64 = 0.01;
+/// A share of its shortest edge: a vertex goes no farther at once, because quads around would be turned over.
+const FIT_REACH: f64 = 0.5;
+/// A share of the mean edge: a vertex comes no nearer to its neighbours, unless it was, because ridges draw vertices
+/// together.
+const FIT_EDGE: f64 = 0.35;
+/// A share of the mean edge: a vertex stays where it would move by less, because its neighbours need not be looked at
+/// then.
+const LITTLE_FIT: f64 = 0.003;
 
 /// Moves the vertices inside regions, those that are to be moved.
 pub fn fit(
@@ -48,14 +52,14 @@ pub fn fit(
     context: &Context,
 ) -> Result<()> {
     let mut moves = Moves::new(work);
-    for round in 0..ROUNDS {
+    for round in 0..FIT_ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
             if let Place::Region(region) = work.place[v as usize]
                 && is_wanted(v)
                 && moves.any_since(round, 1, work, around, v)
                 && let Some(to) = settled(work, around, source, v, region)
-                && to.distance(work.points[v as usize]) > LITTLE * around.mean_edge(work, v)
+                && to.distance(work.points[v as usize]) > LITTLE_FIT * around.mean_edge(work, v)
             {
                 moves.note(round, v, true);
                 work.points[v as usize] = to;
@@ -73,14 +77,16 @@ fn settled(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -
     let count = neighbours().count() as f64;
     let mean = neighbours().sum::<DVec3>() / count - from;
     let length = around.mean_edge(work, v);
-    let step = beneath(work, around, source, v, region).optimum(mean, STEADY).clamp_length_max(REACH * shortest(from));
-    let is_far = step.dot(around.up(work, v)).abs() > FAR * source.diagonal;
+    let step = beneath(work, around, source, v, region)
+        .optimum(mean, STEADY_WEIGHT)
+        .clamp_length_max(FIT_REACH * shortest(from));
+    let is_far = step.dot(around.up(work, v)).abs() > FITTED_GAP * source.diagonal;
     let ring = Ring::new(work, around, v);
-    let before = ring.now.min(if is_far { FAIR } else { GOOD });
-    SHARES
+    let before = ring.now.min(if is_far { FITTED_SHAPE } else { GOOD_SHAPE });
+    WAY_SHARES
         .into_iter()
         .map(|share| work.put_back(source, v, from + share * step))
-        .find(|&to| shortest(to) >= shortest(from).min(LEFT * length) && ring.holds(to, before))
+        .find(|&to| shortest(to) >= shortest(from).min(FIT_EDGE * length) && ring.holds(to, before))
 }
 
 /// The planes beneath the quarters of the quads at a vertex, from where it is.
@@ -91,7 +97,7 @@ fn beneath(work: &Work, around: &Around, source: &Source, v: u32, region: u32) -
         let face = work.faces.face(q as usize);
         let first = face.iter().position(|&w| w == v).unwrap_or(0);
         let [o, a, c, b] = [0, 1, 2, 3].map(|k| work.points[face[(first + k) % 4] as usize]);
-        for (s, t) in SAMPLES.into_iter().flat_map(|s| SAMPLES.map(|t| (s, t))) {
+        for (s, t) in FIT_PLACES.into_iter().flat_map(|s| FIT_PLACES.map(|t| (s, t))) {
             let p = o.lerp(a, s).lerp(b.lerp(c, s), t);
             if let Some((p, triangle)) = source.on_region(region, p) {
                 sum.add(&Quadric::plane(p - from, source.normal(triangle), 1.0));

@@ -10,13 +10,17 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Places along an edge of half a quad that are looked at, and as many rows of them, where the middles of its edges and its
-/// own are off by more than this share of what is allowed.
-const FINE: usize = 5;
-const ROUGH: f64 = 0.5;
-/// Places of the source that are looked at are as far from each other as this share of the edges of quads; the most in a row.
-const APART: f64 = 0.5;
-const FINEST: f64 = 100.0;
+/// A count: parts of an edge of half a quad between places that are looked at, and rows of them, because one triangle
+/// of the surface may stick out between the middles.
+const FINE_PARTS: usize = 5;
+/// A share of what is allowed: where the middles of half a quad and of its edges are farther off more places are looked
+/// at, because one between may be off by more than what is allowed.
+const ROUGH_GAP: f64 = 0.5;
+/// A share of the edges of quads: places of the source that are looked at are so far apart, because each quad is to
+/// have some above it.
+const SOURCE_SPACING: f64 = 0.5;
+/// A count: parts of an edge of the source between such places at most, because their number grows with its square.
+const MOST_SOURCE_PARTS: f64 = 100.0;
 
 /// How far quads are from the surface at most.
 pub fn largest(gaps: &[DVec3]) -> f64 {
@@ -41,7 +45,7 @@ pub struct Gaps<'a> {
 
 impl<'a> Gaps<'a> {
     pub fn new(work: &Work, source: &'a Source, far: f64) -> Self {
-        let apart = APART * (source.area / work.faces.len().max(1) as f64).sqrt();
+        let apart = SOURCE_SPACING * (source.area / work.faces.len().max(1) as f64).sqrt();
         let faces = 0..source.surface.mesh.face_count();
         let above = faces.into_par_iter().flat_map_iter(|f| places(source, f, apart)).map(|p| (p, NONE)).collect();
         Gaps { source, far, below: vec![DVec3::ZERO; work.faces.len()], above }
@@ -92,9 +96,9 @@ pub fn beneath(source: &Source, region: u32, halves: [[DVec3; 3]; 2], far: f64) 
     for [a, b, c] in halves {
         let rough = [a.midpoint(b), b.midpoint(c), c.midpoint(a), (a + b + c) / 3.0].map(of);
         gap = rough.into_iter().fold(gap, longer);
-        if gap.length() > ROUGH * far {
-            for (i, j) in (0..=FINE).flat_map(|i| (0..=FINE - i).map(move |j| (i, j))) {
-                let p = a + (b - a) * (i as f64 / FINE as f64) + (c - a) * (j as f64 / FINE as f64);
+        if gap.length() > ROUGH_GAP * far {
+            for (i, j) in (0..=FINE_PARTS).flat_map(|i| (0..=FINE_PARTS - i).map(move |j| (i, j))) {
+                let p = a + (b - a) * (i as f64 / FINE_PARTS as f64) + (c - a) * (j as f64 / FINE_PARTS as f64);
                 gap = longer(gap, of(p));
             }
         }
@@ -105,7 +109,7 @@ pub fn beneath(source: &Source, region: u32, halves: [[DVec3; 3]; 2], far: f64) 
 /// The middle of a triangle of the source; on a larger one and its edges places about so far apart.
 fn places(source: &Source, face: usize, apart: f64) -> Vec<DVec3> {
     let mesh = &source.surface.mesh;
-    let steps = |length: f64| (length / apart).ceil().clamp(1.0, FINEST) as usize;
+    let steps = |length: f64| (length / apart).ceil().clamp(1.0, MOST_SOURCE_PARTS) as usize;
     let p = [0, 1, 2].map(|k| mesh.points()[mesh.faces().face(face)[k] as usize]);
     let length = |k: &usize| p[*k].distance(p[(k + 1) % 3]);
     if (0..3).all(|k| length(&k) <= apart) {

@@ -2,29 +2,36 @@
 
 use super::ceiling::worst_shape;
 use super::source::Source;
-use super::validate::{RECALL, recall};
+use super::validate::{LEAST_RECALL, recall};
 use super::work::Work;
-use super::{WITHIN, off, quality};
+use super::{NUMBER_WITHIN, off, quality};
 use crate::context::Context;
 use crate::error::Result;
 
-/// Quads farther from the surface than this share of their edges are of no use.
-pub const STRAYS: f64 = 0.4;
-/// So are those with a worse shape than this (the scaled Jacobian over what it can be between features).
-const USELESS: f64 = 0.02;
-/// So are those that lose more than this share of the features.
-const MOST_LOST: f64 = 0.2;
-/// Shapes below this count against quads, by grades of the other size; so does a number that is missed, in shares of it.
-const POOR: f64 = 0.5;
-const GRADE: f64 = 0.1;
-/// So does a distance from the surface above this share of the diagonal, by grades of the other.
-const FAR: f64 = 0.002;
-const FARTHER: f64 = 0.001;
-/// So do scaled Jacobians of less than this in the mean, by grades of the other size.
-const DULL: f64 = 0.93;
-const DULLER: f64 = 0.03;
-/// So do features that are lost, by grades of this share.
-const LOST: f64 = 0.02;
+/// A share of their edges: quads that are farther from the surface are of no use, because they leave out a part of it.
+pub const USELESS_STRAYING: f64 = 0.4;
+/// A scaled Jacobian over what it can be: quads with a worse one are of no use, because they are all but turned over.
+const USELESS_SHAPE: f64 = 0.02;
+/// A share of the features: quads that lose more are of no use, because they are made for what they keep.
+const USELESS_LOST: f64 = 0.2;
+/// A scaled Jacobian over what it can be: a worst one below counts against quads, because better ones do no harm.
+const GRADED_SHAPE: f64 = 0.5;
+/// A scaled Jacobian over what it can be: a grade of the worst shape, because less is hardly seen.
+const SHAPE_GRADE: f64 = 0.1;
+/// A share of the number: a grade of what is missed of it, because that is to weigh as much as a tenth of the worst
+/// shape.
+const NUMBER_GRADE: f64 = 0.1;
+/// A share of the diagonal: a distance from the surface above it counts against quads, because that is what a feature
+/// may be off by, too.
+const GRADED_GAP: f64 = 0.002;
+/// A share of the diagonal: a grade of that distance, because that is to weigh as much as a tenth of the worst shape.
+const GAP_GRADE: f64 = 0.001;
+/// A scaled Jacobian: a mean below it counts against quads, because good ones are above it on most surfaces.
+const GRADED_MEAN: f64 = 0.93;
+/// A scaled Jacobian: a grade of that mean, smaller than of the worst because it changes far less.
+const MEAN_GRADE: f64 = 0.03;
+/// A share of the features: a grade of what is lost, because few features are to weigh as much as a poor shape.
+const LOST_GRADE: f64 = 0.02;
 
 /// What speaks against quads, in the order of its weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,13 +58,13 @@ impl Judged {
         let strays = quality::straying(&work, source, context)?;
         let shape = worst_shape(&work);
         let kept = recall(&work, source).0;
-        let misses = quads.map_or(0, |n| grade(off(work.faces.len(), n) - WITHIN, GRADE));
-        let poor = grade(POOR - shape, GRADE);
-        let dull = grade(DULL - quality::mean_jacobian(&work), DULLER);
-        let far = grade(gap / source.diagonal - FAR, FARTHER);
-        let lost = grade(RECALL - kept, LOST);
+        let misses = quads.map_or(0, |n| grade(off(work.faces.len(), n) - NUMBER_WITHIN, NUMBER_GRADE));
+        let poor = grade(GRADED_SHAPE - shape, SHAPE_GRADE);
+        let dull = grade(GRADED_MEAN - quality::mean_jacobian(&work), MEAN_GRADE);
+        let far = grade(gap / source.diagonal - GRADED_GAP, GAP_GRADE);
+        let lost = grade(LEAST_RECALL - kept, LOST_GRADE);
         let cost = Cost {
-            is_useless: strays > STRAYS || shape < USELESS || kept < 1.0 - MOST_LOST,
+            is_useless: strays > USELESS_STRAYING || shape < USELESS_SHAPE || kept < 1.0 - USELESS_LOST,
             grades: poor + dull + misses + far + lost,
             irregular: quality::irregular(&work),
         };

@@ -10,12 +10,12 @@ use crate::mesh::{CornerId, Polygons, Side, SurfaceMesh, VertexId};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A vertex is on an edge within this share of the diagonal.
-const TOUCH: f64 = 1e-6;
-/// Rounds: each divides one edge of a triangle.
-const ROUNDS: usize = 3;
-/// Parts of an edge.
-const MOST_PARTS: f64 = 1e4;
+/// A share of the diagonal: vertices and edges touch at so small a distance, because files round their places.
+pub const TOUCH_DISTANCE: f64 = 1e-6;
+/// A count: rounds, as many as a triangle has edges because each of them divides one.
+const DIVISION_ROUNDS: usize = 3;
+/// A count: parts of an edge at most, because it may be longer than the quads that are wanted by any factor.
+const MOST_EDGE_PARTS: f64 = 1e4;
 
 /// The mesh with borders that meet in vertices, and what was done, one sentence each; `None` where there was nothing to do.
 pub fn meeting_borders(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, Vec<String>)>> {
@@ -26,7 +26,7 @@ pub fn meeting_borders(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, Vec<St
         moved.tagged_edges = mesh.tagged_edges.clone();
         met = Some(moved);
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..DIVISION_ROUNDS {
         let Some((next, edges)) = round(met.as_ref().unwrap_or(mesh))? else { break };
         (met, count) = (Some(next), count + edges);
     }
@@ -41,7 +41,7 @@ fn coinciding(mesh: &SurfaceMesh) -> Option<(Vec<DVec3>, usize)> {
     let borders = border_edges(mesh);
     let flat: Vec<[u32; 3]> = borders.iter().map(|&c| ends(mesh, c)).map(|[a, b]| [a.0, b.0, b.0]).collect();
     let tree = TriangleTree::new(mesh.points(), &flat);
-    let touch = TOUCH * mesh.diagonal();
+    let touch = TOUCH_DISTANCE * mesh.diagonal();
     let (mut points, mut moved) = (mesh.points().to_vec(), 0);
     let mut vertices: Vec<u32> = flat.iter().flat_map(|e| [e[0], e[1]]).collect();
     vertices.sort_unstable();
@@ -143,12 +143,12 @@ pub fn with_shared_borders_divided(mesh: &SurfaceMesh, length: f64) -> Result<Su
     let mut mesh = mesh.clone();
     // A triangle's turn comes for one edge after the other: what they shared at first counts.
     let shared: FxHashSet<_> = shared_borders(&mesh).into_iter().map(|c| edge_place(&mesh, c)).collect();
-    for _ in 0..ROUNDS {
+    for _ in 0..DIVISION_ROUNDS {
         let mut of_face = FxHashMap::default();
         for c in border_edges(&mesh).into_iter().filter(|&c| shared.contains(&edge_place(&mesh, c))) {
             let [a, b] = ends(&mesh, c).map(|v| mesh.point(v));
             let [from, to] = in_order([a, b]);
-            let parts = (from.distance(to) / length).ceil().min(MOST_PARTS);
+            let parts = (from.distance(to) / length).ceil().min(MOST_EDGE_PARTS);
             let mut places: Vec<DVec3> = (1..parts as u32).map(|k| from.lerp(to, f64::from(k) / parts)).collect();
             if from != a {
                 places.reverse();
@@ -167,7 +167,7 @@ pub fn with_shared_borders_divided(mesh: &SurfaceMesh, length: f64) -> Result<Su
 
 /// For every border edge the places of border vertices inside of it, in order.
 fn inside(mesh: &SurfaceMesh, edges: &[[VertexId; 2]]) -> Vec<Vec<DVec3>> {
-    let touch = TOUCH * mesh.diagonal();
+    let touch = TOUCH_DISTANCE * mesh.diagonal();
     let flat: Vec<[u32; 3]> = edges.iter().map(|[a, b]| [a.0, b.0, b.0]).collect();
     let tree = TriangleTree::new(mesh.points(), &flat);
     let mut places: Vec<Vec<(f64, DVec3)>> = vec![Vec::new(); edges.len()];
@@ -209,7 +209,7 @@ mod tests {
         assert!(longest.fold(0.0, f64::max) <= 0.5);
         assert_eq!(with_shared_borders_divided(&fine, 0.5).unwrap().faces(), fine.faces());
         // However long the edges are beside the quads that are wanted.
-        assert_eq!(with_shared_borders_divided(&mesh, 1e-100).unwrap().face_count(), 3 * MOST_PARTS as usize + 1);
+        assert_eq!(with_shared_borders_divided(&mesh, 1e-100).unwrap().face_count(), 3 * MOST_EDGE_PARTS as usize + 1);
     }
 
     #[test]

@@ -9,36 +9,40 @@
 
 use super::around::{Around, Ring};
 use super::gaps::{Gaps, largest};
-use super::nudge::nudge;
-use super::smooth::{GOOD, SHARES};
+use super::nearer::nudge;
+use super::smooth::{GOOD_SHAPE, WAY_SHARES};
 use super::source::Source;
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
 
-/// How far quads may be from the surface, as a share of the diagonal.
-const FAR: f64 = 0.0017;
-/// A vertex moves by no more than so many times what its quad is off by, where others of the quad cannot move.
-const MOST: f64 = 2.0;
-/// Rounds at most; one that leaves more than this share of what was too much is the last, and none is needed where all
-/// quads together are less than the other share of what is allowed too far off.
-const ROUNDS: usize = 8;
-const PROGRESS: f64 = 0.97;
-const LITTLE: f64 = 0.01;
+/// A share of the diagonal: how far quads may be from the surface, less than what counts against them because some stay
+/// a little farther off.
+const ALLOWED_GAP: f64 = 0.0017;
+/// A multiple of what a quad is off by: a vertex moves no farther where others of the quad cannot move, because it
+/// would spoil the quads on its other side.
+const MOST_LIFT: f64 = 2.0;
+/// A count: rounds at most, because vertices that move change what their neighbours have to move by.
+const LIFT_ROUNDS: usize = 8;
+/// A share of what was too much: a round that leaves more is the last, because the next ones would do less still.
+const EXCESS_LEFT: f64 = 0.97;
+/// A share of what is allowed: no round is needed where all quads together are too far off by less, because it would
+/// not be seen.
+const LITTLE_EXCESS: f64 = 0.01;
 
 /// Moves the vertices inside regions off the surface where their quads are too far from it. Returns how far they are then.
 pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
     let _stage = context.stage("lift");
     let around = &Around::new(work);
-    let far = FAR * source.diagonal;
+    let far = ALLOWED_GAP * source.diagonal;
     let mut gaps = Gaps::new(work, source, far);
     let beyond = |gaps: &[DVec3]| gaps.iter().map(|gap| (gap.length() - far).max(0.0)).sum::<f64>();
     let mut has_moved = vec![true; work.points.len()];
     let mut now = gaps.of(work, &has_moved);
-    for _ in 0..ROUNDS {
+    for _ in 0..LIFT_ROUNDS {
         let before = beyond(&now);
-        if before <= LITTLE * far {
+        if before <= LITTLE_EXCESS * far {
             break;
         }
         context.check()?;
@@ -50,12 +54,12 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
             {
                 let from = work.points[v];
                 let ring = Ring::new(work, around, v as u32);
-                let least = ring.now.min(GOOD);
+                let least = ring.now.min(GOOD_SHAPE);
                 let may_be = |&to: &DVec3| {
                     source.on_region(region, to).is_some_and(|found| found.0.distance(to) <= far)
                         && ring.holds(to, least)
                 };
-                if let Some(to) = SHARES.map(|share| from + share * step).into_iter().find(may_be) {
+                if let Some(to) = WAY_SHARES.map(|share| from + share * step).into_iter().find(may_be) {
                     work.points[v] = to;
                     has_moved[v] = true;
                 }
@@ -70,7 +74,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
             break;
         }
         now = moved;
-        if after > PROGRESS * before {
+        if after > EXCESS_LEFT * before {
             break;
         }
     }
@@ -81,7 +85,7 @@ pub fn lift(work: &mut Work, source: &Source, context: &Context) -> Result<f64> 
 /// The vertices of quads that are too far from the surface.
 pub fn far_vertices(work: &Work, source: &Source) -> Vec<bool> {
     let mut is_far = vec![false; work.points.len()];
-    for q in quads_beyond(work, source, FAR * source.diagonal) {
+    for q in quads_beyond(work, source, ALLOWED_GAP * source.diagonal) {
         work.faces.face(q).iter().for_each(|&v| is_far[v as usize] = true);
     }
     is_far
@@ -102,7 +106,7 @@ fn step(work: &Work, around: &Around, gaps: &[DVec3], v: usize, far: f64) -> Opt
     let (gap, q) = gap.filter(|gap| gap.0.length() > far)?;
     let is_free = |v: &&u32| matches!(work.place[**v as usize], Place::Region(_));
     let free = work.faces.face(q as usize).iter().filter(is_free).count();
-    Some(gap * (1.0 - far / gap.length()) * (4.0 / free as f64).min(MOST))
+    Some(gap * (1.0 - far / gap.length()) * (4.0 / free as f64).min(MOST_LIFT))
 }
 
 #[cfg(test)]
@@ -155,12 +159,12 @@ mod tests {
         let context = Context::new();
         let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
         let source = Source::new(&sphere(40), &options, &context).unwrap();
-        let far = FAR * source.diagonal;
+        let far = ALLOWED_GAP * source.diagonal;
         let mut work = on_sphere(8);
         assert!(1.0 - middles(&work).0 > 1.5 * far);
         let before = work.clone();
         let left = lift(&mut work, &source, &context).unwrap();
-        assert!(left <= (1.0 + LITTLE) * far, "{left} of {far}");
+        assert!(left <= (1.0 + LITTLE_EXCESS) * far, "{left} of {far}");
         let (low, high) = middles(&work);
         assert!(1.0 - low <= 1.1 * far && high - 1.0 <= 1.1 * far, "{low} {high} {far}");
         // Outwards, no farther than that, and square as before.
@@ -179,7 +183,7 @@ mod tests {
         let source = Source::new(&sphere(40), &options, &context).unwrap();
         let mut work = on_sphere(20);
         let before = work.points.clone();
-        assert!(lift(&mut work, &source, &context).unwrap() < FAR * source.diagonal);
+        assert!(lift(&mut work, &source, &context).unwrap() < ALLOWED_GAP * source.diagonal);
         assert_eq!(work.points, before);
     }
 }

@@ -1,23 +1,28 @@
 //! Rung 1: quads by global parametrisation, put onto the surface, smoothed and looked at.
 
 use super::collapse::collapse;
-use super::judged::{Judged, STRAYS};
+use super::judged::{Judged, USELESS_STRAYING};
 use super::lift::{far_vertices, quads_beyond};
 use super::map::{QuadMap, WORKING_EDGES, Wish};
 use super::smooth::Smoothing;
 use super::source::Source;
 use super::work::Work;
-use super::{QuadOptions, WITHIN, lifted, off, take_back, validate};
+use super::{NUMBER_WITHIN, QuadOptions, lifted, off, take_back, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use std::collections::BTreeSet;
 
-/// How often quads are made of a map, smaller ones each time where some were no good; and the share of those before that may be
-/// left for another time.
-const REFINEMENTS: usize = 6;
-const PROGRESS: f64 = 0.9;
-/// A quad that is turned over counts as so many that are too far from the surface: one that stays so is refused.
-const NO_GOOD: usize = 10;
+/// A count: how often quads are made of a map at most, smaller ones each time because some were no good.
+const MAPPED_ATTEMPTS: usize = 6;
+/// A count: how often that is for all working meshes together, but once for each, because the first ones show what there is
+/// to gain.
+const ALL_ATTEMPTS: usize = 9;
+/// A share of the faults before: an attempt that leaves more is the last, because smaller quads are of little use
+/// there.
+const FAULTS_LEFT: f64 = 0.9;
+/// A count of quads that are too far from the surface: one that is turned over counts as so many, because it is refused
+/// where it stays so.
+const TURNED_FAULTS: usize = 10;
 
 /// What a stage gives, or why it gives nothing.
 type OrWhy<T> = std::result::Result<T, String>;
@@ -48,10 +53,10 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    let mut of_map = OfMap::default();
+    let (mut of_map, mut left) = (OfMap::default(), ALL_ATTEMPTS);
     for working in WORKING_EDGES {
         let wish = Wish { length, quads, working, feature_deg };
-        match of_working_mesh(source, &wish, context)? {
+        match of_working_mesh(source, &wish, &mut left, context)? {
             Ok(found) if of_map.best.as_ref().is_none_or(|b| found.cost < b.cost) => of_map.best = Some(found),
             Ok(_) => {}
             Err(why) => {
@@ -66,12 +71,12 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
     Ok(of_map)
 }
 
-fn of_working_mesh(source: &Source, wish: &Wish, context: &Context) -> Result<OrWhy<Judged>> {
+fn of_working_mesh(source: &Source, wish: &Wish, left: &mut usize, context: &Context) -> Result<OrWhy<Judged>> {
     let mut map = match or_why(QuadMap::new(source, wish, context))? {
         Ok(map) => map,
         Err(why) => return Ok(Err(why)),
     };
-    let mut work = match placed(source, &mut map, wish, context)? {
+    let mut work = match placed(source, &mut map, wish, left, context)? {
         Ok(work) => work,
         Err(why) => return Ok(Err(why)),
     };
@@ -97,10 +102,14 @@ fn or_why<T>(result: Result<OrWhy<T>>) -> Result<OrWhy<T>> {
 }
 
 /// Quads of the map on the surface, as even as they become; smaller ones where some are no good or leave a part out, as on
-/// limbs that are hardly wider than they are.
-fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) -> Result<OrWhy<Work>> {
+/// limbs that are hardly wider than they are. `left`: the attempts that are left for all working meshes.
+fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, left: &mut usize, context: &Context) -> Result<OrWhy<Work>> {
     let mut best: OrWhy<((bool, usize), Work)> = Err(String::new());
-    for _ in 0..REFINEMENTS {
+    for attempt in 0..MAPPED_ATTEMPTS {
+        if attempt > 0 && *left == 0 {
+            break;
+        }
+        *left = left.saturating_sub(1);
         let mut work = match or_why(map.quads(wish, context))? {
             Ok(work) => work,
             Err(why) => return Ok(best.map(|b| b.1).map_err(|_| why)),
@@ -112,18 +121,18 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, context: &Context) ->
         Smoothing::new(&mut work, source).run(&mut work, source, context)?;
         let mut bad: BTreeSet<usize> = validate::faults(&work, source).map(|(q, _)| q).collect();
         let (no_good, lost) = (bad.len(), lost_curves(&work, source));
-        bad.extend(quads_beyond(&work, source, STRAYS * wish.length));
+        bad.extend(quads_beyond(&work, source, USELESS_STRAYING * wish.length));
         tracing::debug!(target: "carreau::quad", no_good, bad = bad.len(), lost = lost.len(), quads = work.faces.len(), "placed");
         map.refine(bad.iter().copied());
         lost.iter().for_each(|&curve| map.lengthen(curve));
-        let misses = wish.quads.is_some_and(|n| off(work.faces.len(), n) > WITHIN);
-        let faults = NO_GOOD * no_good + bad.len() - no_good + lost.len();
+        let misses = wish.quads.is_some_and(|n| off(work.faces.len(), n) > NUMBER_WITHIN);
+        let faults = TURNED_FAULTS * no_good + bad.len() - no_good + lost.len();
         let (now, before) = ((misses, faults), best.as_ref().map_or((true, usize::MAX), |b| b.0));
         if now < before {
             best = Ok((now, work));
         }
         // A curve may need several edges more before any part of it is found again.
-        if now.1 == 0 || lost.is_empty() && now.1 as f64 > PROGRESS * before.1 as f64 {
+        if now.1 == 0 || lost.is_empty() && now.1 as f64 > FAULTS_LEFT * before.1 as f64 {
             break;
         }
     }

@@ -5,7 +5,7 @@ use super::judged::Judged;
 use super::mapped::{self, OfMap};
 use super::source::Source;
 use super::work::{Place, Work};
-use super::{QuadOptions, sew, third, validate};
+use super::{QuadOptions, paired, sew, validate};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::features::{Creases, FeatureOptions};
@@ -82,7 +82,7 @@ fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context)
 /// What came of the map if it is of use, or what comes of the next methods.
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
-    let pairs = if map.will_do() { None } else { third::third(source, options, &mut warnings, context)? };
+    let pairs = if map.will_do() { None } else { paired::quads(source, options, &mut warnings, context)? };
     let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     let best = candidates.min_by(|a, b| a.0.cost.cmp(&b.0.cost));
     if options.rung == 1 && best.as_ref().is_none_or(|b| b.1 != Method::Map) {

@@ -7,21 +7,22 @@
 //! |---|---|---|
 //! | | the methods in their order; what speaks against quads | `methods`; `judged` |
 //! | 1 | global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities; its quads, put onto the surface | `map`; `mapped` |
-//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `third`, `pair` |
+//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `pair`; `paired` |
 //! | 4 | every triangle of the input becomes three quads; features stay to the bit | `halve` |
 //!
 //! | stages of rung 1 | file |
 //! |---|---|
 //! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `sew` |
 //! | working mesh, field, map, whole numbers, quads | `map` |
-//! | vertices go to where features bend, and where the surface comes to a point | `bends`, `tips` |
+//! | vertices go to where features bend, and where the surface comes to a point | `bends`, `apices` |
 //! | smoothing | `smooth`, `straighten`, `around`, `ceiling` |
 //! | where quads are no good: smaller ones, by other whole numbers; the last few are taken out | `mapped`; `collapse` |
-//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nudge` |
+//! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nearer` |
 //! | the validator; figures | `validate`; `quality` |
 //!
 //! [`graph`] is the motorcycle graph of the same field (the second application that the paper makes of it), a result of its own.
 
+mod apices;
 mod around;
 mod bends;
 mod ceiling;
@@ -37,8 +38,9 @@ mod lift;
 mod map;
 mod mapped;
 mod methods;
-mod nudge;
+mod nearer;
 mod pair;
+mod paired;
 mod quality;
 mod sew;
 mod smooth;
@@ -46,8 +48,6 @@ mod source;
 mod straighten;
 #[cfg(test)]
 mod tests;
-mod third;
-mod tips;
 mod validate;
 mod work;
 
@@ -60,7 +60,7 @@ use crate::error::Result;
 use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use glam::DVec3;
-use judged::STRAYS;
+use judged::USELESS_STRAYING;
 use lift::lift;
 use methods::Made;
 use serde::{Deserialize, Serialize};
@@ -124,10 +124,10 @@ impl Quads {
     }
 }
 
-/// Numbers of quads are met within this share.
-const WITHIN: f64 = 0.1;
-/// Rounds in which quads that are no good go back to where they were.
-const TAKEN_BACK: usize = 30;
+/// A share of the number: quads that are wanted are met within it, because features need what they need.
+const NUMBER_WITHIN: f64 = 0.1;
+/// A count: rounds in which quads that are no good go back to where they were, because each may spoil those beside it.
+const TAKE_BACK_ROUNDS: usize = 30;
 
 /// Makes an all-quad mesh in which every feature is a path of edges.
 ///
@@ -157,14 +157,14 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     let (source, made) = methods::best(source, mesh, options, context)?;
     let Made { work, method, mut warnings } = made;
     let count = work.faces.len();
-    if options.edge_length.is_none() && off(count, options.quads) > WITHIN {
+    if options.edge_length.is_none() && off(count, options.quads) > NUMBER_WITHIN {
         warnings.push(format!(
             "{} quads were asked for, {count} were made: what the features need, or what is left where the map of the surface fails",
             options.quads
         ));
     }
     let mut quality = quality::measure(&work, &source);
-    if quality.feature_recall < validate::RECALL
+    if quality.feature_recall < validate::LEAST_RECALL
         && let (kept, Some(p)) = validate::recall(&work, &source)
     {
         warnings.push(format!(
@@ -183,7 +183,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
     }
     (quality.distance_found, quality.distance_max) = (Some(found), Some(bound));
     let edge = (source.area / count as f64).sqrt();
-    if found * source.diagonal > STRAYS * edge {
+    if found * source.diagonal > USELESS_STRAYING * edge {
         warnings.push(format!(
             "the quads are up to {:.2} % of the diagonal from the surface: a part of it is thinner than they are; more quads are nearer",
             100.0 * found
@@ -220,7 +220,7 @@ fn sized(features: &FeatureOptions, mesh: &SurfaceMesh, quads: usize, edge_lengt
         None => features.for_squares(mesh, quads as f64),
     }
 }
-/// Most quads that may be asked for: more do not fit into memory.
+/// A count: most quads that may be asked for, because more do not fit into memory.
 const MOST_QUADS: usize = 100_000_000;
 
 fn check_size(quads: usize, edge_length: Option<f64>) -> Result<()> {
@@ -243,7 +243,7 @@ fn lifted(work: &mut Work, source: &Source, context: &Context) -> Result<f64> {
 /// Puts the vertices of quads that are no good to where they were before, as triangles have them or not yet lifted: no quad
 /// was turned over there.
 fn take_back(work: &mut Work, before: &[DVec3], source: &Source) {
-    for _ in 0..TAKEN_BACK {
+    for _ in 0..TAKE_BACK_ROUNDS {
         let bad: Vec<usize> = validate::faults(work, source).map(|(q, _)| q).collect();
         let mut moved = false;
         for v in bad.iter().flat_map(|&q| work.faces.face(q)).map(|&v| v as usize) {

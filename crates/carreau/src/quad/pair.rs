@@ -15,29 +15,38 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Sizes where the surface bends, as a share of the largest.
-const SMALLEST: f64 = 0.12;
-/// Angle between the surface and edges, in degrees.
-const DEVIATION: f64 = 16.0;
-/// How far features may move before their new vertices go back to them, as a share of the diagonal.
+/// A share of the largest size: the smallest triangles where the surface bends, because smaller ones would be far too
+/// many.
+const SMALLEST_SIZE: f64 = 0.12;
+/// Degrees: edges deviate from the surface by so much at most, because halving puts the vertices between onto it.
+const DEVIATION_DEG: f64 = 16.0;
+/// A share of the diagonal: features may move by so much before their new vertices go back to them, well below
+/// [`FOUND_NEAR`] because they have to be found again.
 const RIDGE_TOLERANCE: f64 = 8e-4;
-/// Features are recognised within this share of the diagonal and this angle.
-const NEAR: f64 = 1.5e-3;
-const ALONG_DEG: f64 = 20.0;
-/// A path is on the curve that this share of it is said to be on.
-const MOSTLY: f64 = 0.8;
-/// Edges with this tag stay as they are; others have another one.
-const HELD: i32 = 2;
-/// Vertices on features are as near as this share of the diagonal.
-const ON: f64 = 1e-5;
-/// Prices: of a pair, of a single triangle, of a corner off a right angle, of edges off the frames, of a fold.
-const PAIR: f64 = 6.0;
-const SINGLE: f64 = 5.0;
-const SHAPE: f64 = 1.5;
-const ALIGNMENT: f64 = 1.0;
-const STEPS: f64 = 1e6;
-/// Quads have a better scaled Jacobian, and less of a fold (radians).
+/// A share of the diagonal: a feature is found again where an edge is so near, because new edges are chords of it.
+const FOUND_NEAR: f64 = 1.5e-3;
+/// Degrees: that edge is so parallel to it, because chords turn where a feature bends.
+const FOUND_ALONG_DEG: f64 = 20.0;
+/// A share of its length: a path is on the curve that so much of it is said to be on, because an edge near a corner may
+/// be as near to the next curve.
+const PATH_SHARE: f64 = 0.8;
+/// A tag: edges that stay as they are have it, because others have another one and may change.
+const HELD_TAG: i32 = 2;
+/// A share of the diagonal: vertices on features are so near, because they are put back to them but for rounding.
+const ON_FEATURE: f64 = 1e-5;
+/// A price: what every pair costs, less than two single triangles because quads are wanted.
+const PAIR_PRICE: f64 = 6.0;
+/// A price: what a single triangle costs, because it becomes three quads around an irregular vertex.
+const SINGLE_PRICE: f64 = 5.0;
+/// A price: a corner that is a right angle off one costs so much, because quads are to be rectangles.
+const CORNER_PRICE: f64 = 1.5;
+/// A price: edges that are all 45° off the frames cost so much, because quads are to follow the field.
+const ALIGNMENT_PRICE: f64 = 1.0;
+/// A count: steps of a price of 1, because the matching takes whole numbers.
+const PRICE_STEPS: f64 = 1e6;
+/// A scaled Jacobian: pairs with a worse one make no quad, because it would be turned over or all but.
 const LEAST_JACOBIAN: f64 = 0.15;
+/// Radians: pairs with more of a fold make no quad, because it would cut off the edge between them.
 const MOST_FOLD: f64 = 0.6;
 
 /// Triangles with sides up to a length that keep the features, paired; `loose` as in [`Follow::loose`]. `None` where features could
@@ -87,11 +96,11 @@ fn pairs(
             continue;
         }
         if let Some(cost) = cost(t, c, frames) {
-            edges.push(Edge { ends: [c / 3, o / 3], cost: (STEPS * (PAIR + cost)).round() as i64 });
+            edges.push(Edge { ends: [c / 3, o / 3], cost: (PRICE_STEPS * (PAIR_PRICE + cost)).round() as i64 });
             halves.push(c);
         }
     }
-    let single = vec![(STEPS * SINGLE).round() as i64; t.len()];
+    let single = vec![(PRICE_STEPS * SINGLE_PRICE).round() as i64; t.len()];
     let matching = minimum_cost_matching(&edges, &single, context)?;
     let mut faces = Polygons::new();
     for i in 0..t.len() as u32 {
@@ -127,7 +136,7 @@ fn cost(t: Triangles<'_>, c: u32, frames: &[[DVec3; 2]]) -> Option<f64> {
         let off = frames[own as usize].map(|d| d.dot(next.normalize_or_zero()).abs().clamp(0.0, 1.0).acos());
         turn += off[0].min(off[1]) / FRAC_PI_4 / 4.0;
     }
-    Some(SHAPE * shape + ALIGNMENT * turn + 0.5 * fold)
+    Some(CORNER_PRICE * shape + ALIGNMENT_PRICE * turn + 0.5 * fold)
 }
 
 /// Coarse triangles that know the source.
@@ -156,12 +165,12 @@ pub struct Follow {
 impl Follow {
     /// So many times less closely than they should: where a surface bends a lot they would be too many.
     pub fn loose(loose: f64) -> Self {
-        Follow { deviation: loose * DEVIATION, smallest: SMALLEST, ridge_tolerance: loose * RIDGE_TOLERANCE }
+        Follow { deviation: loose * DEVIATION_DEG, smallest: SMALLEST_SIZE, ridge_tolerance: loose * RIDGE_TOLERANCE }
     }
 
     /// Triangles of about one size, that keep the features.
     pub fn even(smallest: f64) -> Self {
-        Follow { deviation: 3.0 * DEVIATION, smallest, ridge_tolerance: RIDGE_TOLERANCE }
+        Follow { deviation: 3.0 * DEVIATION_DEG, smallest, ridge_tolerance: RIDGE_TOLERANCE }
     }
 }
 
@@ -176,7 +185,7 @@ pub fn coarse(
     let mut mesh = source.surface.mesh.clone();
     mesh.attributes = Default::default();
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
-    let held = source.held_edges().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: HELD });
+    let held = source.held_edges().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: HELD_TAG });
     mesh.tagged_edges.extend(held);
     // A share beneath the doubles stands as the least of them.
     let largest = (length / source.diagonal).max(f64::MIN_POSITIVE);
@@ -188,7 +197,7 @@ pub fn coarse(
         max_size: largest,
         ridge_tolerance: follow.ridge_tolerance,
         ragged_borders: false,
-        held_tag: Some(HELD),
+        held_tag: Some(HELD_TAG),
         ..RemeshOptions::default()
     };
     let made = match simplify(&mesh, &options, context) {
@@ -203,7 +212,7 @@ pub fn coarse(
 
 /// Finds the features again.
 fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f64) -> Option<Coarse> {
-    let cos_along = ALONG_DEG.to_radians().cos();
+    let cos_along = FOUND_ALONG_DEG.to_radians().cos();
     let cos_fold = (0.5 * feature_deg).to_radians().cos();
     let normal = |t: usize| {
         let [a, b, c] = [0, 1, 2].map(|k| mesh.point(mesh.vertex(CornerId::new(3 * t + k))));
@@ -218,14 +227,14 @@ fn features(source: &Source, mesh: SurfaceMesh, region: Vec<u32>, feature_deg: f
         }
         let (a, b) = (mesh.point(mesh.vertex(c)), mesh.point(mesh.vertex(mesh.next(c))));
         let along = (b - a).normalize_or_zero();
-        let near = || source.feature_along((a + b) / 2.0, along, NEAR * source.diagonal, cos_along);
+        let near = || source.feature_along((a + b) / 2.0, along, FOUND_NEAR * source.diagonal, cos_along);
         let [f, g] = [Some(c), o].map(|c| c.map(|c| mesh.face_of(c).index()));
         let must = match (f, g) {
             (Some(f), Some(g)) => region[f] != region[g],
             _ => true,
         };
         let folded = || f.zip(g).is_some_and(|(f, g)| normal(f).dot(normal(g)) < cos_fold);
-        let on = |p: DVec3| source.feature_along(p, along, ON * source.diagonal, -1.0).is_some();
+        let on = |p: DVec3| source.feature_along(p, along, ON_FEATURE * source.diagonal, -1.0).is_some();
         // Between triangles of the same region only a seam is a feature: other folds are where thin regions were folded over.
         let seam = || near().filter(|&e| source.is_seam[source.curve[e as usize] as usize]);
         let edge = match must {
@@ -289,7 +298,7 @@ fn from_corner_to_corner(found: &mut [([u32; 2], u32)], points: &[DVec3], source
         let lengths = &lengths[path as usize];
         let most = lengths.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
         // Where corners are not found again there may be several curves.
-        if let Some(most) = most.filter(|most| *most.1 >= MOSTLY * lengths.values().sum::<f64>()) {
+        if let Some(most) = most.filter(|most| *most.1 >= PATH_SHARE * lengths.values().sum::<f64>()) {
             *curve = *most.0;
         }
     }

@@ -31,8 +31,8 @@ pub struct QuadQuality {
     pub distance_found: Option<f64>,
 }
 
-/// Samples in search of what quads leave out.
-const SAMPLES: usize = 5_000;
+/// A count: samples in search of what quads leave out, few because a part that matters is as large as a quad.
+const STRAYING_SAMPLES: usize = 5_000;
 
 /// All but the distance.
 pub fn measure(work: &Work, source: &Source) -> QuadQuality {
@@ -71,7 +71,7 @@ pub fn distance(work: &Work, surface: &SurfaceMesh, context: &Context) -> Result
 
 /// How far the quads leave the source, or leave part of it out: the largest distance of some samples, over the length of edges.
 pub fn straying(work: &Work, source: &Source, context: &Context) -> Result<f64> {
-    let options = DistanceOptions { samples: SAMPLES, refinements: 0, normals: false };
+    let options = DistanceOptions { samples: STRAYING_SAMPLES, refinements: 0, normals: false };
     let edge = (source.area / work.faces.len() as f64).sqrt();
     Ok(compared(work, &source.surface.mesh, &options, context)?.distance.max / edge)
 }

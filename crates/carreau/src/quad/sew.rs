@@ -17,14 +17,14 @@ use crate::mesh::{CornerId, DisjointSets, HalfEdges, Side, SurfaceMesh, TaggedEd
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Rounds in which what would not be manifold is left open.
-const ROUNDS: usize = 8;
+/// A count: rounds in which what would not be manifold is left open, because each may leave others that are not.
+const SEW_ROUNDS: usize = 8;
 
 /// The mesh with every border edge sewn to the one that lies on it, where there is just one and it runs the other way, and where
 /// the surface stays manifold; with the places of these edges. `None` where there are none.
 pub fn sewn(mesh: &SurfaceMesh) -> Result<Option<(SurfaceMesh, FxHashSet<EdgePlace>)>> {
     let mut pairs = pairs(mesh);
-    for _ in 0..ROUNDS {
+    for _ in 0..SEW_ROUNDS {
         if pairs.is_empty() {
             break;
         }

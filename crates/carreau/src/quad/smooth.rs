@@ -1,12 +1,12 @@
 //! Smoothing: vertices move to the mean of their neighbours, back to their curve or region, and only as far as the worst
 //! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
-use super::around::{Around, BAD, Moves, Ring, beside};
+use super::apices;
+use super::around::{Around, BAD_JACOBIAN, Moves, Ring, beside};
 use super::bends;
 use super::fit::fit;
 use super::source::Source;
 use super::straighten::straighten;
-use super::tips;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -14,28 +14,39 @@ use crate::error::Result;
 use crate::geometry::quality::scaled_jacobian;
 use glam::DVec3;
 
-const SWEEPS: usize = 20;
-/// A move may worsen quads down to this shape.
-pub const GOOD: f64 = 0.75;
-/// Shares of the way that are tried.
-pub const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
-/// Vertices with a worse quad are looked after, in so many rounds, with steps of these shares of their edges in turn.
-const POOR: f64 = 0.6;
-const ROUNDS: usize = 30;
-const STEPS: [f64; 5] = [0.3, 0.15, 0.07, 0.03, 0.015];
-/// No edge becomes shorter for it than this share of the mean of those around.
-const LEAST: f64 = 0.05;
-/// Rounds for quads that are turned over, their steps, and the rounds without progress before it is given up.
-const TANGLED: usize = 24;
-const TANGLED_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
-const PATIENCE: usize = 4;
+/// A count: sweeps over the vertices at most, because later ones hardly move any of them.
+const MOST_SWEEPS: usize = 20;
+/// A scaled Jacobian over what it can be: a move may worsen quads down to it, because even quads are worth more than a
+/// few that are perfect.
+pub const GOOD_SHAPE: f64 = 0.75;
+/// Shares of the way to a place, in the order in which they are tried, because quads may allow a part of it only.
+pub const WAY_SHARES: [f64; 3] = [1.0, 0.5, 0.2];
+/// A scaled Jacobian over what it can be: vertices with a worse quad are looked after one by one, because the mean of
+/// their neighbours is no good place for them.
+pub const POOR_SHAPE: f64 = 0.6;
+/// A count: rounds in which these are looked after, because a vertex that moves makes room for others.
+const CARE_ROUNDS: usize = 30;
+/// Shares of the mean edge: steps of these rounds in turn, from long to short because what is found far off is refined
+/// nearby.
+const CARE_STEPS: [f64; 5] = [0.3, 0.15, 0.07, 0.03, 0.015];
+/// A share of the mean edge: edges of these vertices become no shorter, because both ends would come to lie on each
+/// other.
+const SHORTEST_EDGE: f64 = 0.05;
+/// A count: rounds for quads that are turned over, because a vertex that moves makes room for others.
+const UNTANGLE_ROUNDS: usize = 24;
+/// Shares of the mean edge: steps of these rounds in turn, longer than others because vertices have to cross a quad.
+const UNTANGLE_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
+/// A count: such rounds without progress before it is given up, as many as there are steps because each may help.
+const UNTANGLE_PATIENCE: usize = 4;
 
-/// Vertices that slide along a curve leave edges of this share of those beside them.
-const APART: f64 = 0.4;
-/// They stay as near and parallel to it as this share of what counts.
-pub const SURE: f64 = 0.7;
-/// Where more quads than this share of them are turned over nothing is moved: it would be of no use.
-const HOPELESS: f64 = 0.5;
+/// A share of the mean edge: a vertex that slides along a curve leaves edges as long, because those beside it are to
+/// stay alike.
+const SLID_EDGE: f64 = 0.4;
+/// A share of the distance and the angle within which a feature is kept: vertices on curves move no farther off,
+/// because others beside them move, too.
+pub const KEPT_SHARE: f64 = 0.7;
+/// A share of the quads: where more are turned over nothing is moved, because it would be of no use.
+const HOPELESS_TURNED: f64 = 0.5;
 
 /// Puts vertices on features to where these bend, smooths what may move, and fits it to the surface.
 pub fn smooth(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
@@ -68,7 +79,7 @@ impl Smoothing {
     pub fn new(work: &mut Work, source: &Source) -> Self {
         let mut around = Around::new(work);
         let held = bends::follow(work, &around, source);
-        tips::follow(work, &mut around, source);
+        apices::follow(work, &mut around, source);
         Smoothing { around, held, even: None }
     }
 
@@ -83,11 +94,11 @@ impl Smoothing {
     fn settle(&mut self, work: &mut Work, source: &Source, context: &Context) -> Result<Settled> {
         let _stage = context.stage("smooth");
         let around = &self.around;
-        if turned(work).len() as f64 > HOPELESS * work.faces.len() as f64 {
+        if turned(work).len() as f64 > HOPELESS_TURNED * work.faces.len() as f64 {
             return Ok(Settled::Hopeless);
         }
         straighten(work, around, source, context)?;
-        for _ in 0..SWEEPS {
+        for _ in 0..MOST_SWEEPS {
             let mut moved = 0usize;
             for v in 0..work.points.len() as u32 {
                 context.check_every(v as usize)?;
@@ -139,7 +150,7 @@ impl Smoothing {
 
 /// The same for some of the vertices: they become even, are turned over no more, and are looked after.
 pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u32], context: &Context) -> Result<()> {
-    for _ in 0..SWEEPS {
+    for _ in 0..MOST_SWEEPS {
         let mut has_moved = false;
         for &v in near {
             context.check_every(v as usize)?;
@@ -149,9 +160,9 @@ pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u3
             break;
         }
     }
-    for round in 0..ROUNDS {
+    for round in 0..CARE_ROUNDS {
         for &v in near {
-            improve(work, around, source, v, STEPS[round % STEPS.len()]);
+            improve(work, around, source, v, CARE_STEPS[round % CARE_STEPS.len()]);
         }
     }
     Ok(())
@@ -160,12 +171,12 @@ pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u3
 /// Looks for better places for all that have a poor quad.
 fn look_after(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
     let mut moves = Moves::new(work);
-    for round in 0..ROUNDS {
+    for round in 0..CARE_ROUNDS {
         for v in 0..work.points.len() as u32 {
             context.check_every(v as usize)?;
-            if moves.any_since(round, STEPS.len(), work, around, v) {
+            if moves.any_since(round, CARE_STEPS.len(), work, around, v) {
                 let from = work.points[v as usize];
-                improve(work, around, source, v, STEPS[round % STEPS.len()]);
+                improve(work, around, source, v, CARE_STEPS[round % CARE_STEPS.len()]);
                 moves.note(round, v, work.points[v as usize] != from);
             }
         }
@@ -181,19 +192,19 @@ pub fn jacobian(work: &Work, q: u32) -> f64 {
 
 /// Quads that are turned over, or all but.
 pub fn turned(work: &Work) -> Vec<u32> {
-    (0..work.faces.len() as u32).filter(|&q| jacobian(work, q) <= BAD).collect()
+    (0..work.faces.len() as u32).filter(|&q| jacobian(work, q) <= BAD_JACOBIAN).collect()
 }
 
 /// Moves the vertices of quads that are turned over, and of those beside, until there are none or it is of no use. Returns
 /// whether it found that there are none.
 fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<bool> {
     let mut least = (usize::MAX, 0);
-    for round in 0..TANGLED {
+    for round in 0..UNTANGLE_ROUNDS {
         let bad = turned(work);
         if bad.len() < least.0 {
             least = (bad.len(), round);
         }
-        if bad.is_empty() || round > least.1 + PATIENCE {
+        if bad.is_empty() || round > least.1 + UNTANGLE_PATIENCE {
             return Ok(bad.iter().all(|&q| jacobian(work, q) > 0.0));
         }
         let mut near: Vec<u32> = bad
@@ -209,7 +220,7 @@ fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context
             if let Place::Region(_) = work.place[v as usize] {
                 relax(work, around, source, v);
             }
-            improve(work, around, source, v, TANGLED_STEPS[round % TANGLED_STEPS.len()]);
+            improve(work, around, source, v, UNTANGLE_STEPS[round % UNTANGLE_STEPS.len()]);
         }
     }
     Ok(false)
@@ -233,8 +244,8 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let from = work.points[v as usize];
     let mean = neighbours.iter().map(|&w| work.points[w as usize]).sum::<DVec3>() / neighbours.len() as f64;
     let ring = Ring::new(work, around, v);
-    let least = ring.now.min(GOOD);
-    let mut places = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share));
+    let least = ring.now.min(GOOD_SHAPE);
+    let mut places = WAY_SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share));
     let Some(to) = places.find(|&to| ring.holds(to, least)) else { return false };
     work.points[v as usize] = to;
     to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize])
@@ -252,7 +263,7 @@ fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let from = work.points[v as usize];
     let ring = Ring::new(work, around, v);
     let before = ring.now;
-    if before >= GOOD {
+    if before >= GOOD_SHAPE {
         return false;
     }
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
@@ -263,11 +274,11 @@ fn slide(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
         }
     }
     let (mean, length) = (sum / count, around.mean_edge(work, v));
-    let least = around.shortest_edge(work, v, from).min(APART * length);
-    let to = SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share)).find(|&to| {
+    let least = around.shortest_edge(work, v, from).min(SLID_EDGE * length);
+    let to = WAY_SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share)).find(|&to| {
         ring.holds(to, before)
             && around.shortest_edge(work, v, to) >= least
-            && keeps_feature_at(work, around, source, v, to, SURE)
+            && keeps_feature_at(work, around, source, v, to, KEPT_SHARE)
     });
     let Some(to) = to else { return false };
     work.points[v as usize] = to;
@@ -281,12 +292,12 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     }
     let from = work.points[v as usize];
     let ring = Ring::new(work, around, v);
-    if ring.now >= POOR {
+    if ring.now >= POOR_SHAPE {
         return;
     }
     let mut best = (ring.distress(from), from);
     let length = around.mean_edge(work, v);
-    let least = around.shortest_edge(work, v, from).min(LEAST * length);
+    let least = around.shortest_edge(work, v, from).min(SHORTEST_EDGE * length);
     let (x, y) = around.up(work, v).any_orthonormal_pair();
     for k in 0..8 {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
@@ -354,7 +365,7 @@ mod tests {
         let (mut work, source, context) = strip(1.5);
         assert!(worst_shape(&work) < 0.6);
         smooth(&mut work, &source, &context).unwrap();
-        assert!(worst_shape(&work) >= GOOD, "{}", worst_shape(&work));
+        assert!(worst_shape(&work) >= GOOD_SHAPE, "{}", worst_shape(&work));
         // On their curves still, in order.
         assert!((0..10).all(|k| (0..2).all(|j| work.points[2 * k + 2 + j].x - work.points[2 * k + j].x > 0.4)));
         assert!(work.points.iter().enumerate().all(|(v, p)| p.y == (v % 2) as f64));

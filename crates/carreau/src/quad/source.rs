@@ -1,10 +1,10 @@
 //! The surface that quads are made of: its regions between features, its feature curves, and the way back to both.
 
+use super::apices::{Tip, tips};
 use super::bends::{BEND_DEG, bends};
 use super::curve::{Curve, paths};
 use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
 use super::sew::sewn;
-use super::tips::{Tip, tips};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -16,14 +16,14 @@ use crate::remesh::RIDGE_TURN_DEG;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Places of a chord where it is compared with its curve.
-const CHORD: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
+/// Shares of a chord: places where it is compared with its curve, inside of its ends because curves may bend there.
+const CHORD_PLACES: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
 
-/// Features fade out where more loose ends than this share of the curves are among them: on a part a crease or two run out in a
-/// fillet, and all others end in corners.
-const FADING: f64 = 0.1;
+/// A share of the curves: features fade out where more loose ends are among them, because on a part a crease or two run
+/// out in a fillet, and all others end in corners.
+const FADING_ENDS: f64 = 0.1;
 
-/// The features that are marked already.
+/// Options: features as they are marked already, because they were looked for in the surface as it was given.
 const AS_MARKED: FeatureOptions =
     FeatureOptions { angle_deg: None, creases: Creases::Every, borders: true, tags: true, edges: Vec::new() };
 
@@ -168,7 +168,7 @@ impl Source {
             diagonal: mesh.diagonal(),
             is_noisy: surface.found.noise.is_high(),
             fades: surface.found.noise.is_high()
-                || loose_ends(mesh.vertex_count(), &edges) as f64 > FADING * curve_count as f64,
+                || loose_ends(mesh.vertex_count(), &edges) as f64 > FADING_ENDS * curve_count as f64,
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
@@ -229,7 +229,7 @@ impl Source {
     pub fn is_along(&self, curve: u32, [a, b]: [DVec3; 2], near: f64, cos: f64) -> bool {
         let Some((edges, tree)) = self.curves.get(curve as usize) else { return true };
         let along = (b - a).normalize_or_zero();
-        CHORD.iter().all(|&share| {
+        CHORD_PLACES.iter().all(|&share| {
             tree.closest(a.lerp(b, share)).is_none_or(|found| {
                 let [from, to] = self.edges[edges[found.triangle as usize] as usize];
                 let way = self.surface.mesh.points()[to as usize] - self.surface.mesh.points()[from as usize];

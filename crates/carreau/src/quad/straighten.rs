@@ -13,7 +13,7 @@
 //!
 //! over the rows across and the edges along features is least.
 
-use super::around::{Around, BAD};
+use super::around::{Around, BAD_JACOBIAN};
 use super::smooth::jacobian;
 use super::source::Source;
 use super::validate::keeps_feature;
@@ -24,25 +24,28 @@ use crate::mesh::NONE;
 use crate::numeric::sparse::LeastSquares;
 use glam::DVec3;
 
-/// Rows that lean by less than this, its sine, need nothing.
-const LEAN: f64 = 0.5;
-/// Rows between curves that run apart by more than this cosine are not across a strip.
-const ALIKE: f64 = 0.7;
-/// Steps: curves bend, and no vertex moves by more than this share of its edges in one.
-const STEPS: usize = 8;
-const FAR: f64 = 0.5;
-/// What holds sides that nothing holds, relative to the changes of edges.
-const HOLD: f64 = 1e-6;
+/// A sine: rows that lean by less need nothing, because smoothing does the rest.
+const LEAN_SINE: f64 = 0.5;
+/// A cosine: rows between curves whose directions differ by more are not across a strip, because they have no direction
+/// to lean from.
+const STRIP_COSINE: f64 = 0.7;
+/// A count: steps at most, more than one because curves bend and each step takes them for straight.
+const STRAIGHTEN_STEPS: usize = 8;
+/// A share of its edges: no vertex moves farther in one step, because it would come past its neighbours.
+const STRAIGHTEN_REACH: f64 = 0.5;
+/// A weight over that of the changes of edges: it holds sides that nothing holds, small because it is not to be felt
+/// elsewhere.
+const SIDE_HOLD: f64 = 1e-6;
 
 /// Straightens the strips, if there are some that lean.
 pub fn straighten(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<()> {
     let rows = rows(work, around);
     let mut known = None;
-    for _ in 0..STEPS {
+    for _ in 0..STRAIGHTEN_STEPS {
         context.check()?;
         let tangents = tangents(work, around);
         let leans: Vec<Lean> = rows.iter().filter_map(|row| Lean::of(work, &tangents, row)).collect();
-        if !leans.iter().any(|lean| lean.sine.abs() > LEAN) {
+        if !leans.iter().any(|lean| lean.sine.abs() > LEAN_SINE) {
             break;
         }
         // Where lengths differ beyond what doubles hold it is not to be solved: the vertices stay.
@@ -72,7 +75,7 @@ impl Skew {
     fn of(work: &Work) -> Self {
         let mut skew = Skew::default();
         for jacobian in (0..work.faces.len() as u32).map(|q| jacobian(work, q)) {
-            skew.turned += usize::from(jacobian <= BAD);
+            skew.turned += usize::from(jacobian <= BAD_JACOBIAN);
             skew.squares += (1.0 - jacobian).powi(2);
         }
         skew
@@ -155,7 +158,7 @@ impl Lean {
         let ends = [row[0], row[row.len() - 1]];
         let [first, last] = ends.map(|v| v as usize);
         let (t, s) = (tangents[first], tangents[last]);
-        if t.dot(s).abs() < ALIKE {
+        if t.dot(s).abs() < STRIP_COSINE {
             return None;
         }
         let along = (t + s * t.dot(s).signum()).normalize_or_zero();
@@ -198,7 +201,7 @@ fn slides(work: &Work, tangents: &[DVec3], leans: &[Lean]) -> Option<Vec<f64>> {
         if length > 0.0 {
             let [by_a, by_b] = [*a, *b].map(|v| tangents[v as usize].dot(along) / length);
             add(1.0, &[(*a, -by_a), (*b, by_b)], 0.0);
-            [*a, *b].into_iter().for_each(|v| add(HOLD, &[(v, 1.0 / length)], 0.0));
+            [*a, *b].into_iter().for_each(|v| add(SIDE_HOLD, &[(v, 1.0 / length)], 0.0));
         }
     }
     let found = system.solve(&mut None).ok()?;
@@ -227,7 +230,7 @@ fn move_rows(work: &mut Work, source: &Source, tangents: &[DVec3], rows: &[Vec<u
 fn largest_share(work: &Work, u: &[f64]) -> f64 {
     let of_edge = |([a, b], _): &([u32; 2], u32)| {
         let length = work.points[*a as usize].distance(work.points[*b as usize]);
-        FAR * length / u[*a as usize].abs().max(u[*b as usize].abs()).max(f64::MIN_POSITIVE)
+        STRAIGHTEN_REACH * length / u[*a as usize].abs().max(u[*b as usize].abs()).max(f64::MIN_POSITIVE)
     };
     work.features.iter().map(of_edge).fold(1.0, f64::min)
 }
@@ -329,7 +332,7 @@ mod tests {
         assert!(lean(&work) > 0.7);
         let around = Around::new(&work);
         straighten(&mut work, &around, &source, &Context::new()).unwrap();
-        assert!(lean(&work) < LEAN, "{}", lean(&work));
+        assert!(lean(&work) < LEAN_SINE, "{}", lean(&work));
         assert!(turned(&work).is_empty());
         for (v, p) in (0u32..).zip(&work.points) {
             let ring = v / QUADS;

@@ -1,5 +1,6 @@
 //! The validator between the rungs: what a quad mesh has to be before anyone sees it.
 
+use super::junction::TOUCH_DISTANCE;
 use super::source::Source;
 use super::work::Work;
 use crate::error::Result;
@@ -8,18 +9,20 @@ use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{HalfEdges, SurfaceMesh, Topology};
 use glam::DVec3;
 
-/// A feature is kept where an edge is as near as this share of the diagonal and as parallel as this angle.
-pub const NEAR: f64 = 0.002;
-pub const ALONG_DEG: f64 = 15.0;
-/// Samples along the diagonal.
-const SAMPLES: f64 = 1000.0;
-/// Borders are as near as this to features; vertices and edges touch at this distance.
-const BORDER: f64 = 0.0018;
-const TOUCH: f64 = 1e-6;
-/// A quad looks the wrong way where no triangle within this share of its longest edge, from the nearest one, agrees with it.
-const AROUND: f64 = 0.2;
-/// All but rounding of the features has to be kept.
-pub const RECALL: f64 = 0.9995;
+/// A share of the diagonal: a feature is kept where an edge is so near, because chords of a bend cannot be on it.
+pub const FEATURE_NEAR: f64 = 0.002;
+/// Degrees: that edge is so parallel to it, because one that crosses a feature is near it as well.
+pub const FEATURE_ALONG_DEG: f64 = 15.0;
+/// A count: places of features for each length of the diagonal, because two of them are within [`FEATURE_NEAR`] then.
+const FEATURE_SAMPLES: f64 = 1000.0;
+/// A share of the diagonal: borders are so near to features, a little nearer than what keeps them because an edge is
+/// looked at in three places only.
+const BORDER_NEAR: f64 = 0.0018;
+/// A share of its longest edge: a quad looks the wrong way where no triangle so little farther than the nearest one
+/// agrees with it, because needles of the input look anywhere.
+const WITNESS_REACH: f64 = 0.2;
+/// A share of the features: so much has to be kept, which is all but rounding because every one of them is asked for.
+pub const LEAST_RECALL: f64 = 0.9995;
 
 /// Why a mesh is refused; `None`: it is accepted.
 pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Option<String>> {
@@ -29,7 +32,7 @@ pub fn refusal(work: &Work, mesh: &SurfaceMesh, source: &Source) -> Result<Optio
     let (kept, lost) = recall(work, source);
     let place =
         lost.map_or(String::new(), |p| format!(", the first one is lost near {:.4} {:.4} {:.4}", p.x, p.y, p.z));
-    Ok((kept < RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
+    Ok((kept < LEAST_RECALL).then(|| format!("{:.3} % of the features are kept{place}", 100.0 * kept)))
 }
 
 /// Why a mesh is refused, whatever it keeps of the features inside the surface.
@@ -69,7 +72,7 @@ pub fn faults<'a>(work: &'a Work, source: &'a Source) -> impl Iterator<Item = (u
         let longest = (0..4).map(|k| p[k].distance(p[(k + 1) % 4])).fold(0.0, f64::max);
         // Needles of the input look anywhere: one around that agrees will do.
         let is_turned = normal.dot(source.normal(t)) <= 0.0
-            && !source.has_alike(work.region[q], centre, centre.distance(below) + AROUND * longest, normal);
+            && !source.has_alike(work.region[q], centre, centre.distance(below) + WITNESS_REACH * longest, normal);
         is_turned.then_some((q, "looks the wrong way"))
     })
 }
@@ -84,7 +87,7 @@ pub fn told(work: &Work, (q, what): (usize, &str)) -> String {
 fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
     let half_edges = HalfEdges::new(&work.faces, work.points.len());
     let edges: Vec<[u32; 2]> = half_edges.groups().filter(|e| e.len() == 1).map(|e| e.ends).collect();
-    let near = BORDER * source.diagonal;
+    let near = BORDER_NEAR * source.diagonal;
     let is_far = |e: &[u32; 2]| {
         let [a, b] = e.map(|v| work.points[v as usize]);
         [0.25, 0.5, 0.75].iter().any(|&s| source.feature_along(a + (b - a) * s, DVec3::X, near, -1.0).is_none())
@@ -93,7 +96,7 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
         return Some("a border is off the borders of the surface");
     }
     let tree = TriangleTree::of_segments(&work.points, edges.iter().copied());
-    let touch = TOUCH * source.diagonal;
+    let touch = TOUCH_DISTANCE * source.diagonal;
     let is_inside = |v: u32| {
         let p = work.points[v as usize];
         let mut inside = false;
@@ -127,13 +130,13 @@ pub struct Lost {
 /// What is lost of every curve: places that no edge of a feature is near and about parallel to.
 pub fn lost(work: &Work, source: &Source) -> Vec<Lost> {
     let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
-    let (near, cos) = (NEAR * source.diagonal, ALONG_DEG.to_radians().cos());
+    let (near, cos) = (FEATURE_NEAR * source.diagonal, FEATURE_ALONG_DEG.to_radians().cos());
     let mut all = vec![Lost::default(); source.paths.len()];
     for (ends, &curve) in source.edges.iter().zip(&source.curve) {
         let of_curve = &mut all[curve as usize];
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
-        let n = (length / source.diagonal * SAMPLES).ceil().max(1.0);
+        let n = (length / source.diagonal * FEATURE_SAMPLES).ceil().max(1.0);
         for k in 0..n as usize {
             let p = a + (b - a) * ((k as f64 + 0.5) / n);
             let mut found = false;
@@ -153,5 +156,5 @@ pub fn lost(work: &Work, source: &Source) -> Vec<Lost> {
 
 /// Whether edges between two places keep the curve that they are on, by a share of what may be between them.
 pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2], share: f64) -> bool {
-    source.is_along(curve, ends, share * NEAR * source.diagonal, (share * ALONG_DEG).to_radians().cos())
+    source.is_along(curve, ends, share * FEATURE_NEAR * source.diagonal, (share * FEATURE_ALONG_DEG).to_radians().cos())
 }

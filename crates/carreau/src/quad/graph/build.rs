@@ -11,8 +11,9 @@ use crate::mesh::{Column, NONE, SurfaceMesh, TaggedEdge, VertexId};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Triangles that vertices go to the surface with keep so much of their area, and the cosine of their turn stays above it.
-const FOLD: f64 = 0.3;
+/// A share of their area, and a cosine: triangles whose vertices go to the surface keep more and turn by less, because
+/// others would be folded.
+const FOLD_LIMIT: f64 = 0.3;
 
 /// Collects what the walls of a sheet are.
 pub struct Builder<'a> {
@@ -200,7 +201,8 @@ impl<'a> Builder<'a> {
             points[v as usize] = to.unwrap_or(old);
             let folds = |(&h, before): (&u32, &DVec3)| {
                 let now = normal(&points, h / 3);
-                now.dot(*before) < FOLD * now.length() * before.length() || now.length() < FOLD * before.length()
+                now.dot(*before) < FOLD_LIMIT * now.length() * before.length()
+                    || now.length() < FOLD_LIMIT * before.length()
             };
             if around.iter().zip(&before).any(folds) {
                 points[v as usize] = old;

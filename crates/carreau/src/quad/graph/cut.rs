@@ -8,13 +8,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Cuts of one surface.
-const CUTS: usize = 500;
+/// A count: cuts that open the holes of one surface at most, because each goes over all of it.
+const MOST_HOLE_CUTS: usize = 500;
 
 /// Cuts patches until each has one loop, where there is a way from one to another. Returns the vertices of the cuts.
 pub fn open_holes(sheet: &mut Sheet) -> Vec<Vec<u32>> {
     let (mut cuts, mut given_up) = (Vec::new(), FxHashSet::default());
-    for _ in 0..CUTS {
+    for _ in 0..MOST_HOLE_CUTS {
         let (patch, count) = patch_of(sheet);
         let Some(loops) = loops(sheet, &patch, count) else { break };
         let closed = |p: &usize| loops[*p].len() > 1 && !given_up.contains(&loops[*p][0][0].0);

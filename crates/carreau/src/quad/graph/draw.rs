@@ -12,11 +12,12 @@ use crate::context::Context;
 use crate::error::Result;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Edges of the triangles that carry the field, over those of the quads: the next one where one is no good.
-pub const FINER: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
+/// Edges of the triangles that carry the field over those of the quads, in the order in which they are tried, because
+/// another field may do where one is no good.
+pub const FIELD_EDGES: [f64; 6] = [1.0, 0.6, 0.8, 0.45, 0.7, 0.9];
 
-/// Cuts of patches that have holes.
-const CUTS: usize = 200;
+/// A count: rounds of cuts through patches that are no discs at most, because each looks at all patches again.
+const MOST_DISC_CUTS: usize = 200;
 
 /// A sheet with its tracks.
 pub struct Drawn {
@@ -56,7 +57,7 @@ pub fn draw(
 /// Cuts patches that are no discs; returns the vertices of the cuts.
 fn mend(sheet: &mut Sheet, diagonal: f64, context: &Context) -> Result<[Vec<Vec<u32>>; 2]> {
     let (mut along, mut tried) = (Vec::new(), FxHashSet::default());
-    for _ in 0..CUTS {
+    for _ in 0..MOST_DISC_CUTS {
         let faults = audit(sheet).into_iter();
         let starts = faults.filter_map(|f| match f {
             Fault::NeedsCut(starts) => Some(starts),

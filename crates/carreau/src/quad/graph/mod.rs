@@ -27,15 +27,15 @@ use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, SurfaceMesh, UnitScale, VertexId};
 use build::Builder;
-use draw::{FINER, draw};
+use draw::{FIELD_EDGES, draw};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Tags of the edges of a graph's mesh: features, tracks, cuts.
+/// A tag of the edges of a graph's mesh: features, because they are walls before any track is drawn.
 pub const FEATURE: i32 = 1;
-/// Tracks of the motorcycle graph.
+/// A tag of the edges of a graph's mesh: tracks of the motorcycle graph, because they are paths of edges.
 pub const TRACK: i32 = 2;
-/// Cuts through patches that no track divides.
+/// A tag of the edges of a graph's mesh: cuts through patches, because no track divides these.
 pub const CUT: i32 = 3;
 
 /// Options of [`motorcycle_graph`].
@@ -317,7 +317,7 @@ pub fn motorcycle_graph(mesh: &SurfaceMesh, options: &GraphOptions, context: &Co
     let length = options.edge_length.unwrap_or_else(|| (source.area / options.quads as f64).sqrt());
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
     let mut why = String::new();
-    for finer in FINER {
+    for finer in FIELD_EDGES {
         match draw(&source, length, finer * length, feature_deg, context)? {
             Ok(drawn) => match Builder::new(&drawn, &source).and_then(Builder::graph) {
                 Some(graph) => return graph,

@@ -15,12 +15,12 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Crossings nearer to an end of an edge, as a share of it, go through the vertex.
-const SNAP: f64 = 0.12;
-/// Ends of tracks on a wall that are nearer to each other, in lengths of quads, are one.
-const NODE: f64 = 0.5;
-/// Tracks are taken back where they are longer than so many diagonals.
-const LONGEST: f64 = 4.0;
+/// A share of the edge: crossings nearer to an end go through the vertex, because slivers would be left beside it.
+const VERTEX_SNAP: f64 = 0.12;
+/// Lengths of quads: ends of tracks on a wall that are nearer to each other are one, because no quad fits between.
+const NODE_DISTANCE: f64 = 0.5;
+/// A count of diagonals: longer tracks are taken back, because they wind around the surface.
+const LONGEST_TRACK: f64 = 4.0;
 
 /// How a track leaves a vertex.
 #[derive(Debug, Clone, Copy)]
@@ -274,7 +274,7 @@ struct Race<'a> {
 impl<'a> Race<'a> {
     fn new(sheet: &'a mut Sheet, diagonal: f64) -> Self {
         let (tracks, queue, starts) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
-        Race { sheet, tracks, queue, longest: LONGEST * diagonal, starts }
+        Race { sheet, tracks, queue, longest: LONGEST_TRACK * diagonal, starts }
     }
 
     /// The vertices of the tracks that were not taken back.
@@ -338,7 +338,8 @@ impl<'a> Race<'a> {
         let (right, left) = (side(self.sheet.along(h)), side(-self.sheet.along(back)));
         let share = if left > right { (-right / (left - right)).clamp(0.0, 1.0) } else { 0.5 };
         // Through the vertex, unless there is no room for a quad on both sides of the track.
-        let near = if share < SNAP { Some((h, s)) } else { (share > 1.0 - SNAP).then_some((back, s + 2)) };
+        let near =
+            if share < VERTEX_SNAP { Some((h, s)) } else { (share > 1.0 - VERTEX_SNAP).then_some((back, s + 2)) };
         if let Some((edge, branch)) = near {
             match self.along(h, edge, branch) {
                 Some(to) => return Some(to),
@@ -403,7 +404,7 @@ impl<'a> Race<'a> {
         let near = if ends[0].0 <= ends[1].0 { [ends[0], ends[1]] } else { [ends[1], ends[0]] };
         for (distance, edge, branch) in near {
             let to = if edge == h { self.sheet.head(h) } else { self.sheet.tail(back) };
-            if distance > NODE * self.sheet.length || self.sheet.walls_at(to, NONE).0 < 3 {
+            if distance > NODE_DISTANCE * self.sheet.length || self.sheet.walls_at(to, NONE).0 < 3 {
                 continue;
             }
             if !is_wall && !self.starts.contains_key(&to) {

@@ -7,7 +7,7 @@
 //! ```
 
 use super::framed::{Framed, next};
-use super::tuning::HOLD;
+use super::tuning::FRAME_HOLD;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -134,7 +134,7 @@ fn straighten(framed: &mut Framed) -> Result<()> {
             system.add(weight, &terms, off);
         }
     }
-    (0..count).for_each(|k| system.add(HOLD, &[(k, 1.0)], 0.0));
+    (0..count).for_each(|k| system.add(FRAME_HOLD, &[(k, 1.0)], 0.0));
     let by = system.solve(&mut None)?;
     for (frame, &k) in framed.frame.iter_mut().zip(&unknown).filter(|(_, k)| **k != NONE) {
         *frame = DMat2::from_angle(by[k as usize]) * *frame;

@@ -12,7 +12,7 @@
 
 use super::flat::{Flat, Side};
 use super::framed::{next, previous};
-use super::tuning::{DELAUNAY_FLIPS, FLIPS, LEAST_AREA, REMOVAL_PASSES};
+use super::tuning::{DELAUNAY_FLIPS, LEAST_AREA, REMOVAL_FLIPS, REMOVAL_PASSES};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -53,7 +53,7 @@ fn flip_any(flat: &mut Flat, v: u32, edges: &[u32]) -> bool {
 }
 
 fn remove_inner(flat: &mut Flat, v: u32) -> bool {
-    for _ in 0..FLIPS {
+    for _ in 0..REMOVAL_FLIPS {
         let Some((star, true)) = flat.star(v) else { return false };
         let faces = [0, 1, 2].map(|k| star.get(k).map_or(NONE, |h| h / 3));
         if star.len() < 3 {
@@ -116,7 +116,7 @@ fn replace(flat: &mut Flat, v: u32, moved: &[(u32, u32, i32)], sides: &[Side], d
 
 /// A vertex in the middle of a straight feature or border.
 fn remove_on_curve(flat: &mut Flat, v: u32) -> bool {
-    for _ in 0..FLIPS {
+    for _ in 0..REMOVAL_FLIPS {
         let Some((star, is_closed)) = flat.star(v) else { return false };
         let Some(fans) = sides_of_curve(flat, &star, is_closed) else { return false };
         if fans.iter().all(|fan| fan.len() == 2) {

@@ -14,7 +14,7 @@ use super::cell::Cell;
 use super::flat::Flat;
 use super::framed::{Framed, next};
 use super::locate::{Locator, share_of_edge};
-use super::tuning::{MOST_CELLS, STEPS};
+use super::tuning::{MOST_CELLS, MOST_CROSSED};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -106,7 +106,7 @@ impl Extraction<'_> {
 
     /// The corner of a cell, in a direction from its centre.
     fn walk(&self, mut f: u32, mut from: Cell, mut way: Cell) -> Option<Spot> {
-        for _ in 0..STEPS {
+        for _ in 0..MOST_CROSSED {
             let (p, to) = (self.corners(f), from + way);
             let side = [0, 1, 2].map(|k| (p[(k + 1) % 3] - p[k]).cross(to - p[k]));
             if side.iter().all(|&s| s >= 0) {

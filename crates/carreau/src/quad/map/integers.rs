@@ -8,7 +8,7 @@ use super::flat::Flat;
 use super::framed::next;
 use super::lattice::{Lattice, Unknowns};
 use super::strips::Strips;
-use super::tuning::{CANDIDATES, ORDERS, REPAIRS, ROOM, SHAKE, STRETCH};
+use super::tuning::{CELL_STRETCH, FACE_ROOM, MOST_CANDIDATES, ORDER_SHAKE, REPAIR_ROUNDS, ROUNDING_ORDERS};
 use crate::context::Context;
 use crate::error::Result;
 use crate::numeric::dense::{cholesky, inverse, solve};
@@ -28,7 +28,7 @@ pub struct Curves {
 pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &Context) -> Result<bool> {
     let mut best: Option<(usize, Flat)> = None;
     let mut random = Random(1);
-    for order in 0..ORDERS {
+    for order in 0..ROUNDING_ORDERS {
         context.check()?;
         let mut tried = flat.clone();
         let unknowns = Unknowns::new(&tried, &goals(&tried, stretch, curves));
@@ -44,7 +44,7 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
             bad_faces(&tried).into_iter().flat_map(|f| [0, 1, 2].map(|k| tried.side(3 * f + k).vertex)).collect();
         tight.sort_unstable();
         tight.dedup();
-        tight.into_iter().for_each(|v| stretch[v as usize] *= STRETCH);
+        tight.into_iter().for_each(|v| stretch[v as usize] *= CELL_STRETCH);
         tracing::debug!(target: "carreau::quad", order, bad, "numbers");
         if best.as_ref().is_none_or(|b| bad < b.0) {
             best = Some((bad, tried));
@@ -85,7 +85,7 @@ fn rounded(unknowns: &Unknowns, random: Option<&mut Random>, context: &Context) 
     let length = |e: usize| unknowns.real[2 * e].hypot(unknowns.real[2 * e + 1]);
     let mut keys: Vec<f64> = (0..unknowns.edges.len()).map(length).collect();
     if let Some(random) = random {
-        keys.iter_mut().for_each(|key| *key *= 1.0 + SHAKE * (2.0 * random.share() - 1.0));
+        keys.iter_mut().for_each(|key| *key *= 1.0 + ORDER_SHAKE * (2.0 * random.share() - 1.0));
     }
     let mut order: Vec<u32> = (0..unknowns.real.len() as u32).collect();
     order.sort_by(|&a, &b| keys[a as usize / 2].total_cmp(&keys[b as usize / 2]).then(a.cmp(&b)));
@@ -145,13 +145,13 @@ impl<'a> Rounding<'a> {
         let mut candidates = self.candidates(k, count);
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.whole.cmp(&b.whole)));
         let mut best: Option<(f64, &Candidate, Vec<f64>)> = None;
-        for candidate in candidates.iter().take(CANDIDATES) {
+        for candidate in candidates.iter().take(MOST_CANDIDATES) {
             let mut q = self.q.clone();
             for (effect, y) in self.effect[k..k + count].iter().zip(candidate.steps) {
                 q.iter_mut().zip(effect).for_each(|(q, e)| *q += e * y);
             }
             let faces = 0..self.unknowns.faces.len();
-            let lack: f64 = faces.map(|f| (ROOM - self.unknowns.area(f, &q)).max(0.0)).sum();
+            let lack: f64 = faces.map(|f| (FACE_ROOM - self.unknowns.area(f, &q)).max(0.0)).sum();
             // Hundredths: nearer ones count as the same, and come first.
             let lack = (100.0 * lack).round();
             if best.as_ref().is_none_or(|b| lack < b.0) {
@@ -208,7 +208,7 @@ struct Candidate {
 
 /// Flips edges of faces that are not positive where that helps, in both metrics; returns how many such faces are left.
 fn repair(flat: &mut Flat) -> usize {
-    for _ in 0..REPAIRS {
+    for _ in 0..REPAIR_ROUNDS {
         let mut has_moved = false;
         for f in bad_faces(flat) {
             if flat.cells(f) > 0 {

@@ -97,7 +97,9 @@ pub struct Lattice {
     pub parity: Vec<Option<Vec<u32>>>,
 }
 
-const EPSILON: f64 = 1e-7;
+/// An entry of the elimination, without a unit: smaller ones are zero, because all others are halves at least and
+/// rounding is far below.
+const ZERO_ENTRY: f64 = 1e-7;
 
 impl Lattice {
     /// `order`: the unknowns, those to be free first. `None` where it would be too much.
@@ -118,7 +120,7 @@ impl Lattice {
             else {
                 break;
             };
-            if rows[best][column].abs() < EPSILON {
+            if rows[best][column].abs() < ZERO_ENTRY {
                 continue;
             }
             rows.swap(first, best);
@@ -140,7 +142,7 @@ impl Lattice {
         }
         for c in (0..n).filter(|&c| pivot_row[c] != usize::MAX) {
             let row = &rows[pivot_row[c]];
-            let terms = free_columns.iter().enumerate().filter(|(_, f)| row[**f].abs() > EPSILON);
+            let terms = free_columns.iter().enumerate().filter(|(_, f)| row[**f].abs() > ZERO_ENTRY);
             of_free[order[c] as usize] = terms.map(|(k, &f)| (k as u32, -row[f])).collect();
         }
         let parity = parities(&of_free, free_columns.len());

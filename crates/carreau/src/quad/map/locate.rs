@@ -4,7 +4,7 @@
 use super::flat::Flat;
 use super::framed::{Framed, next, previous, turned};
 use super::seamless::Map;
-use super::tuning::STEPS;
+use super::tuning::MOST_CROSSED;
 use crate::mesh::NONE;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -69,7 +69,7 @@ impl<'a> Locator<'a> {
             return self.in_face(flat, h / 3, share_of_edge(h, share));
         };
         let mut left = share * side.vector.length() / self.scale;
-        for _ in 0..STEPS {
+        for _ in 0..MOST_CROSSED {
             let length = self.map.along(at).length();
             if left <= length {
                 break;
@@ -89,7 +89,7 @@ impl<'a> Locator<'a> {
     /// The next half-edge of a feature.
     fn further(&self, h: u32) -> Option<u32> {
         let mut at = next(h);
-        for _ in 0..STEPS {
+        for _ in 0..MOST_CROSSED {
             if self.framed.curve[at as usize] != NONE {
                 return Some(at);
             }
@@ -113,7 +113,7 @@ impl<'a> Locator<'a> {
         let (mut t, mut at, mut entered) = (h / 3, self.map.uv[h as usize], None);
         // At a corner only the side across can be left through.
         let mut only = Some(next(h));
-        for _ in 0..STEPS {
+        for _ in 0..MOST_CROSSED {
             let sides = [3 * t, 3 * t + 1, 3 * t + 2];
             let mut exit = (1.0, None);
             for h in sides.into_iter().filter(|&h| Some(h) != entered && only.is_none_or(|o| o == h)) {

@@ -47,8 +47,8 @@ use locate::Locator;
 use seamless::Map;
 use strips::Strips;
 use tuning::{
-    CANCELLED, FAILED, LACKING, MORE_EDGES, MOST_EDGES, MOST_QUADS, NUMBER, QUADS_EACH, REFINED, SIZES, SPARE, STALLED,
-    WORKING_SMALLEST,
+    CANCELLED_DISTANCE, FAILED_SIZES, LACKING_WEIGHT, MAPPED_WITHIN, MORE_EDGES, MOST_CURVE_EDGES, MOST_MAPPED_QUADS,
+    MOST_SIZES, QUADS_EACH_SINGULARITY, REFINED_STRETCH, SPARE_EDGES, STALLED_SIZES, WORKING_SMALLEST,
 };
 
 pub use tuning::WORKING_EDGES;
@@ -86,7 +86,7 @@ impl QuadMap {
     /// The map of a surface; or why there is none.
     pub fn new(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Self, String>> {
         let about = source.area / wish.length.powi(2);
-        if about > MOST_QUADS {
+        if about > MOST_MAPPED_QUADS {
             return Ok(Err("so many quads are too many for a map".into()));
         }
         let _stage = context.stage("working mesh");
@@ -99,7 +99,7 @@ impl QuadMap {
             return Ok(Err("its working mesh is not sound".into()));
         }
         tracing::debug!(target: "carreau::quad", triangles = field.mesh.face_count(), singular = field.singularities(), "working mesh");
-        if field.singularities() as f64 * QUADS_EACH > about {
+        if field.singularities() as f64 * QUADS_EACH_SINGULARITY > about {
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
         match Framed::new(&coarse, &field) {
@@ -115,7 +115,7 @@ impl QuadMap {
         context: &Context,
     ) -> Result<std::result::Result<Self, String>> {
         let _stage = context.stage("map");
-        let cancelled = cancel::cancel(&mut framed, CANCELLED * wish.length, context)?;
+        let cancelled = cancel::cancel(&mut framed, CANCELLED_DISTANCE * wish.length, context)?;
         let cut = match cut::cut(&framed) {
             Ok(cut) => cut,
             Err(why) => return Ok(Err(why)),
@@ -156,7 +156,7 @@ impl QuadMap {
         let mut corners: Vec<u32> = quads.flat_map(|q| self.corners[q]).collect();
         corners.sort_unstable();
         corners.dedup();
-        corners.into_iter().for_each(|v| self.stretch[v as usize] *= REFINED);
+        corners.into_iter().for_each(|v| self.stretch[v as usize] *= REFINED_STRETCH);
     }
 
     /// A feature curve is to have more edges in the next quads.
@@ -170,7 +170,7 @@ impl QuadMap {
         let mut scale = self.scale;
         let mut best: Option<((bool, f64), f64, Flat)> = None;
         let (mut failed, mut stalled) = (0, 0);
-        for _ in 0..SIZES {
+        for _ in 0..MOST_SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
             self.make_longer(&tried);
@@ -181,14 +181,14 @@ impl QuadMap {
             if holds {
                 tracing::debug!(target: "carreau::quad", scale, count, missing, "whole");
                 let off = ratio.ln().abs();
-                let lacking = LACKING * missing as f64 / self.curves.fewest.iter().sum::<usize>().max(1) as f64;
+                let lacking = LACKING_WEIGHT * missing as f64 / self.curves.fewest.iter().sum::<usize>().max(1) as f64;
                 let cost = (missing > 0, off + lacking);
                 let is_nearer = best.as_ref().is_none_or(|b| cost < b.0);
                 if is_nearer {
                     best = Some((cost, scale, tried));
                 }
                 stalled = if is_nearer { 0 } else { stalled + 1 };
-                if off < NUMBER && missing == 0 || stalled == STALLED {
+                if off < MAPPED_WITHIN && missing == 0 || stalled == STALLED_SIZES {
                     break;
                 }
                 scale /= ratio.sqrt();
@@ -197,7 +197,7 @@ impl QuadMap {
                 // Another size, other numbers.
                 scale *= 1.01;
                 failed += 1;
-                if failed == FAILED {
+                if failed == FAILED_SIZES {
                     break;
                 }
             }
@@ -217,7 +217,7 @@ impl QuadMap {
         for (curve, (length, &fewest)) in length.into_iter().zip(&self.curves.fewest).enumerate() {
             let (wanted, factor) = (fewest as f64, &mut self.curves.factor[curve]);
             if fewest > 0 && length > 0.0 {
-                *factor = factor.max((wanted + SPARE) / length);
+                *factor = factor.max((wanted + SPARE_EDGES) / length);
             }
         }
     }
@@ -243,7 +243,7 @@ fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
 /// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases of a scan are as rough as
 /// it is: they ask for nothing.
 fn fewest(source: &Source) -> Vec<usize> {
-    let of = |curve: &Curve| curve.fewest(source, MOST_EDGES).filter(|&n| n > 1 && !source.is_noisy).unwrap_or(0);
+    let of = |curve: &Curve| curve.fewest(source, MOST_CURVE_EDGES).filter(|&n| n > 1 && !source.is_noisy).unwrap_or(0);
     source.paths.iter().map(of).collect()
 }
 

@@ -7,7 +7,9 @@
 
 use super::cut::Cut;
 use super::framed::{Framed, next, turned};
-use super::tuning::{ANGLE, MULTIPLIERS, SEAMLESS, STIFFER, STIFFER_ROUNDS, STIFFNESS, TURNED};
+use super::tuning::{
+    ANGLE_MISMATCH, MULTIPLIER_SOLVES, SEAM_MISMATCH, SEAM_STIFFNESS, STIFFER_FACTOR, STIFFER_ROUNDS, TURNED_AREA,
+};
 use super::untangle::{Derivative, untangle};
 use crate::context::Context;
 use crate::error::Result;
@@ -31,11 +33,11 @@ pub fn seamless(framed: &Framed, cut: Cut, length: f64, context: &Context) -> Re
     let (mut wrong, mut fewest) = (Vec::new(), usize::MAX);
     for _ in 0..STIFFER_ROUNDS {
         let Some(mut uv) = system.first(context)? else { break };
-        wrong = system.smaller_than(TURNED, &uv).collect();
+        wrong = system.smaller_than(TURNED_AREA, &uv).collect();
         tracing::debug!(target: "carreau::quad", turned = wrong.len(), "solved");
         if wrong.len() >= fewest.max(1) {
             untangle(&system, &mut uv, context)?;
-            wrong = system.smaller_than(TURNED, &uv).collect();
+            wrong = system.smaller_than(TURNED_AREA, &uv).collect();
         } else {
             fewest = wrong.len();
         }
@@ -133,10 +135,10 @@ impl<'a> System<'a> {
         triangles.iter().flat_map(|&t| framed.triangles[t]).for_each(|v| is_near[v as usize] = true);
         for (area, t) in self.area.iter_mut().zip(&framed.triangles) {
             if t.iter().any(|&v| is_near[v as usize]) {
-                *area *= STIFFER;
+                *area *= STIFFER_FACTOR;
             }
         }
-        triangles.iter().for_each(|&t| self.area[t] *= STIFFER);
+        triangles.iter().for_each(|&t| self.area[t] *= STIFFER_FACTOR);
     }
 
     fn nodes(&self, t: usize) -> [u32; 3] {
@@ -186,7 +188,7 @@ impl<'a> System<'a> {
                 }
             }
         }
-        self.solve(matrix, &rhs, STIFFNESS, &mut None, context)
+        self.solve(matrix, &rhs, SEAM_STIFFNESS, &mut None, context)
     }
 
     /// The minimum of the model of what the map costs, about where it is.
@@ -226,7 +228,7 @@ impl<'a> System<'a> {
                 largest = largest.max(area * dot(&bent, &by[i]));
             }
         }
-        self.solve(matrix, &rhs, STIFFNESS * largest.min(1e3), plan, context)
+        self.solve(matrix, &rhs, SEAM_STIFFNESS * largest.min(1e3), plan, context)
     }
 
     /// The minimum of ½ xᵀ A x − bᵀ x under the constraints; `None` where these are not met.
@@ -249,7 +251,7 @@ impl<'a> System<'a> {
         }
         let factor = matrix.factor(plan)?;
         let mut multiplier = vec![0.0; self.rows.len()];
-        for _ in 0..MULTIPLIERS {
+        for _ in 0..MULTIPLIER_SOLVES {
             context.check()?;
             let mut right = rhs.to_vec();
             for (row, m) in self.rows.iter().zip(&multiplier) {
@@ -262,7 +264,7 @@ impl<'a> System<'a> {
                 *m += stiffness * off;
                 worst = worst.max(off.abs());
             }
-            if worst < SEAMLESS {
+            if worst < SEAM_MISMATCH {
                 return Ok(Some(x));
             }
         }
@@ -282,7 +284,7 @@ impl Map {
         for h in 0..self.uv.len() as u32 {
             angle[framed.tail(h) as usize] += self.along(h).angle_to(-self.along(super::framed::previous(h)));
         }
-        let is_wrong = |v: usize| (angle[v] - f64::from(framed.quads[v]) * FRAC_PI_2).abs() > ANGLE;
+        let is_wrong = |v: usize| (angle[v] - f64::from(framed.quads[v]) * FRAC_PI_2).abs() > ANGLE_MISMATCH;
         (0..framed.triangles.len()).filter(|&t| framed.triangles[t].iter().any(|&v| is_wrong(v as usize))).collect()
     }
 }

@@ -18,7 +18,7 @@
 use super::cell::Cell;
 use super::flat::{Flat, Side};
 use super::framed::{next, previous};
-use super::tuning::{DETOURS, MOST_STRIPS, STRIP_LACK, STRIP_STEP};
+use super::tuning::{STRIP_DETOURS, STRIP_LACK_PRICE, STRIP_ROUNDS, STRIP_STEP_PRICE};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
@@ -111,7 +111,7 @@ impl<'a> Strips<'a> {
     /// Puts strips through faces without a cell until all have one, or no strip helps; returns whether all have one.
     pub fn give_cells(&mut self, context: &Context) -> Result<bool> {
         let mut left = self.lack();
-        for _ in 0..MOST_STRIPS {
+        for _ in 0..STRIP_ROUNDS {
             let before = left;
             let bad: Vec<u32> = self.flat.faces().filter(|&f| self.flat.cells(f) <= 0).collect();
             for f in bad {
@@ -131,7 +131,7 @@ impl<'a> Strips<'a> {
                 break;
             }
             // Where no strip leaves all others as they are, one may come by again and give back what it takes.
-            self.lack_cost = if left == before { STRIP_LACK } else { f64::INFINITY };
+            self.lack_cost = if left == before { STRIP_LACK_PRICE } else { f64::INFINITY };
         }
         Ok(left == 0)
     }
@@ -175,7 +175,7 @@ impl<'a> Strips<'a> {
             strips.through(start, &barred).map(|strip| (strip, start, barred))
         };
         let mut all: Vec<(Strip, Step, Vec<u32>)> = starts.filter_map(|start| of(self, start, Vec::new())).collect();
-        for _ in 0..DETOURS * all.len() {
+        for _ in 0..STRIP_DETOURS * all.len() {
             let order = |a: &Strip, b: &Strip| a.cost.total_cmp(&b.cost).then_with(|| a.steps.cmp(&b.steps));
             let Some(best) = (0..all.len()).min_by(|&a, &b| order(&all[a].0, &all[b].0)) else { break };
             let (strip, start, mut barred) = all.swap_remove(best);
@@ -312,6 +312,6 @@ impl<'a> Strips<'a> {
         let goal = self.goal[step.half_edge as usize];
         let off = |c: Cell| (real(c) - goal).length_squared();
         let more = (off(side.cells + d) - off(side.cells)) / goal.length().max(1.0);
-        Some(STRIP_STEP + more.max(0.0))
+        Some(STRIP_STEP_PRICE + more.max(0.0))
     }
 }

@@ -14,7 +14,10 @@
 //! what is negative in them is left out exactly.
 
 use super::seamless::System;
-use super::tuning::{BARRIER, DECREASE, HALVINGS, NEWTON_STEPS, NO_WIDTH, PATIENCE, PROGRESS, SMALL, WIDTH};
+use super::tuning::{
+    AREA_PROGRESS, BARRIER_WEIGHT, BARRIER_WIDTH, COST_DECREASE, LEAST_WIDTH, NEWTON_HALVINGS, NEWTON_PATIENCE,
+    NEWTON_STEPS, SMALL_AREA,
+};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec2;
@@ -41,7 +44,7 @@ impl Derivative {
     pub fn cost(&self, epsilon: f64) -> f64 {
         let fit = (self.z - DVec2::X).length_squared() + self.w.length_squared();
         let sum = self.z.length_squared() + self.w.length_squared();
-        fit + BARRIER * 2.0 * sum / Chi::new(self.determinant(), epsilon).value
+        fit + BARRIER_WEIGHT * 2.0 * sum / Chi::new(self.determinant(), epsilon).value
     }
 
     pub fn model(&self, epsilon: f64) -> Model {
@@ -55,9 +58,12 @@ impl Derivative {
         let rr = across[0] - 16.0 * r * r * p - 8.0 * sum * r * r * q;
         let ss = across[1] + 16.0 * s * s * p - 8.0 * sum * s * s * q;
         let rs = 8.0 * sum * r * s * q;
-        let along = positive([2.0 + BARRIER * rr, BARRIER * rs, 2.0 + BARRIER * ss]);
-        let across = across.map(|a| (2.0 + BARRIER * a).max(LEAST));
-        let slope = [BARRIER * r * (4.0 * inverse - 4.0 * sum * p), BARRIER * s * (4.0 * inverse + 4.0 * sum * p)];
+        let along = positive([2.0 + BARRIER_WEIGHT * rr, BARRIER_WEIGHT * rs, 2.0 + BARRIER_WEIGHT * ss]);
+        let across = across.map(|a| (2.0 + BARRIER_WEIGHT * a).max(LEAST_CURVATURE));
+        let slope = [
+            BARRIER_WEIGHT * r * (4.0 * inverse - 4.0 * sum * p),
+            BARRIER_WEIGHT * s * (4.0 * inverse + 4.0 * sum * p),
+        ];
         let [gz, gw] = [2.0 * (self.z - DVec2::X) + slope[0] * z, 2.0 * self.w + slope[1] * w];
         let mut curvature = [[0.0; 4]; 4];
         let (zs, ws) = (z.to_array(), w.to_array());
@@ -74,8 +80,9 @@ impl Derivative {
     }
 }
 
-/// Least curvature that is left to a model: it has a minimum.
-const LEAST: f64 = 1e-3;
+/// A curvature over that of the distance to the frame, which is 2: the least that is left to a model, because it is to
+/// have a minimum.
+const LEAST_CURVATURE: f64 = 1e-3;
 
 /// χ, and the first and second derivatives of −1/χ.
 struct Chi {
@@ -100,10 +107,10 @@ impl Chi {
 fn positive([a, b, c]: [f64; 3]) -> [f64; 3] {
     let (middle, half) = (0.5 * (a + c), 0.5 * (a - c));
     let radius = half.hypot(b);
-    if middle - radius >= LEAST {
+    if middle - radius >= LEAST_CURVATURE {
         return [a, b, c];
     }
-    let [high, low] = [middle + radius, middle - radius].map(|value| value.max(LEAST));
+    let [high, low] = [middle + radius, middle - radius].map(|value| value.max(LEAST_CURVATURE));
     let turn = if radius > 0.0 { DVec2::new(half, b) / radius } else { DVec2::X };
     let (middle, radius) = (0.5 * (high + low), 0.5 * (high - low));
     [middle + radius * turn.x, radius * turn.y, middle - radius * turn.x]
@@ -112,14 +119,14 @@ fn positive([a, b, c]: [f64; 3]) -> [f64; 3] {
 /// Moves a map until all triangles have the area that they should at least have, or as far as that goes.
 pub fn untangle(system: &System, uv: &mut Vec<f64>, context: &Context) -> Result<()> {
     let mut plan = None;
-    let (mut fewest, mut largest, mut patience) = (usize::MAX, f64::NEG_INFINITY, PATIENCE);
+    let (mut fewest, mut largest, mut patience) = (usize::MAX, f64::NEG_INFINITY, NEWTON_PATIENCE);
     for _ in 0..NEWTON_STEPS {
         context.check()?;
         let smallest = system.smallest(uv);
-        let small = system.smaller_than(SMALL, uv).count();
+        let small = system.smaller_than(SMALL_AREA, uv).count();
         tracing::debug!(target: "carreau::quad", small, smallest, "untangled");
-        if small < fewest || smallest > largest + PROGRESS * largest.abs() {
-            patience = PATIENCE;
+        if small < fewest || smallest > largest + AREA_PROGRESS * largest.abs() {
+            patience = NEWTON_PATIENCE;
         } else {
             patience -= 1;
         }
@@ -127,7 +134,7 @@ pub fn untangle(system: &System, uv: &mut Vec<f64>, context: &Context) -> Result
         if small == 0 || patience == 0 {
             break;
         }
-        let epsilon = NO_WIDTH.hypot(WIDTH * smallest.min(0.0));
+        let epsilon = LEAST_WIDTH.hypot(BARRIER_WIDTH * smallest.min(0.0));
         let Some(next) = system.newton(uv, epsilon, &mut plan, context)? else { break };
         if !search(system, uv, &next, epsilon) {
             break;
@@ -140,9 +147,9 @@ pub fn untangle(system: &System, uv: &mut Vec<f64>, context: &Context) -> Result
 fn search(system: &System, uv: &mut Vec<f64>, next: &[f64], epsilon: f64) -> bool {
     let before = system.cost(uv, epsilon);
     let mut share = 1.0;
-    for _ in 0..HALVINGS {
+    for _ in 0..NEWTON_HALVINGS {
         let tried: Vec<f64> = uv.iter().zip(next).map(|(a, b)| a + share * (b - a)).collect();
-        if system.cost(&tried, epsilon) < before * (1.0 - DECREASE * share) {
+        if system.cost(&tried, epsilon) < before * (1.0 - COST_DECREASE * share) {
             *uv = tried;
             return true;
         }
@@ -180,7 +187,7 @@ mod tests {
             }
             let bent: f64 = (0..4).map(|i| (0..4).map(|j| step[i] * model.curvature[i][j] * step[j]).sum::<f64>()).sum();
             let length: f64 = step.iter().map(|s| s * s).sum();
-            prop_assert!(bent >= 0.5 * LEAST * length);
+            prop_assert!(bent >= 0.5 * LEAST_CURVATURE * length);
         }
 
         #[test]

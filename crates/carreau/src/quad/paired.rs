@@ -7,34 +7,44 @@ use super::pair::paired;
 use super::smooth::smooth;
 use super::source::Source;
 use super::work::Work;
-use super::{QuadOptions, WITHIN, lifted, off, quality, take_back, validate};
+use super::{NUMBER_WITHIN, QuadOptions, lifted, off, quality, take_back, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 
-/// Runs in search of a number of quads, and tries with shorter edges where the validator refuses.
-const RUNS: usize = 6;
-const SHORTER: f64 = 0.7;
-/// No other is tried where the last one came no nearer by this share of the number.
-const NEARER: f64 = 0.04;
-/// Quads smoothed in all runs, in those that a length asks for, and where that is few: a run makes far more where a surface is rough.
+/// A count: runs in search of a number of quads at most, because each takes as long as the first.
+const MOST_RUNS: usize = 6;
+/// A factor of the length for the next run where one is refused, because shorter edges keep more of the surface.
+const SHORTER_FACTOR: f64 = 0.7;
+/// A share of the number: no other run is made where the last one came no nearer by it, because the surface needs as
+/// many.
+const NUMBER_GAIN: f64 = 0.04;
+/// A multiple of the quads that a length asks for: so many are smoothed in all runs, because a run makes far more where
+/// a surface is rough.
 const MOST_SETTLED: f64 = 64.0;
+/// A count: so many quads are smoothed where that is fewer, because they take little time.
 const LEAST_SETTLED: f64 = 64_000.0;
-/// Quads of less than this share of the wanted length would be far too many.
-const SHORTEST: f64 = 0.45;
-/// Where there are so many times too many quads, the surface is followed less closely by this factor, up to a limit.
-const MANY: f64 = 1.2;
-const LOOSER: f64 = 1.5;
-const LOOSEST: f64 = 2.5;
-/// So many times too many are not even made, as long as the surface can be followed less closely.
-const TOO_MANY: f64 = 2.5;
-/// Where so many times too many are refused, more are not tried.
-const HOPELESS: f64 = 10.0;
+/// A share of the wanted length: no run has shorter edges, because its quads would be far too many.
+const SHORTEST_LENGTH: f64 = 0.45;
+/// A multiple of the number: where there are more quads the surface is followed less closely, because its bends are
+/// what takes them.
+const LOOSENED_RATIO: f64 = 1.2;
+/// A factor by which the surface is followed less closely from run to run, because a larger one could give up too much
+/// at once.
+const LOOSER_FACTOR: f64 = 1.5;
+/// A multiple of the closest deviation: the limit of that, because bends would be lost beyond it.
+const LOOSEST_FOLLOW: f64 = 2.5;
+/// A multiple of the number: more quads are not even made as long as the surface can be followed less closely, because
+/// smoothing takes most of the time.
+const PASSED_RATIO: f64 = 2.5;
+/// A multiple of the number: where so many quads are refused more are not tried, because the next method makes fewer.
+const HOPELESS_RATIO: f64 = 10.0;
 
-/// Quads farther from the surface than this share of their edges are for the next method.
-const LOST: f64 = 1.0;
+/// A share of their edges: quads that are farther from the surface are for the next method, because they leave out a
+/// part of it.
+const PAIRED_STRAYING: f64 = 1.0;
 
 /// The quads; `None` where the validator refuses.
-pub fn third(
+pub fn quads(
     source: &Source,
     options: &QuadOptions,
     warnings: &mut Vec<String>,
@@ -60,8 +70,8 @@ pub fn third(
     let most = search.passed.first().map(|coarse| coarse.faces.corners().len());
     if let (None, Some(most)) = (&search.best, most) {
         search.make_passed()?;
-        if search.best.is_none() && most as f64 <= HOPELESS * options.quads as f64 {
-            search.length *= SHORTER;
+        if search.best.is_none() && most as f64 <= HOPELESS_RATIO * options.quads as f64 {
+            search.length *= SHORTER_FACTOR;
             search.run(false)?;
         }
     }
@@ -95,18 +105,18 @@ impl Search<'_> {
         let (mut length, mut loose) = (self.length, 1.0);
         let most = (MOST_SETTLED * 2.0 * source.area / length.powi(2)).max(LEAST_SETTLED);
         let mut settled = 0.0;
-        for _ in 0..RUNS {
-            if settled > most || length < SHORTEST * self.length {
+        for _ in 0..MOST_RUNS {
+            if settled > most || length < SHORTEST_LENGTH * self.length {
                 break;
             }
             let Some(coarse) = attempt(paired(source, length, loose, feature_deg, self.context))? else {
-                length *= SHORTER;
+                length *= SHORTER_FACTOR;
                 continue;
             };
             // Every corner becomes a quad.
             let count = coarse.faces.corners().len();
             let ratio = count as f64 / wanted as f64;
-            if passes_over && ratio > TOO_MANY && loose < LOOSEST {
+            if passes_over && ratio > PASSED_RATIO && loose < LOOSEST_FOLLOW {
                 self.passed.push(coarse);
                 (length, loose) = (length * ratio.sqrt(), looser(loose));
                 continue;
@@ -114,10 +124,10 @@ impl Search<'_> {
             settled += count as f64;
             let Some(made) = self.judged(&coarse)? else {
                 // Rung 4 makes fewer, and is not refused.
-                if ratio > HOPELESS && count > source.surface.mesh.faces().corners().len() {
+                if ratio > HOPELESS_RATIO && count > source.surface.mesh.faces().corners().len() {
                     break;
                 }
-                length *= SHORTER;
+                length *= SHORTER_FACTOR;
                 continue;
             };
             let missed = off(count, wanted);
@@ -125,11 +135,11 @@ impl Search<'_> {
             if gain > 0.0 {
                 self.best = Some(made);
             }
-            if self.options.edge_length.is_some() || missed < 0.5 * WITHIN || gain < NEARER {
+            if self.options.edge_length.is_some() || missed < 0.5 * NUMBER_WITHIN || gain < NUMBER_GAIN {
                 break;
             }
             length *= ratio.sqrt();
-            if ratio > MANY {
+            if ratio > LOOSENED_RATIO {
                 loose = looser(loose);
             }
         }
@@ -155,7 +165,7 @@ impl Search<'_> {
         take_back(&mut work, &halve(coarse, source, Middle::Straight).points, source);
         let gap = lifted(&mut work, source, context)?;
         let mut why = validate::refusal(&work, &work.to_mesh()?, source)?;
-        if why.is_none() && quality::straying(&work, source, context)? > LOST {
+        if why.is_none() && quality::straying(&work, source, context)? > PAIRED_STRAYING {
             why = Some("it leaves part of the surface out".into());
         }
         let holds = why.is_none();
@@ -166,7 +176,7 @@ impl Search<'_> {
 }
 
 fn looser(loose: f64) -> f64 {
-    (LOOSER * loose).min(LOOSEST)
+    (LOOSER_FACTOR * loose).min(LOOSEST_FOLLOW)
 }
 
 /// What a rung cannot do is for the next one; a deadline, a cancellation or a defect is not.

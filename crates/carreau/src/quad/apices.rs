@@ -17,14 +17,17 @@ use crate::mesh::{CornerId, SurfaceMesh};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The angles around a tip add up to less than a full turn by more than this, in degrees: a drill's tip has 50.
+/// Degrees: the angles around a tip add up to less than a full turn by more than this, because flatter ones are hardly
+/// cut off; a drill's tip has 50.
 const POINTED_DEG: f64 = 40.0;
-/// They add up to more than this: quads would be too narrow at a sharper one.
+/// Degrees: the angles around a tip add up to more than this, because quads would be too narrow at a sharper one.
 const SHARP_DEG: f64 = 25.0;
-/// Below this only a vertex of three quads goes there, as the field wants it: others would have narrower quads still.
+/// Degrees: where they add up to less only a vertex of three quads goes there, as the field wants it, because others
+/// would have narrower quads still.
 const NARROW_DEG: f64 = 120.0;
-/// A vertex goes no farther than this share of the mean of its edges: more than half the diagonal of a quad.
-const REACH: f64 = 1.0;
+/// A share of the mean edge: a vertex goes no farther, more than half the diagonal of a quad because a tip may be in
+/// the middle of one.
+const TIP_REACH: f64 = 1.0;
 
 /// Where the surface comes to a point.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +58,7 @@ pub fn follow(work: &mut Work, around: &mut Around, source: &Source) {
     for (v, place) in (0u32..).zip(&work.place) {
         let from = work.points[v as usize];
         if let Place::Region(_) = place
-            && let Some(found) = tree.closest_within(from, REACH * around.mean_edge(work, v))
+            && let Some(found) = tree.closest_within(from, TIP_REACH * around.mean_edge(work, v))
             && (!tips[found.triangle as usize].is_narrow || around.quads[v as usize].len() == 3)
         {
             near.push((found.distance_squared, v, found.triangle));

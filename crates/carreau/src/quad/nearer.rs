@@ -10,7 +10,7 @@
 use super::around::{Around, Ring, corners};
 use super::gaps::{Gaps, beneath};
 use super::quality::halves_of;
-use super::smooth::{SURE, keeps_feature_at};
+use super::smooth::{KEPT_SHARE, keeps_feature_at};
 use super::work::{Place, Work};
 use crate::context::Context;
 use crate::error::Result;
@@ -18,20 +18,25 @@ use crate::geometry::closest::closest_on_triangle;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Only where no more than this share of the quads is too far off, or so many: other quads are needed where more are.
-const SHARE: f64 = 0.03;
-const FEW: usize = 20;
-/// Rounds over them.
-const ROUNDS: usize = 4;
-/// The first steps, as a share of what is allowed and of the edges; how often they are halved, and steps at most.
-const UP: f64 = 0.5;
-const ALONG: f64 = 0.15;
-const HALVED: u32 = 3;
-const STEPS: usize = 12;
-/// It may worsen quads down to this shape, worse than in smoothing.
-const FAIR: f64 = 0.6;
-/// A place must be nearer by this share.
-const GAIN: f64 = 0.01;
+/// A share of the quads: where more are too far off none is nudged, because other quads are needed there.
+const MOST_FAR_SHARE: f64 = 0.03;
+/// A count: so many quads are nudged whatever their share, because a few of a small mesh are a large share.
+const FEW_FAR_QUADS: usize = 20;
+/// A count: rounds over the quads that are too far off, because what brings one nearer may take another away.
+const NUDGE_ROUNDS: usize = 4;
+/// A share of what is allowed: the first step up and down, because quads are mostly off by little more than that.
+const NUDGE_UP: f64 = 0.5;
+/// A share of the mean edge: the first step along the surface or a curve, because longer ones skew the quads around.
+const NUDGE_ALONG: f64 = 0.15;
+/// A count: how often these steps are halved, because shorter ones hardly bring anything nearer.
+const NUDGE_HALVINGS: u32 = 3;
+/// A count: steps of a vertex in one round at most, because each of them measures the quads around anew.
+const MOST_NUDGES: usize = 12;
+/// A scaled Jacobian over what it can be: a move may worsen quads down to it, further than in smoothing because no
+/// other place may be nearer.
+const NUDGED_SHAPE: f64 = 0.6;
+/// A share of the distance: a place must be nearer by so much, because less is not worth a step.
+const NUDGE_GAIN: f64 = 0.01;
 
 /// Moves vertices inside regions, and those on curves along them; returns the gaps after it.
 pub fn nudge(
@@ -41,9 +46,9 @@ pub fn nudge(
     mut now: Vec<DVec3>,
     context: &Context,
 ) -> Result<Vec<DVec3>> {
-    for _ in 0..ROUNDS {
+    for _ in 0..NUDGE_ROUNDS {
         let beyond: Vec<usize> = (0..now.len()).filter(|&q| now[q].length() > gaps.far).collect();
-        if beyond.is_empty() || beyond.len() > FEW.max((SHARE * now.len() as f64) as usize) {
+        if beyond.is_empty() || beyond.len() > FEW_FAR_QUADS.max((MOST_FAR_SHARE * now.len() as f64) as usize) {
             break;
         }
         let free = |&v: &u32| work.place[v as usize] != Place::Fixed;
@@ -85,21 +90,21 @@ impl Nudge<'_> {
         let from = work.points[self.v as usize];
         let before = self.gap(from);
         let ring = Ring::new(work, self.around, self.v);
-        let least = ring.now.min(FAIR);
+        let least = ring.now.min(NUDGED_SHAPE);
         let (mut at, mut gap, mut scale) = (from, before, 1.0);
         let ways = self.ways();
-        let smallest = 0.5f64.powi(HALVED as i32);
-        for _ in 0..STEPS {
+        let smallest = 0.5f64.powi(NUDGE_HALVINGS as i32);
+        for _ in 0..MOST_NUDGES {
             if gap <= far || scale < smallest {
                 break;
             }
             let places = ways.iter().flat_map(|&way| [at + scale * way, at - scale * way]).map(|to| self.kept(to));
             let may_be = |&to: &DVec3| {
-                ring.holds(to, least) && keeps_feature_at(work, self.around, self.gaps.source, self.v, to, SURE)
+                ring.holds(to, least) && keeps_feature_at(work, self.around, self.gaps.source, self.v, to, KEPT_SHARE)
             };
             let measured = places.filter(may_be).map(|to| (self.gap(to), to));
             match measured.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((nearer, to)) if nearer < (1.0 - GAIN) * gap => (at, gap) = (to, nearer),
+                Some((nearer, to)) if nearer < (1.0 - NUDGE_GAIN) * gap => (at, gap) = (to, nearer),
                 _ => scale *= 0.5,
             }
         }
@@ -109,12 +114,12 @@ impl Nudge<'_> {
     /// Its first steps: along its curve; else away from the surface, and two ways along it.
     fn ways(&self) -> Vec<DVec3> {
         let (work, around, v) = (self.work, self.around, self.v);
-        let length = ALONG * around.mean_edge(work, v);
+        let length = NUDGE_ALONG * around.mean_edge(work, v);
         match work.place[v as usize] {
             Place::Region(_) => {
                 let up = around.up(work, v);
                 let along = length * up.any_orthonormal_vector();
-                vec![UP * self.gaps.far * up, along, up.cross(along)]
+                vec![NUDGE_UP * self.gaps.far * up, along, up.cross(along)]
             }
             _ => {
                 let from = work.points[v as usize];
@@ -208,7 +213,7 @@ mod tests {
         let [before, after] = nudged(&mut work, &source);
         assert!(before > 1.5 && after <= 1.05, "{before} {after}");
         let around = Around::new(&work);
-        assert!((0..100).all(|v| worst(&work, &around, v) >= FAIR));
+        assert!((0..100).all(|v| worst(&work, &around, v) >= NUDGED_SHAPE));
         let has_moved = |v: usize| work.points[v] != was.points[v];
         assert!((0..100).all(|v| !has_moved(v) || work.place[v] != Place::Fixed));
         assert!((0..100).filter(|&v| has_moved(v)).count() < 20, "the few that it takes");
