@@ -95,6 +95,26 @@ impl Flat {
         (0..self.is_alive.len() as u32).filter(|&f| self.is_alive[f as usize])
     }
 
+    /// A half-edge of every edge on a feature curve.
+    pub fn on_curves(&self) -> impl Iterator<Item = u32> + '_ {
+        let is_first = |h: &u32| {
+            let side = self.side(*h);
+            side.curve != NONE && (side.opposite == NONE || *h < side.opposite)
+        };
+        self.faces().flat_map(|f| 3 * f..3 * f + 3).filter(is_first)
+    }
+
+    /// The edges of quads along each of the first so many feature curves.
+    pub fn edges_of_curves(&self, curves: usize) -> Vec<i64> {
+        let mut edges = vec![0; curves];
+        for side in self.on_curves().map(|h| self.side(h)) {
+            if let Some(edges) = edges.get_mut(side.curve as usize) {
+                *edges += side.cells.steps();
+            }
+        }
+        edges
+    }
+
     /// Twice the area of a face.
     pub fn area(&self, f: u32) -> f64 {
         self.side(3 * f).vector.perp_dot(self.side(3 * f + 1).vector)

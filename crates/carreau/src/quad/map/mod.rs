@@ -39,8 +39,7 @@ use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::NONE;
-use flat::{Flat, Side};
+use flat::Flat;
 use framed::{Framed, next};
 use integers::Curves;
 use locate::Locator;
@@ -77,7 +76,7 @@ pub struct QuadMap {
     /// What feature curves want.
     curves: Curves,
     /// The edges along every feature curve in the last quads.
-    edges: Vec<usize>,
+    edges: Vec<i64>,
     /// The corners of the whole faces that the last quads came from, by quad.
     corners: Vec<[u32; 3]>,
 }
@@ -139,8 +138,7 @@ impl QuadMap {
         let Some(whole) = self.whole(wish, context)? else {
             return Ok(Err("a part of the map has no room for a cell".into()));
         };
-        self.edges = vec![0; self.curves.fewest.len()];
-        on_curves(&whole).for_each(|(curve, _, side)| self.edges[curve] += side.cells.steps().unsigned_abs() as usize);
+        self.edges = whole.edges_of_curves(self.curves.fewest.len());
         let _stage = context.stage("quads");
         let locator = Locator::new(&self.framed, &self.map, self.scale);
         let (work, of) = match extract::extract(&whole, &self.framed, &locator, context)? {
@@ -161,7 +159,7 @@ impl QuadMap {
 
     /// A feature curve is to have more edges in the next quads.
     pub fn lengthen(&mut self, curve: usize) {
-        self.curves.fewest[curve] = self.curves.fewest[curve].max(self.edges[curve]) + MORE_EDGES;
+        self.curves.fewest[curve] = self.curves.fewest[curve].max(self.edges[curve] as usize) + MORE_EDGES;
     }
 
     /// Whole numbers in the size that gives the number of quads that is wanted, with as many edges along features as these need.
@@ -211,8 +209,9 @@ impl QuadMap {
     /// Makes curves longer that would have fewer edges than they need.
     fn make_longer(&mut self, flat: &Flat) {
         let mut length = vec![0.0; self.curves.fewest.len()];
-        for (curve, [a, b], side) in on_curves(flat) {
-            length[curve] += side.vector.length() * (self.stretch[a] * self.stretch[b]).sqrt();
+        for h in flat.on_curves() {
+            let [a, b] = [h, next(h)].map(|h| self.stretch[flat.side(h).vertex as usize]);
+            length[flat.side(h).curve as usize] += flat.side(h).vector.length() * (a * b).sqrt();
         }
         for (curve, (length, &fewest)) in length.into_iter().zip(&self.curves.fewest).enumerate() {
             let (wanted, factor) = (fewest as f64, &mut self.curves.factor[curve]);
@@ -227,17 +226,6 @@ impl QuadMap {
         let goal = integers::goals(whole, &self.stretch, &self.curves);
         Strips::new(whole, goal, &self.curves.fewest).lengthen_curves(context)
     }
-}
-
-/// The edges on feature curves, each once: the curve, the ends, and one of its sides.
-fn on_curves(flat: &Flat) -> impl Iterator<Item = (usize, [usize; 2], &Side)> {
-    let sides = flat.faces().flat_map(|f| 3 * f..3 * f + 3);
-    let is_first =
-        |h: &u32| flat.side(*h).curve != NONE && (flat.side(*h).opposite == NONE || *h < flat.side(*h).opposite);
-    sides.filter(is_first).map(|h| {
-        let ends = [h, next(h)].map(|h| flat.side(h).vertex as usize);
-        (flat.side(h).curve as usize, ends, flat.side(h))
-    })
 }
 
 /// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases of a scan are as rough as

@@ -32,7 +32,9 @@ pub fn seamless(framed: &Framed, cut: Cut, length: f64, context: &Context) -> Re
     let mut system = System::new(framed, &cut, length);
     let (mut wrong, mut fewest) = (Vec::new(), usize::MAX);
     for _ in 0..STIFFER_ROUNDS {
-        let Some(mut uv) = system.first(context)? else { break };
+        let Some(mut uv) = system.first(context)? else {
+            return Ok(Err("the seamless map could not be solved".into()));
+        };
         wrong = system.smaller_than(TURNED_AREA, &uv).collect();
         tracing::debug!(target: "carreau::quad", turned = wrong.len(), "solved");
         if wrong.len() >= fewest.max(1) {

@@ -70,9 +70,9 @@ struct Strip {
 
 /// Where strips are put in.
 pub struct Strips<'a> {
-    pub flat: &'a mut Flat,
+    flat: &'a mut Flat,
     /// What the edge of every half-edge should be near.
-    pub goal: Vec<DVec2>,
+    goal: Vec<DVec2>,
     /// The fewest edges of every feature curve, and how many it has more than that.
     fewest: &'a [usize],
     spare: Vec<i64>,
@@ -92,15 +92,8 @@ impl<'a> Strips<'a> {
     }
 
     fn count(&mut self) {
-        self.spare = self.fewest.iter().map(|&n| -(n as i64)).collect();
-        for h in self.flat.faces().flat_map(|f| 3 * f..3 * f + 3) {
-            let side = self.flat.side(h);
-            if let Some(spare) = self.spare.get_mut(side.curve as usize)
-                && (side.opposite == NONE || h < side.opposite)
-            {
-                *spare += side.cells.steps();
-            }
-        }
+        let edges = self.flat.edges_of_curves(self.fewest.len());
+        self.spare = edges.into_iter().zip(self.fewest).map(|(has, &needs)| has - needs as i64).collect();
     }
 
     /// How much faces lack to have half a cell each.
@@ -139,12 +132,7 @@ impl<'a> Strips<'a> {
     /// Puts strips across feature curves that have fewer edges than they need, as far as that goes; returns how many they lack.
     pub fn lengthen_curves(&mut self, context: &Context) -> Result<usize> {
         let mut edges: Vec<Vec<u32>> = vec![Vec::new(); self.fewest.len()];
-        for h in self.flat.faces().flat_map(|f| 3 * f..3 * f + 3) {
-            let side = self.flat.side(h);
-            if side.curve != NONE && (side.opposite == NONE || h < side.opposite) {
-                edges[side.curve as usize].push(h);
-            }
-        }
+        self.flat.on_curves().for_each(|h| edges[self.flat.side(h).curve as usize].push(h));
         for (curve, edges) in edges.iter().enumerate() {
             // A curve without an edge in the metric is a part that it does not have.
             while self.spare[curve] < 0 && !edges.is_empty() {
