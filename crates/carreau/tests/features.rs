@@ -142,6 +142,25 @@ fn tags_lists_and_borders_are_features_in_any_noise() {
 }
 
 #[test]
+fn loose_edges_beside_tagged_ones_are_no_noise() {
+    // Pins: edges that fan out from a vertex that stands out, and end in a flat.
+    let clean = model("bracket", 40);
+    let normals = vertex_normals(&clean, &face_normals(&clean));
+    let sharp = ends(&clean, &feature_edges(&clean, &FeatureOptions::default()).unwrap());
+    let is_flat = |v: &usize| sharp.iter().flatten().all(|&w| w as usize != *v);
+    let mut points = clean.points().to_vec();
+    let pins: Vec<usize> = (0..points.len()).filter(is_flat).step_by(400).collect();
+    pins.iter().for_each(|&v| points[v] += 1.5 * mean_edge(&clean) * normals[v]);
+    let mut mesh = SurfaceMesh::new(points, clean.faces().clone()).unwrap();
+    let every = feature_edges(&mesh, &FeatureOptions::default()).unwrap();
+    assert!(every.edges(&mesh).count() > sharp.len() + pins.len(), "pins have sharp edges");
+    assert!(found(&mesh, 3000.0).dropped.is_empty());
+    mesh.tagged_edges = sharp.iter().map(|&e| carreau::mesh::TaggedEdge { ends: e.map(VertexId), tag: 1 }).collect();
+    let tagged = found(&mesh, 3000.0);
+    assert!(tagged.dropped.is_empty() && !tagged.noise.is_high(), "{:?}", tagged.noise);
+}
+
+#[test]
 fn creases_are_those_of_the_shape() {
     let mesh = noisy(&model("bracket", 50), 0.15);
     let size = length_of_squares(&mesh, 2000.0);

@@ -86,6 +86,14 @@ impl Curve {
         Curve { points, stations, bends, is_closed }
     }
 
+    /// The points where it ends, in no order; none where it is closed.
+    pub fn ends(&self) -> Vec<DVec3> {
+        match self.is_closed {
+            true => Vec::new(),
+            false => vec![self.points[0], self.points[self.points.len() - 1]],
+        }
+    }
+
     pub fn length(&self) -> f64 {
         self.stations[self.stations.len() - 1]
     }

@@ -38,6 +38,8 @@ const LOST_GRADE: f64 = 0.02;
 pub struct Cost {
     /// They stray from the surface, lose features, or one of them is of no use.
     pub is_useless: bool,
+    /// They lose a part of the features, which are not those of a scan.
+    pub loses: bool,
     /// Grades of the worst shape and of the mean, of a number missed, of a distance, of lost features.
     pub grades: u32,
     pub irregular: usize,
@@ -52,6 +54,11 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// Nothing forbids them.
+    pub fn is_useful(&self) -> bool {
+        !self.cost.is_useless && !self.cost.loses
+    }
+
     /// `gap`: how far the quads are from the surface; `quads`: how many are wanted.
     pub fn new(work: Work, source: &Source, gap: f64, quads: Option<usize>, context: &Context) -> Result<Self> {
         let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;
@@ -65,6 +72,7 @@ impl Judged {
         let lost = grade(LEAST_RECALL - kept, LOST_GRADE);
         let cost = Cost {
             is_useless: strays > USELESS_STRAYING || shape < USELESS_SHAPE || kept < 1.0 - USELESS_LOST,
+            loses: !source.is_noisy && kept < LEAST_RECALL,
             grades: poor + dull + misses + far + lost,
             irregular: quality::irregular(&work),
         };

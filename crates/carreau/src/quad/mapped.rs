@@ -37,12 +37,12 @@ pub struct OfMap {
 
 impl OfMap {
     pub fn is_useful(&self) -> bool {
-        self.best.as_ref().is_some_and(|b| !b.cost.is_useless)
+        self.best.as_ref().is_some_and(Judged::is_useful)
     }
 
-    /// What keeps to the number and leaves a part out is better than many times as many quads.
+    /// What keeps to the number and leaves a part out is better than many times as many quads, if it keeps the features.
     pub fn will_do(&self) -> bool {
-        self.is_useful() || self.best.as_ref().is_some_and(|b| b.meets_number)
+        self.best.as_ref().is_some_and(|b| b.is_useful() || b.meets_number && !b.cost.loses)
     }
 }
 
@@ -64,7 +64,7 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
                 of_map.refused = why;
             }
         }
-        if of_map.is_useful() {
+        if of_map.best.as_ref().is_some_and(|b| b.is_useful() && b.meets_number) {
             break;
         }
     }
@@ -86,8 +86,7 @@ fn of_working_mesh(source: &Source, wish: &Wish, left: &mut usize, context: &Con
         fitted(&mut work, source, context)?;
     }
     let gap = lifted(&mut work, source, context)?;
-    let refusal = if source.fades { validate::unsound } else { validate::refusal };
-    if let Some(why) = refusal(&work, &work.to_mesh()?, source)? {
+    if let Some(why) = validate::unsound(&work, &work.to_mesh()?, source)? {
         return Ok(Err(why));
     }
     Judged::new(work, source, gap, wish.quads, context).map(Ok)

@@ -46,7 +46,7 @@ pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: 
         return Ok((source, made));
     }
     let map = of_map(&source, options, context)?;
-    let may_leave_out = options.rung == 1 && source.fades && options.features.creases == Creases::Auto;
+    let may_leave_out = options.rung == 1 && source.is_noisy && options.features.creases == Creases::Auto;
     if may_leave_out
         && !map.will_do()
         && let Some(found) = without_creases(mesh, options, context)?

@@ -7,15 +7,15 @@
 //! |---|---|---|
 //! | | the methods in their order; what speaks against quads | `methods`; `judged` |
 //! | 1 | global parametrisation: the seamless map of a frame field (Protais et al., as in room `field`), made whole on its singularities; its quads, put onto the surface | `map`; `mapped` |
-//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `pair`; `paired` |
+//! | 3 | triangles of twice the size that keep the features, paired along the field, halved, smoothed | `coarse`, `pair`; `paired` |
 //! | 4 | every triangle of the input becomes three quads; features stay to the bit | `halve` |
 //!
 //! | stages of rung 1 | file |
 //! |---|---|
-//! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `sew` |
-//! | working mesh, field, map, whole numbers, quads | `map` |
+//! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `scraps`; `sew` |
+//! | working mesh, field, map, whole numbers, quads | `coarse`; `map` |
 //! | vertices go to where features bend, and where the surface comes to a point | `bends`, `apices` |
-//! | smoothing | `smooth`, `straighten`, `around`, `ceiling` |
+//! | smoothing; quads that are turned over | `smooth`, `straighten`, `around`, `ceiling`; `untangle` |
 //! | where quads are no good: smaller ones, by other whole numbers; the last few are taken out | `mapped`; `collapse` |
 //! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nearer` |
 //! | the validator; figures | `validate`; `quality` |
@@ -26,6 +26,7 @@ mod apices;
 mod around;
 mod bends;
 mod ceiling;
+mod coarse;
 mod collapse;
 mod curve;
 mod fit;
@@ -42,12 +43,14 @@ mod nearer;
 mod pair;
 mod paired;
 mod quality;
+mod scraps;
 mod sew;
 mod smooth;
 mod source;
 mod straighten;
 #[cfg(test)]
 mod tests;
+mod untangle;
 mod validate;
 mod work;
 

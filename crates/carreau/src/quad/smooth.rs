@@ -2,11 +2,12 @@
 //! quad around them allows; then quads that are turned over and the worst ones are looked after one by one.
 
 use super::apices;
-use super::around::{Around, BAD_JACOBIAN, Moves, Ring, beside};
+use super::around::{Around, BAD_JACOBIAN, Moves, Ring};
 use super::bends;
 use super::fit::fit;
 use super::source::Source;
 use super::straighten::straighten;
+use super::untangle::untangle;
 use super::validate::keeps_feature;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -32,19 +33,16 @@ const CARE_STEPS: [f64; 5] = [0.3, 0.15, 0.07, 0.03, 0.015];
 /// A share of the mean edge: edges of these vertices become no shorter, because both ends would come to lie on each
 /// other.
 const SHORTEST_EDGE: f64 = 0.05;
-/// A count: rounds for quads that are turned over, because a vertex that moves makes room for others.
-const UNTANGLE_ROUNDS: usize = 24;
-/// Shares of the mean edge: steps of these rounds in turn, longer than others because vertices have to cross a quad.
-const UNTANGLE_STEPS: [f64; 4] = [0.45, 0.3, 0.15, 0.07];
-/// A count: such rounds without progress before it is given up, as many as there are steps because each may help.
-const UNTANGLE_PATIENCE: usize = 4;
-
 /// A share of the mean edge: a vertex that slides along a curve leaves edges as long, because those beside it are to
 /// stay alike.
 const SLID_EDGE: f64 = 0.4;
 /// A share of the distance and the angle within which a feature is kept: vertices on curves move no farther off,
 /// because others beside them move, too.
 pub const KEPT_SHARE: f64 = 0.7;
+/// The same for vertices that are looked after one by one, as far as may be seen in a few places.
+pub const LOOKED_AFTER_SHARE: f64 = 0.9;
+/// A scaled Jacobian over what it can be: no vertex that is looked after leaves a worse one that was better.
+const SOUND_SHAPE: f64 = 0.1;
 /// A share of the quads: where more are turned over nothing is moved, because it would be of no use.
 const HOPELESS_TURNED: f64 = 0.5;
 
@@ -195,37 +193,6 @@ pub fn turned(work: &Work) -> Vec<u32> {
     (0..work.faces.len() as u32).filter(|&q| jacobian(work, q) <= BAD_JACOBIAN).collect()
 }
 
-/// Moves the vertices of quads that are turned over, and of those beside, until there are none or it is of no use. Returns
-/// whether it found that there are none.
-fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Context) -> Result<bool> {
-    let mut least = (usize::MAX, 0);
-    for round in 0..UNTANGLE_ROUNDS {
-        let bad = turned(work);
-        if bad.len() < least.0 {
-            least = (bad.len(), round);
-        }
-        if bad.is_empty() || round > least.1 + UNTANGLE_PATIENCE {
-            return Ok(bad.iter().all(|&q| jacobian(work, q) > 0.0));
-        }
-        let mut near: Vec<u32> = bad
-            .iter()
-            .flat_map(|&q| beside(work, around, q))
-            .flat_map(|q| work.faces.face(q as usize))
-            .copied()
-            .collect();
-        near.sort_unstable();
-        near.dedup();
-        for v in near {
-            context.check_every(v as usize)?;
-            if let Place::Region(_) = work.place[v as usize] {
-                relax(work, around, source, v);
-            }
-            improve(work, around, source, v, UNTANGLE_STEPS[round % UNTANGLE_STEPS.len()]);
-        }
-    }
-    Ok(false)
-}
-
 /// Moves a vertex towards its neighbours, in its region or along its curve.
 fn even_out(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     match work.place[v as usize] {
@@ -298,14 +265,17 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     let mut best = (ring.distress(from), from);
     let length = around.mean_edge(work, v);
     let least = around.shortest_edge(work, v, from).min(SHORTEST_EDGE * length);
+    // A sum may fall although its worst part rises: no quad is turned over for that.
+    let holds = ring.now.min(SOUND_SHAPE);
     let (x, y) = around.up(work, v).any_orthonormal_pair();
     for k in 0..8 {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
         let to = work.put_back(source, v, from + (x * cos + y * sin) * step * length);
         let found = ring.distress(to);
         if found < best.0 * (1.0 - 1e-6)
+            && ring.holds(to, holds)
             && around.shortest_edge(work, v, to) >= least
-            && keeps_feature_at(work, around, source, v, to, 1.0)
+            && keeps_feature_at(work, around, source, v, to, LOOKED_AFTER_SHARE)
         {
             best = (found, to);
         }

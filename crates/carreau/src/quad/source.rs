@@ -4,6 +4,7 @@ use super::apices::{Tip, tips};
 use super::bends::{BEND_DEG, bends};
 use super::curve::{Curve, paths};
 use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
+use super::scraps::drop_around_scraps;
 use super::sew::sewn;
 use super::work::{Place, Work};
 use crate::context::Context;
@@ -11,17 +12,14 @@ use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FeatureOptions, FeaturedSurface};
 use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};
+use crate::mesh::{CornerId, DisjointSets, NONE, SurfaceMesh};
 use crate::remesh::RIDGE_TURN_DEG;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Shares of a chord: places where it is compared with its curve, inside of its ends because curves may bend there.
-const CHORD_PLACES: [f64; 5] = [0.02, 0.25, 0.5, 0.75, 0.98];
-
-/// A share of the curves: features fade out where more loose ends are among them, because on a part a crease or two run
-/// out in a fillet, and all others end in corners.
-const FADING_ENDS: f64 = 0.1;
+/// Shares of a chord: places where it is compared with its curve, inside of its ends because curves may bend there, and so
+/// close to each other that a bend between two is no farther off than a sixteenth more.
+const CHORD_PLACES: [f64; 9] = [0.02, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.98];
 
 /// Options: features as they are marked already, because they were looked for in the surface as it was given.
 const AS_MARKED: FeatureOptions =
@@ -50,8 +48,8 @@ pub struct Source {
     pub bends: FxHashMap<u32, Vec<DVec3>>,
     /// Where regions come to a point.
     pub tips: Vec<Tip>,
-    /// Curves with the same region on both sides.
-    pub is_seam: Vec<bool>,
+    /// The regions on both sides of every curve, the smaller number first; [`NONE`] beside a border.
+    pub sides: Vec<[u32; 2]>,
     /// Curves that are borders and lie on others.
     pub is_shared: Vec<bool>,
     /// Curves along which borders were sewn.
@@ -63,9 +61,7 @@ pub struct Source {
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
-    /// Many features end inside a surface, or most sharp edges are too short to be one: creases that fade out, as on scans.
-    pub fades: bool,
-    /// Sharp edges are noise to a part: what features are left is as rough as their scan.
+    /// Sharp edges are noise to a part: what features are left fades out and is as rough as its scan.
     pub is_noisy: bool,
 }
 
@@ -76,6 +72,13 @@ impl Source {
             let again = FeaturedSurface::new(&met, &AS_MARKED, context)?;
             let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
             surface = FeaturedSurface { repaired, missing: surface.missing, found: surface.found, ..again };
+        }
+        if let Creases::AtSize(length) = options.creases
+            && surface.found.noise.is_high()
+            && options.edges.is_empty()
+            && !(options.tags && !mesh.tagged_edges.is_empty())
+        {
+            drop_around_scraps(&mut surface, length);
         }
         Self::of(surface, &FxHashSet::default(), context)
     }
@@ -143,12 +146,12 @@ impl Source {
             (list, tree)
         };
         let trees = in_regions.into_iter().map(tree).collect();
-        let mut is_seam = vec![false; curve.len()];
-        for (c, &curve) in surface.features.edges(mesh).zip(&curve) {
-            let other = mesh.opposite(c).map(|o| region[mesh.face_of(o).index()]);
-            is_seam[curve as usize] |= other == Some(region[mesh.face_of(c).index()]);
-        }
         let curve_count = curve.iter().max().map_or(0, |&m| m as usize + 1);
+        let mut sides = vec![[NONE; 2]; curve_count];
+        for (c, &curve) in surface.features.edges(mesh).zip(&curve) {
+            let [own, other] = [Some(c), mesh.opposite(c)].map(|c| c.map_or(NONE, |c| region[mesh.face_of(c).index()]));
+            sides[curve as usize] = [own.min(other), own.max(other)];
+        }
         let mut is_shared = vec![false; curve_count];
         let shared: FxHashSet<[u32; 2]> = shared_borders(mesh).into_iter().map(|c| ends(mesh, c)).collect();
         let (mut is_sewn, mut is_kept) = (vec![false; curve_count], vec![false; curve_count]);
@@ -167,8 +170,6 @@ impl Source {
             paths: Vec::new(),
             diagonal: mesh.diagonal(),
             is_noisy: surface.found.noise.is_high(),
-            fades: surface.found.noise.is_high()
-                || loose_ends(mesh.vertex_count(), &edges) as f64 > FADING_ENDS * curve_count as f64,
             bends: bends(mesh.points(), &edges, &curve, BEND_DEG),
             tips: tips(mesh, &edges),
             area: (0..mesh.face_count() as u32).map(|t| area(mesh, of(t))).sum(),
@@ -180,7 +181,7 @@ impl Source {
             regions,
             edges,
             curve,
-            is_seam,
+            sides,
             is_shared,
             is_sewn,
             is_kept,
@@ -191,6 +192,12 @@ impl Source {
         };
         source.paths = paths(&source);
         Ok(source)
+    }
+
+    /// Whether a curve has the same region on both sides.
+    pub fn is_seam(&self, curve: u32) -> bool {
+        let [a, b] = self.sides[curve as usize];
+        a == b
     }
 
     /// Whether curves end at a point: to the bit.
@@ -282,13 +289,6 @@ fn ends_of_sewn(mesh: &SurfaceMesh, edges: &[[u32; 2]], sewn: &[bool]) -> Vec<bo
         ends.iter().for_each(|&v| arms[v as usize][usize::from(sewn)] += 1);
     }
     arms.into_iter().map(|arms| arms == [1, 1]).collect()
-}
-
-/// The number of vertices with one feature edge.
-fn loose_ends(vertices: usize, edges: &[[u32; 2]]) -> usize {
-    let mut arms = vec![0u32; vertices];
-    edges.iter().flatten().for_each(|&v| arms[v as usize] += 1);
-    arms.iter().filter(|&&n| n == 1).count()
 }
 
 /// The vertices where feature curves end, branch or bend, and others that are known.

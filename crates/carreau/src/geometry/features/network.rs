@@ -79,10 +79,11 @@ impl<'a> Network<'a> {
         a.distance(b)
     }
 
-    /// Number and total length of the kept edges that are not fixed, and of their free ends.
+    /// Number of the free ends of kept edges that are not fixed, and the total length of what is kept: a few loose edges beside
+    /// many that are known are no noise.
     pub fn tips(&self) -> (usize, f64) {
         let open = |&e: &u32| self.is_kept(e) && !self.is_fixed(e);
-        let length = self.edges().filter(open).map(|e| self.length(e)).sum();
+        let length = self.edges().filter(|&e| self.is_kept(e)).map(|e| self.length(e)).sum();
         let is_tip = |&v: &u32| self.degree[v as usize] == 1;
         (self.edges().filter(open).flat_map(|e| self.ends[e as usize]).filter(is_tip).count(), length)
     }

@@ -1,7 +1,7 @@
 //! From a surface to its motorcycle graph: coarse triangles, their frame field, tracks, and cuts where tracks leave patches
 //! that are no discs.
 
-use super::super::pair::{Coarse, Follow, coarse, field_of};
+use super::super::coarse::{Coarse, Follow, coarse, field_of};
 use super::super::source::Source;
 use super::super::work::Place;
 use super::cut::open_holes;

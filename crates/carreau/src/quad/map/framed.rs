@@ -1,7 +1,7 @@
 //! The working mesh with a frame in every triangle: frames continue across all inner edges, those on features too, where the
 //! frames of both sides have an axis along the edge.
 
-use super::super::pair::Coarse;
+use super::super::coarse::Coarse;
 use super::super::work::Place;
 use crate::field::Field;
 use crate::mesh::{NONE, Triangles};

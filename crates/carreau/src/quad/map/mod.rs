@@ -33,8 +33,8 @@ mod strips;
 mod tuning;
 mod untangle;
 
+use super::coarse::{Follow, coarse, field_of};
 use super::curve::Curve;
-use super::pair::{Follow, coarse, field_of};
 use super::source::Source;
 use super::work::Work;
 use crate::context::Context;
@@ -46,8 +46,9 @@ use locate::Locator;
 use seamless::Map;
 use strips::Strips;
 use tuning::{
-    CANCELLED_DISTANCE, FAILED_SIZES, LACKING_WEIGHT, MAPPED_WITHIN, MORE_EDGES, MOST_CURVE_EDGES, MOST_MAPPED_QUADS,
-    MOST_SIZES, QUADS_EACH_SINGULARITY, REFINED_STRETCH, SPARE_EDGES, STALLED_SIZES, WORKING_SMALLEST,
+    CANCELLED_DISTANCE, EVEN_GROWTH, FAILED_SIZES, LACKING_WEIGHT, LEAST_GROWTH, MAPPED_WITHIN, MORE_EDGES,
+    MOST_CURVE_EDGES, MOST_MAPPED_QUADS, MOST_SIZES, QUADS_EACH_SINGULARITY, REFINED_STRETCH, SPARE_EDGES,
+    STALLED_SIZES, WORKING_SMALLEST,
 };
 
 pub use tuning::WORKING_EDGES;
@@ -168,6 +169,7 @@ impl QuadMap {
         let mut scale = self.scale;
         let mut best: Option<((bool, f64), f64, Flat)> = None;
         let (mut failed, mut stalled) = (0, 0);
+        let mut before: Option<[f64; 2]> = None;
         for _ in 0..MOST_SIZES {
             let mut tried = self.flat.clone();
             tried.sides.iter_mut().for_each(|side| side.vector *= scale);
@@ -189,7 +191,9 @@ impl QuadMap {
                 if off < MAPPED_WITHIN && missing == 0 || stalled == STALLED_SIZES {
                     break;
                 }
-                scale /= ratio.sqrt();
+                let now = [scale.ln(), ratio.ln()];
+                scale = (now[0] - now[1] / growth(before, now)).exp();
+                before = Some(now);
             } else {
                 tracing::debug!(target: "carreau::quad", scale, "not whole");
                 // Another size, other numbers.
@@ -226,6 +230,13 @@ impl QuadMap {
         let goal = integers::goals(whole, &self.stretch, &self.curves);
         Strips::new(whole, goal, &self.curves.fewest).lengthen_curves(context)
     }
+}
+
+/// The power of the size with which the number of quads grows, from two sizes and numbers, by their logarithms: two where features
+/// ask for nothing, less where they ask for most of them.
+fn growth(before: Option<[f64; 2]>, now: [f64; 2]) -> f64 {
+    let measured = before.map(|before| (now[1] - before[1]) / (now[0] - before[0]));
+    measured.filter(|m| m.is_finite()).map_or(EVEN_GROWTH, |m| m.clamp(LEAST_GROWTH, EVEN_GROWTH))
 }
 
 /// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases of a scan are as rough as

@@ -23,7 +23,6 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use glam::DVec2;
-use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
@@ -44,12 +43,12 @@ impl Step {
         Cell::new(1, 0).turned(self.turn)
     }
 
-    fn index(self) -> usize {
-        4 * self.half_edge as usize + self.turn as usize
+    fn index(self) -> u32 {
+        4 * self.half_edge + self.turn as u32
     }
 
-    fn of_index(index: usize) -> Self {
-        Step { half_edge: (index / 4) as u32, turn: (index % 4) as i32 }
+    fn of_index(index: u32) -> Self {
+        Step { half_edge: index / 4, turn: (index % 4) as i32 }
     }
 
     /// How the face behind is entered: through its half-edge, with the same vector in its frame; `None` at a border.
@@ -59,13 +58,61 @@ impl Step {
     }
 }
 
-/// What the way to a step costs, and the step before it, by index: few steps of all that there are come into question.
-type Known = FxHashMap<usize, (f64, usize)>;
+/// What the ways to steps cost in a search, and the step before each; what is known from searches before counts for nothing.
+#[derive(Default)]
+struct Known {
+    /// By the index of a step: the search, the cost, the step before.
+    of: Vec<(u32, f64, u32)>,
+    search: u32,
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+impl Known {
+    fn begin(&mut self, steps: usize) {
+        self.of.resize(steps, (0, f64::INFINITY, NONE));
+        self.search += 1;
+        self.queue.clear();
+    }
+
+    fn cost(&self, step: u32) -> f64 {
+        let (search, cost, _) = self.of[step as usize];
+        if search == self.search { cost } else { f64::INFINITY }
+    }
+
+    fn set(&mut self, step: u32, cost: f64, before: u32) {
+        self.of[step as usize] = (self.search, cost, before);
+        // Costs are not negative: their bits are ordered as they are.
+        self.queue.push(Reverse((cost.to_bits(), step)));
+    }
+}
 
 /// Steps of a strip, with what they cost.
 struct Strip {
     cost: f64,
     steps: Vec<Step>,
+}
+
+/// The cheapest strip through a step.
+enum Way {
+    Found(Strip),
+    /// It costs more than so much.
+    Beyond(f64),
+}
+
+impl Way {
+    fn cost(&self) -> f64 {
+        match self {
+            Way::Found(strip) => strip.cost,
+            Way::Beyond(cost) => *cost,
+        }
+    }
+
+    fn steps(&self) -> &[Step] {
+        match self {
+            Way::Found(strip) => &strip.steps,
+            Way::Beyond(_) => &[],
+        }
+    }
 }
 
 /// Where strips are put in.
@@ -78,6 +125,7 @@ pub struct Strips<'a> {
     spare: Vec<i64>,
     /// What a strip costs for each half cell that a face lacks then and did not before.
     lack_cost: f64,
+    known: Known,
 }
 
 fn real(cell: Cell) -> DVec2 {
@@ -86,7 +134,8 @@ fn real(cell: Cell) -> DVec2 {
 
 impl<'a> Strips<'a> {
     pub fn new(flat: &'a mut Flat, goal: Vec<DVec2>, fewest: &'a [usize]) -> Self {
-        let mut strips = Strips { flat, goal, fewest, spare: Vec::new(), lack_cost: f64::INFINITY };
+        let mut strips =
+            Strips { flat, goal, fewest, spare: Vec::new(), lack_cost: f64::INFINITY, known: Known::default() };
         strips.count();
         strips
     }
@@ -159,14 +208,23 @@ impl<'a> Strips<'a> {
     /// Puts in the cheapest strip of those from some starts that is as it should be; returns whether there is one. A strip that comes
     /// to the same face again may take its cells away: then it has to go around those that it spoils.
     fn put_in_best(&mut self, starts: impl Iterator<Item = Step>, mut holds: impl FnMut(&Self) -> bool) -> bool {
-        let of = |strips: &Self, start: Step, barred: Vec<u32>| {
-            strips.through(start, &barred).map(|strip| (strip, start, barred))
-        };
-        let mut all: Vec<(Strip, Step, Vec<u32>)> = starts.filter_map(|start| of(self, start, Vec::new())).collect();
-        for _ in 0..STRIP_DETOURS * all.len() {
-            let order = |a: &Strip, b: &Strip| a.cost.total_cmp(&b.cost).then_with(|| a.steps.cmp(&b.steps));
+        let mut all: Vec<(Way, Step, Vec<u32>)> = Vec::new();
+        let mut least = f64::INFINITY;
+        for start in starts {
+            let Some(way) = self.through(start, &[], least) else { continue };
+            least = least.min(way.cost());
+            all.push((way, start, Vec::new()));
+        }
+        let mut tries = STRIP_DETOURS * all.len();
+        while tries > 0 {
+            let order = |a: &Way, b: &Way| a.cost().total_cmp(&b.cost()).then_with(|| a.steps().cmp(b.steps()));
             let Some(best) = (0..all.len()).min_by(|&a, &b| order(&all[a].0, &all[b].0)) else { break };
-            let (strip, start, mut barred) = all.swap_remove(best);
+            let (way, start, mut barred) = all.swap_remove(best);
+            let Way::Found(strip) = way else {
+                all.extend(self.through(start, &barred, f64::INFINITY).map(|way| (way, start, barred)));
+                continue;
+            };
+            tries -= 1;
             let crossed: BTreeSet<u32> = strip.steps.iter().map(|step| step.half_edge / 3).collect();
             let before: Vec<i64> = crossed.iter().map(|&f| self.flat.cells(f)).collect();
             self.put_in(&strip, 1);
@@ -179,7 +237,7 @@ impl<'a> Strips<'a> {
             barred.extend(crossed.into_iter().zip(before).filter(|&(f, before)| is_spoilt(f, before)).map(|(f, _)| f));
             self.put_in(&strip, -1);
             if barred.len() > known {
-                all.extend(of(self, start, barred));
+                all.extend(self.through(start, &barred, f64::INFINITY).map(|way| (way, start, barred)));
             }
         }
         false
@@ -202,70 +260,72 @@ impl<'a> Strips<'a> {
         crossed.filter(|side| side.curve != NONE).all(|side| side.vector.dot(real(side.cells)) > 0.0)
     }
 
-    /// The cheapest strip through a step: all around, or from border to border.
-    fn through(&self, start: Step, barred: &[u32]) -> Option<Strip> {
+    /// The cheapest strip through a step, all around or from border to border, if it costs no more than a bound.
+    fn through(&mut self, start: Step, barred: &[u32], bound: f64) -> Option<Way> {
         let cost = self.cost(start)?;
         let ahead = match start.entry(self.flat) {
-            Some(entry) => self.shortest(entry, start, barred)?,
+            Some(entry) => match self.shortest(entry, start, barred, bound - cost)? {
+                Way::Found(strip) => strip,
+                Way::Beyond(_) => return Some(Way::Beyond(bound)),
+            },
             None => Strip { cost: 0.0, steps: Vec::new() },
         };
         if ahead.steps.last() == Some(&start) {
-            return Some(ahead);
+            return Some(Way::Found(ahead));
         }
         // Back from the start, into its own face: what is crossed there changes as it would the other way.
-        let behind = self.shortest(Step::new(start.half_edge, start.turn + 2), start, barred)?;
+        let back = Step::new(start.half_edge, start.turn + 2);
+        let behind = match self.shortest(back, start, barred, bound - cost - ahead.cost)? {
+            Way::Found(strip) => strip,
+            Way::Beyond(_) => return Some(Way::Beyond(bound)),
+        };
         let is_open = behind.steps.last().is_some_and(|s| self.flat.side(s.half_edge).opposite == NONE);
         let steps = ahead.steps.into_iter().chain([start]).chain(behind.steps).collect();
-        is_open.then_some(Strip { cost: cost + ahead.cost + behind.cost, steps })
+        is_open.then_some(Way::Found(Strip { cost: cost + ahead.cost + behind.cost, steps }))
     }
 
-    /// The shortest path from where a face is entered to a step, or out of a border (Dijkstra).
-    fn shortest(&self, entry: Step, goal: Step, barred: &[u32]) -> Option<Strip> {
-        let mut known = Known::default();
-        let mut queue = BinaryHeap::new();
-        self.go_on(entry, 0.0, usize::MAX, &mut known, &mut queue);
-        while let Some(Reverse((bits, index))) = queue.pop() {
+    /// The shortest path from where a face is entered to a step, or out of a border, if it is no longer than a bound (Dijkstra).
+    fn shortest(&mut self, entry: Step, goal: Step, barred: &[u32], bound: f64) -> Option<Way> {
+        let mut known = std::mem::take(&mut self.known);
+        known.begin(4 * self.flat.sides.len());
+        let way = self.search(&mut known, entry, goal, barred, bound);
+        self.known = known;
+        way
+    }
+
+    fn search(&self, known: &mut Known, entry: Step, goal: Step, barred: &[u32], bound: f64) -> Option<Way> {
+        self.go_on(entry, 0.0, NONE, known);
+        while let Some(Reverse((bits, index))) = known.queue.pop() {
             let (step, cost) = (Step::of_index(index), f64::from_bits(bits));
-            if known.get(&index).is_some_and(|k| cost > k.0) {
-                continue;
+            if cost > bound {
+                return Some(Way::Beyond(bound));
             }
-            if barred.contains(&(step.half_edge / 3)) && step != goal {
+            if cost > known.cost(index) || barred.contains(&(step.half_edge / 3)) && step != goal {
                 continue;
             }
             let Some(entry) = step.entry(self.flat).filter(|_| step != goal) else {
-                let mut steps = vec![step];
-                let before = |at: usize| known.get(&at).map_or(usize::MAX, |k| k.1);
-                let mut at = before(index);
-                while at != usize::MAX {
+                let (mut steps, mut at) = (Vec::new(), index);
+                while at != NONE {
                     steps.push(Step::of_index(at));
-                    at = before(at);
+                    at = known.of[at as usize].2;
                 }
                 steps.reverse();
-                return Some(Strip { cost, steps });
+                return Some(Way::Found(Strip { cost, steps }));
             };
-            self.go_on(entry, cost, index, &mut known, &mut queue);
+            self.go_on(entry, cost, index, known);
         }
         None
     }
 
     /// The ways out of a face.
-    fn go_on(
-        &self,
-        entry: Step,
-        cost: f64,
-        from: usize,
-        known: &mut Known,
-        queue: &mut BinaryHeap<Reverse<(u64, usize)>>,
-    ) {
+    fn go_on(&self, entry: Step, cost: f64, from: u32, known: &mut Known) {
         for exit in [next(entry.half_edge), previous(entry.half_edge)] {
             let step = Step::new(exit, entry.turn);
             let Some(crossing) = self.cost(step) else { continue };
-            let more = crossing + self.cost_of_pass(entry, exit);
+            let cost = cost + (crossing + self.cost_of_pass(entry, exit));
             // Infinite costs are no way.
-            if cost + more < known.get(&step.index()).map_or(f64::INFINITY, |k| k.0) {
-                known.insert(step.index(), (cost + more, from));
-                // Costs are not negative: their bits are ordered as they are.
-                queue.push(Reverse(((cost + more).to_bits(), step.index())));
+            if cost < known.cost(step.index()) {
+                known.set(step.index(), cost, from);
             }
         }
     }

@@ -15,7 +15,7 @@ use super::{QuadMap, Wish, fewest};
 use crate::context::Context;
 use crate::geometry::features::FeatureOptions;
 use crate::mesh::{HalfEdges, NONE, SurfaceMesh, Topology};
-use crate::quad::pair::{Follow, coarse, field_of};
+use crate::quad::coarse::{Follow, coarse, field_of};
 use crate::quad::source::Source;
 use crate::sample;
 use std::f64::consts::FRAC_PI_2;

@@ -118,6 +118,10 @@ pub const MOST_UNKNOWNS: usize = 2_500;
 pub const MAPPED_WITHIN: f64 = 0.02;
 /// A count: sizes that are tried for that, because whole numbers do not change evenly with the size.
 pub const MOST_SIZES: usize = 10;
+/// A power: the number of quads grows with that of their size where nothing else asks for any.
+pub const EVEN_GROWTH: f64 = 2.0;
+/// A power: it is taken to grow with that at least, because whole numbers do not change evenly with the size.
+pub const LEAST_GROWTH: f64 = 0.5;
 /// A count: sizes in a row that come no nearer to the number before it is given up, because features may need more quads
 /// than are wanted, however large these are elsewhere.
 pub const STALLED_SIZES: usize = 3;
