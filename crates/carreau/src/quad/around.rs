@@ -139,6 +139,11 @@ impl<'a> Ring<'a> {
         })
     }
 
+    /// Where the quads look together.
+    pub fn up(&self) -> DVec3 {
+        self.quads.iter().map(|before| before.up).sum()
+    }
+
     /// Whether none of the shapes is worse than that.
     pub fn holds(&self, at: DVec3, least: f64) -> bool {
         self.shapes(at).flatten().all(|shape| shape >= least)

@@ -196,7 +196,7 @@ fn from_corner_to_corner(
         path.edges.push(k as u32);
         path.ends.extend(ends.iter().filter(|v| !is_inside(**v)));
     }
-    let mut curves: BTreeMap<(Vec<[u64; 3]>, [u32; 2]), Vec<u32>> = BTreeMap::new();
+    let mut curves: BTreeMap<Between, Vec<u32>> = BTreeMap::new();
     let sorted = |ends: Vec<DVec3>| {
         let mut ends: Vec<[u64; 3]> = ends.into_iter().map(bits).collect();
         ends.sort_unstable();
@@ -219,6 +219,9 @@ fn from_corner_to_corner(
     }
     of
 }
+
+/// The corners and the regions that a curve is between, in order.
+type Between = (Vec<[u64; 3]>, [u32; 2]);
 
 /// Edges from corner to corner, and where they end.
 #[derive(Clone, Default)]

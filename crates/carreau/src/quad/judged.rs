@@ -38,8 +38,6 @@ const LOST_GRADE: f64 = 0.02;
 pub struct Cost {
     /// They stray from the surface, lose features, or one of them is of no use.
     pub is_useless: bool,
-    /// They lose a part of the features, which are not those of a scan.
-    pub loses: bool,
     /// Grades of the worst shape and of the mean, of a number missed, of a distance, of lost features.
     pub grades: u32,
     pub irregular: usize,
@@ -51,12 +49,21 @@ pub struct Judged {
     pub cost: Cost,
     /// They are as many as were asked for.
     pub meets_number: bool,
+    /// They lose a part of the features, which are not those of a scan.
+    pub loses: bool,
+    /// One of them is all but turned over.
+    pub is_flat: bool,
 }
 
 impl Judged {
     /// Nothing forbids them.
     pub fn is_useful(&self) -> bool {
-        !self.cost.is_useless && !self.cost.loses
+        !self.cost.is_useless && !self.loses
+    }
+
+    /// What keeps to the number and leaves a part out is better than many times as many quads, if it keeps the features.
+    pub fn will_do(&self) -> bool {
+        self.is_useful() || self.meets_number && !self.loses && !self.is_flat
     }
 
     /// `gap`: how far the quads are from the surface; `quads`: how many are wanted.
@@ -72,11 +79,11 @@ impl Judged {
         let lost = grade(LEAST_RECALL - kept, LOST_GRADE);
         let cost = Cost {
             is_useless: strays > USELESS_STRAYING || shape < USELESS_SHAPE || kept < 1.0 - USELESS_LOST,
-            loses: !source.is_noisy && kept < LEAST_RECALL,
             grades: poor + dull + misses + far + lost,
             irregular: quality::irregular(&work),
         };
         tracing::debug!(target: "carreau::quad", strays, shape, poor, dull, misses, far, lost, ?cost, "judged");
-        Ok(Judged { work, cost, meets_number: misses == 0 })
+        let loses = !source.is_noisy && kept < LEAST_RECALL;
+        Ok(Judged { work, cost, meets_number: misses == 0, loses, is_flat: shape < USELESS_SHAPE })
     }
 }

@@ -36,13 +36,8 @@ pub struct OfMap {
 }
 
 impl OfMap {
-    pub fn is_useful(&self) -> bool {
-        self.best.as_ref().is_some_and(Judged::is_useful)
-    }
-
-    /// What keeps to the number and leaves a part out is better than many times as many quads, if it keeps the features.
     pub fn will_do(&self) -> bool {
-        self.best.as_ref().is_some_and(|b| b.is_useful() || b.meets_number && !b.cost.loses)
+        self.best.as_ref().is_some_and(Judged::will_do)
     }
 }
 
@@ -57,7 +52,9 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
     for working in WORKING_EDGES {
         let wish = Wish { length, quads, working, feature_deg };
         match of_working_mesh(source, &wish, &mut left, context)? {
-            Ok(found) if of_map.best.as_ref().is_none_or(|b| found.cost < b.cost) => of_map.best = Some(found),
+            Ok(found) if of_map.best.as_ref().is_none_or(|b| (found.loses, found.cost) < (b.loses, b.cost)) => {
+                of_map.best = Some(found);
+            }
             Ok(_) => {}
             Err(why) => {
                 tracing::debug!(target: "carreau::quad", working, why, "no map");

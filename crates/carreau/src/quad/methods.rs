@@ -69,7 +69,9 @@ fn of_map(source: &Source, options: &QuadOptions, context: &Context) -> Result<O
 fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Option<(Source, Made)>> {
     let features = FeatureOptions { angle_deg: None, ..options.features.clone() };
     let source = Source::new(mesh, &features, context)?;
-    let Some(found) = of_map(&source, options, context)?.best.filter(|b| b.meets_number) else { return Ok(None) };
+    let Some(found) = of_map(&source, options, context)?.best.filter(|b| b.meets_number && !b.is_flat) else {
+        return Ok(None);
+    };
     let mut warnings = source.surface.repaired.clone();
     warnings.push(
         "the creases of the surface, which fade out, leave no room for so few quads and are not kept; more quads keep them, or an angle \
@@ -83,7 +85,10 @@ fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context)
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
     let pairs = if map.will_do() { None } else { paired::quads(source, options, &mut warnings, context)? };
-    let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
+    let is_kept_by_pairs = pairs.as_ref().is_some_and(|pairs| pairs.is_useful() && pairs.meets_number);
+    // What keeps all features in as many quads goes before what loses some.
+    let of_map = map.best.filter(|map| !(map.loses && is_kept_by_pairs)).map(|b| (b, Method::Map));
+    let candidates = of_map.into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     let best = candidates.min_by(|a, b| a.0.cost.cmp(&b.0.cost));
     if options.rung == 1 && best.as_ref().is_none_or(|b| b.1 != Method::Map) {
         warnings.push(format!("no map of the surface gave quads: {}", map.refused));

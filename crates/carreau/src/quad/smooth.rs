@@ -158,6 +158,7 @@ pub fn smooth_near(work: &mut Work, around: &Around, source: &Source, near: &[u3
             break;
         }
     }
+    untangle(work, around, source, context)?;
     for round in 0..CARE_ROUNDS {
         for &v in near {
             improve(work, around, source, v, CARE_STEPS[round % CARE_STEPS.len()]);
@@ -212,7 +213,9 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let mean = neighbours.iter().map(|&w| work.points[w as usize]).sum::<DVec3>() / neighbours.len() as f64;
     let ring = Ring::new(work, around, v);
     let least = ring.now.min(GOOD_SHAPE);
-    let mut places = WAY_SHARES.iter().map(|share| work.put_back(source, v, from + (mean - from) * share));
+    let up = ring.up();
+    let mut places =
+        WAY_SHARES.iter().filter_map(|share| work.put_back_facing(source, v, from + (mean - from) * share, up));
     let Some(to) = places.find(|&to| ring.holds(to, least)) else { return false };
     work.points[v as usize] = to;
     to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize])
@@ -267,10 +270,12 @@ fn improve(work: &mut Work, around: &Around, source: &Source, v: u32, step: f64)
     let least = around.shortest_edge(work, v, from).min(SHORTEST_EDGE * length);
     // A sum may fall although its worst part rises: no quad is turned over for that.
     let holds = ring.now.min(SOUND_SHAPE);
-    let (x, y) = around.up(work, v).any_orthonormal_pair();
+    let up = around.up(work, v);
+    let (x, y) = up.any_orthonormal_pair();
     for k in 0..8 {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(k)).sin_cos();
-        let to = work.put_back(source, v, from + (x * cos + y * sin) * step * length);
+        let to = from + (x * cos + y * sin) * step * length;
+        let Some(to) = work.put_back_facing(source, v, to, up) else { continue };
         let found = ring.distress(to);
         if found < best.0 * (1.0 - 1e-6)
             && ring.holds(to, holds)

@@ -76,7 +76,7 @@ impl Source {
         if let Creases::AtSize(length) = options.creases
             && surface.found.noise.is_high()
             && options.edges.is_empty()
-            && !(options.tags && !mesh.tagged_edges.is_empty())
+            && (!options.tags || mesh.tagged_edges.is_empty())
         {
             drop_around_scraps(&mut surface, length);
         }

@@ -12,7 +12,7 @@
 //! squares keep edges from shrinking to nothing. D is linear in every vertex: one after the other makes Newton's step in its
 //! tangent plane, or along its curve, and goes back to its region or curve.
 
-use super::around::{Around, beside, corners};
+use super::around::{Around, beside, corners, normal};
 use super::smooth::{LOOKED_AFTER_SHARE, jacobian, keeps_feature_at, turned};
 use super::source::Source;
 use super::validate::faults;
@@ -61,7 +61,7 @@ pub fn untangle(work: &mut Work, around: &Around, source: &Source, context: &Con
             break;
         }
         let near = near(work, around, &bad);
-        let barrier = Barrier::new(work, around, source, &near);
+        let barrier = Barrier::new(work, around, source, &near, &bad);
         for _ in 0..SWEEPS {
             for &v in &near {
                 context.check_every(v as usize)?;
@@ -107,7 +107,7 @@ struct Barrier {
 }
 
 impl Barrier {
-    fn new(work: &Work, around: &Around, source: &Source, near: &[u32]) -> Self {
+    fn new(work: &Work, around: &Around, source: &Source, near: &[u32], bad: &[u32]) -> Self {
         let mut up = FxHashMap::default();
         let (mut worst, mut sum, mut count) = (0f64, 0.0, 0usize);
         for &q in near.iter().flat_map(|&v| &around.quads[v as usize]) {
@@ -115,7 +115,8 @@ impl Barrier {
                 continue;
             }
             let p = [0, 1, 2, 3].map(|k| work.points[work.faces.face(q as usize)[k] as usize]);
-            let looks = looks(work, source, q, p);
+            // The surface may bend much below a quad: one that is good tells best where it looks.
+            let looks = if bad.binary_search(&q).is_ok() { looks(work, source, q, p) } else { normal(p) };
             for k in 0..4 {
                 let area = looks.dot((p[(k + 1) % 4] - p[k]).cross(p[(k + 3) % 4] - p[k]));
                 (worst, sum, count) = (worst.min(area), sum + area.abs(), count + 1);
@@ -137,16 +138,17 @@ impl Barrier {
         let mut way = descent(&now);
         let length = around.mean_edge(work, v);
         way *= (LONGEST_STEP * length / way.length().max(f64::MIN_POSITIVE)).min(1.0);
+        let up = self.up(around, v);
         for _ in 0..HALVINGS {
-            let to = work.put_back(source, v, from + plane.0[0] * way.x + plane.0[1] * way.y);
-            let found = self.around(work, around, v, to, &plane).value;
-            if found < now.value * (1.0 - LEAST_GAIN)
+            let to = from + plane.0[0] * way.x + plane.0[1] * way.y;
+            way *= 0.5;
+            let Some(to) = work.put_back_facing(source, v, to, up) else { continue };
+            if self.around(work, around, v, to, &plane).value < now.value * (1.0 - LEAST_GAIN)
                 && keeps_feature_at(work, around, source, v, to, LOOKED_AFTER_SHARE)
             {
                 work.points[v as usize] = to;
                 return;
             }
-            way *= 0.5;
         }
     }
 
@@ -156,9 +158,13 @@ impl Barrier {
             let [a, b] = around.neighbours[v as usize][..] else { return None };
             return Some(Plane([(work.points[b as usize] - work.points[a as usize]).try_normalize()?, DVec3::ZERO]));
         }
-        let up: DVec3 = around.quads[v as usize].iter().map(|q| self.up[q]).sum();
-        let (x, y) = up.try_normalize()?.any_orthonormal_pair();
+        let (x, y) = self.up(around, v).try_normalize()?.any_orthonormal_pair();
         Some(Plane([x, y]))
+    }
+
+    /// Where the quads around a vertex look together.
+    fn up(&self, around: &Around, v: u32) -> DVec3 {
+        around.quads[v as usize].iter().map(|q| self.up[q]).sum()
     }
 
     /// The barrier of the quads around a vertex that is at a place.

@@ -5,6 +5,10 @@ use crate::error::Result;
 use crate::mesh::{Polygons, SurfaceMesh, TaggedEdge, VertexId};
 use glam::DVec3;
 
+/// A cosine: the surface looks against a direction from which it turns by more, far above a right angle because needles look
+/// anywhere.
+const AGAINST: f64 = -0.5;
+
 /// Where a vertex belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -36,6 +40,14 @@ impl Work {
             Place::Curve(curve) => source.on_curve(curve, p).unwrap_or(p),
             Place::Region(region) => source.on_region(region, p).map_or(p, |found| found.0),
         }
+    }
+
+    /// The same, but `None` where the surface there looks against a direction: on a limb that is thinner than quads the nearest place
+    /// may be on its other side.
+    pub fn put_back_facing(&self, source: &Source, v: u32, p: DVec3, up: DVec3) -> Option<DVec3> {
+        let Place::Region(region) = self.place[v as usize] else { return Some(self.put_back(source, v, p)) };
+        let Some((to, t)) = source.on_region(region, p) else { return Some(p) };
+        (source.normal(t).dot(up) >= AGAINST * up.length()).then_some(to)
     }
 
     /// The quads as a mesh whose tagged edges are the features.
