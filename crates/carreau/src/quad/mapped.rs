@@ -17,6 +17,8 @@ const MAPPED_ATTEMPTS: usize = 6;
 /// A count: how often that is for all working meshes together, but once for each, because the first ones show what there is
 /// to gain.
 const ALL_ATTEMPTS: usize = 9;
+/// A count: working meshes after which what will do is taken, because what keeps it from being better is the number of quads.
+const ENOUGH_MESHES: usize = 2;
 /// A share of the faults before: an attempt that leaves more is the last, because smaller quads are of little use
 /// there.
 const FAULTS_LEFT: f64 = 0.9;
@@ -49,7 +51,9 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
     };
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
     let (mut of_map, mut left) = (OfMap::default(), ALL_ATTEMPTS);
-    for working in WORKING_EDGES {
+    // Creases of a scan that leave no room on two of them leave none on a third.
+    let meshes = if source.is_noisy { ENOUGH_MESHES } else { WORKING_EDGES.len() };
+    for (mesh, working) in WORKING_EDGES.into_iter().take(meshes).enumerate() {
         let wish = Wish { length, quads, working, feature_deg };
         match of_working_mesh(source, &wish, &mut left, context)? {
             Ok(found) if of_map.best.as_ref().is_none_or(|b| (found.loses, found.cost) < (b.loses, b.cost)) => {
@@ -61,7 +65,8 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
                 of_map.refused = why;
             }
         }
-        if of_map.best.as_ref().is_some_and(|b| b.is_useful() && b.meets_number) {
+        let is_met = of_map.best.as_ref().is_some_and(|b| b.is_useful() && b.meets_number);
+        if is_met || mesh + 1 >= ENOUGH_MESHES && of_map.will_do() {
             break;
         }
     }

@@ -169,7 +169,7 @@ impl Barrier {
 
     /// The barrier of the quads around a vertex that is at a place.
     fn around(&self, work: &Work, around: &Around, v: u32, at: DVec3, plane: &Plane) -> Nearby {
-        let mut sum = Nearby::default();
+        let mut sum = Nearby::ZERO;
         for &q in &around.quads[v as usize] {
             let (up, p) = (self.up[&q], corners(work, q, v, at));
             let Some(own) = work.faces.face(q as usize).iter().position(|&w| w == v) else { continue };
@@ -213,7 +213,6 @@ enum Moves {
 }
 
 /// A function of a vertex near where it is: its value, and its first and second derivatives in the plane.
-#[derive(Default)]
 struct Nearby {
     value: f64,
     slope: DVec2,
@@ -221,6 +220,8 @@ struct Nearby {
 }
 
 impl Nearby {
+    const ZERO: Self = Nearby { value: 0.0, slope: DVec2::ZERO, bend: DMat2::ZERO };
+
     /// Adds N / χ(D); D is linear, so that it comes without a second derivative.
     fn add(&mut self, n: Nearby, (d, slope): (f64, DVec2), soft: f64) {
         let root = d.hypot(soft);
@@ -355,7 +356,7 @@ mod tests {
                     let by = |is_it: bool| if is_it { DVec3::new(x, y, 0.0) } else { DVec3::ZERO };
                     let a = a + by(matches!(moves, Moves::Corner));
                     let (b, c) = (b + by(matches!(moves, Moves::Next)), c + by(matches!(moves, Moves::Previous)));
-                    let mut sum = Nearby::default();
+                    let mut sum = Nearby::ZERO;
                     sum.add(size(b - a, c - a, moves, &plane), area(b - a, c - a, up, moves, &plane), soft);
                     sum
                 };
