@@ -69,3 +69,40 @@ fn around_scraps(mesh: &SurfaceMesh, is_feature: &[bool], least: f64) -> Vec<Cor
     };
     corners().filter(is_dropped).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::Context;
+    use crate::geometry::features::FeatureOptions;
+    use crate::mesh::{Polygons, TaggedEdge};
+    use glam::DVec3;
+
+    /// A flat grid of four by four squares; the edges around one of them are tagged, and a row across the grid.
+    fn plate() -> FeaturedSurface {
+        let points = (0..5).flat_map(|j| (0..5).map(move |i| DVec3::new(f64::from(i), f64::from(j), 0.0))).collect();
+        let mut faces = Polygons::new();
+        for v in (0..4).flat_map(|j| (0..4).map(move |i| 5 * j + i)) {
+            faces.push(&[v, v + 1, v + 6]);
+            faces.push(&[v, v + 6, v + 5]);
+        }
+        let mut mesh = SurfaceMesh::new(points, faces).unwrap();
+        let edges = [[6, 7], [7, 12], [12, 11], [11, 6], [15, 16], [16, 17], [17, 18], [18, 19]];
+        mesh.tagged_edges = edges.iter().map(|e| TaggedEdge { ends: e.map(VertexId), tag: 1 }).collect();
+        FeaturedSurface::new(&mesh, &FeatureOptions::default(), &Context::new()).unwrap()
+    }
+
+    #[test]
+    fn pieces_without_room_for_a_quad_go_and_no_others() {
+        let inner = |surface: &FeaturedSurface| surface.mesh.tagged_edges.len();
+        let (mut small, mut large) = (plate(), plate());
+        let all = inner(&small);
+        // A square is half a quad of this length, and a little more, or less.
+        drop_around_scraps(&mut small, 1.4);
+        assert_eq!(inner(&small), all);
+        drop_around_scraps(&mut large, 1.5);
+        assert_eq!(inner(&large), all - 4);
+        let kept = large.features.edges(&large.mesh).count();
+        assert_eq!(kept, small.features.edges(&small.mesh).count() - 4);
+    }
+}

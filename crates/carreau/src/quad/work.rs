@@ -58,3 +58,29 @@ impl Work {
         Ok(mesh)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::Context;
+    use crate::geometry::features::FeatureOptions;
+    use crate::sample;
+
+    #[test]
+    fn nothing_is_put_onto_the_other_side_of_a_thin_limb() {
+        let context = Context::new();
+        let ball = sample::make("icosphere", Some(20), &context).unwrap();
+        let flat = ball.points().iter().map(|&p| p * DVec3::new(1.0, 1.0, 0.02)).collect();
+        let lens = SurfaceMesh::new(flat, ball.faces().clone()).unwrap();
+        let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
+        let source = Source::new(&lens, &options, &context).unwrap();
+        let top = DVec3::new(0.0, 0.0, 0.02);
+        let work = Work { points: vec![top], place: vec![Place::Region(0)], ..Work::default() };
+        let put = |z: f64, up: DVec3| work.put_back_facing(&source, 0, DVec3::new(0.1, 0.0, z), up);
+        assert!(put(-0.05, DVec3::Z).is_none() && put(0.05, -DVec3::Z).is_none());
+        assert!(put(0.05, DVec3::Z).unwrap().z > 0.0 && put(-0.05, -DVec3::Z).unwrap().z < 0.0);
+        // What stays where it is may look anywhere.
+        let fixed = Work { place: vec![Place::Fixed], ..work.clone() };
+        assert_eq!(fixed.put_back_facing(&source, 0, DVec3::ZERO, -DVec3::Z), Some(top));
+    }
+}
