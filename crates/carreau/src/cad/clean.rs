@@ -40,7 +40,8 @@ impl<'a> Map<'a> {
         let mut primitives: Vec<Option<Primitive>> = found.regions.iter().map(|r| r.primitive).collect();
         let mut shared = Shared { t, tolerance, label: &mut label, primitives: &mut primitives };
         shared.absorb_crumbs();
-        let mut map = Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), next: 0 };
+        let precision = FILE_PRECISION * diagonal;
+        let mut map = Map { t, diagonal, tolerance, precision, label: Vec::new(), pieces: Vec::new(), next: 0 };
         map.collect(&label, &primitives);
         map
     }
@@ -122,24 +123,6 @@ impl<'a> Map<'a> {
     /// Whether no piece lies on a surface of a kind.
     pub fn is_free(&self) -> bool {
         self.pieces.iter().all(|p| p.rung == Rung::Spline)
-    }
-
-    /// The share of the area in pieces of some triangles whose vertices lie on their surface.
-    pub fn exact_share(&self) -> f64 {
-        self.share(|p| {
-            p.rung < Rung::Spline && p.triangles.len() >= CERTAIN_TRIANGLES && p.max <= FILE_PRECISION * self.diagonal
-        })
-    }
-
-    /// The share of the area in pieces that have a surface.
-    pub fn known_share(&self) -> f64 {
-        self.share(|p| p.rung < Rung::Spline)
-    }
-
-    fn share(&self, counts: impl Fn(&Piece) -> bool) -> f64 {
-        let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
-        let all: f64 = self.pieces.iter().map(area).sum();
-        self.pieces.iter().filter(|p| counts(p)).map(area).sum::<f64>() / all
     }
 
     /// Whether a piece lies on the surface of a larger one, and both look the same way there, within the angle of its facets.

@@ -13,7 +13,7 @@ use super::clean::{CERTAIN_TRIANGLES, normals};
 use super::regions::{Map, Piece, area_vector, connected, vertices};
 use super::scraps::SCRAP_TILT;
 use super::swept::SPARE_VERTICES;
-use super::tuning::{COLUMN_DISTANCE, FILE_PRECISION, REFINE_STEPS};
+use super::tuning::REFINE_STEPS;
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
 use glam::DVec3;
@@ -41,7 +41,7 @@ impl Map<'_> {
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
             for part in connected(self.t, &rest, |_, _| true) {
-                if let Some(home) = self.home(p as u32, &part, FILE_PRECISION * self.diagonal) {
+                if let Some(home) = self.home(p as u32, &part, self.precision) {
                     self.give(p as u32, &part, home);
                     rest.retain(|k| part.binary_search(k).is_err());
                 }
@@ -57,14 +57,14 @@ impl Map<'_> {
     /// The connected part of a piece that lies on a surface, with its share of the area at least.
     fn fitting(&self, piece: &Piece, share: Share) -> Option<(Vec<u32>, Primitive)> {
         let kind = piece.primitive.map(|p| p.kind());
-        if piece.triangles.len() < LEAST_PARTED || (kind.is_some() && !(piece.max > FILE_PRECISION * self.diagonal)) {
+        if piece.triangles.len() < LEAST_PARTED || (kind.is_some() && !(piece.max > self.precision)) {
             return None;
         }
         let (points, normals) = (vertices(self.t, &piece.triangles), normals(self.t, &piece.triangles));
         if points.len() > MISFIT_VERTICES {
             return None;
         }
-        let near = 2.0 * COLUMN_DISTANCE * self.diagonal;
+        let near = self.precision;
         let on = |p: &Primitive| -> Vec<u32> {
             let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
             // Lids have all corners on the surface that their rim is on.
