@@ -265,12 +265,15 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     if map.exact_share() > SOME_AREA {
         map.part_misfits(Share::Most);
         if map.is_exact() {
-            map.part_misfits(Share::Half);
+            map.part_misfits(Share::Round);
         }
         map.settle_ties();
     }
     swept::sweep(&mut map)?;
     if map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
+        swept::sweep(&mut map)?;
+    }
+    if map.is_exact() && map.part_flats() {
         swept::sweep(&mut map)?;
     }
     map.part_lids();

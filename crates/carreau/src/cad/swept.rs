@@ -39,8 +39,10 @@ const PLACE_DISTANCE: f64 = 20.0;
 /// A share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first,
 /// because few of them say what a smooth profile is.
 const FIRST_DISTANCE: f64 = 0.04;
-/// A share of the diagonal: vertices of exact data that are nearer to each other, seen along a sweep, are one place of its profile,
-/// because those on edges are where the part's own tolerance has them.
+/// A count: fewer triangles than this lie on a swept surface by chance, but for the precision of exact data.
+const FEW_SWEPT: usize = 24;
+/// A share of the diagonal: vertices of exact data that are nearer to each other, seen along a sweep of few triangles, are one place of
+/// its profile, because those on edges are where the part's own tolerance has them.
 const SAME_COLUMN: f64 = 1e-8;
 /// A count: how often that is halved until they are in a row, because a profile that bends more needs nearer ones.
 const DISTANCE_HALVINGS: i32 = 5;
@@ -108,7 +110,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     let mut triangles: Vec<u32> =
         pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
-    let near = map.precision.clamp(SAME_COLUMN * map.diagonal, COLUMN_DISTANCE * map.diagonal);
+    let column = COLUMN_DISTANCE * map.diagonal;
+    let near =
+        if triangles.len() < FEW_SWEPT { map.precision.clamp(SAME_COLUMN * map.diagonal, column) } else { column };
     // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
     let noise = (map.is_noisy() && map.exact_share() <= SOME_AREA).then_some(0.5 * map.tolerance);
     if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {
