@@ -129,6 +129,8 @@ def afterwards(path):
     # Not through the middle: planes of symmetry hold edges.
     cut = gp_Pnt(low.X() + 0.47 * (high.X() - low.X()), high.Y() + size, high.Z() + size)
     half = BRepAlgoAPI_Common(shape, BRepPrimAPI_MakeBox(gp_Pnt(low.X() - size, low.Y() - size, low.Z() - size), cut).Shape())
+    # Static functions ended in _s up to Open CASCADE 7.
+    face_of, edge_of = (getattr(TopoDS, name + "_s", None) or getattr(TopoDS, name) for name in ("Face", "Edge"))
     halved = half.IsDone() and not half.Shape().IsNull() and BRepCheck_Analyzer(half.Shape()).IsValid()
 
     def all_of(kind):
@@ -141,7 +143,7 @@ def afterwards(path):
     def takes(edge):
         try:
             fillet = BRepFilletAPI_MakeFillet(shape)
-            fillet.Add(FILLET * size, TopoDS.Edge_s(edge))
+            fillet.Add(FILLET * size, edge_of(edge))
             fillet.Build()
             return fillet.IsDone() and BRepCheck_Analyzer(fillet.Shape()).IsValid()
         except Exception:  # noqa: BLE001 (Open CASCADE's errors are of many kinds)
@@ -149,7 +151,7 @@ def afterwards(path):
 
     filleted = any(takes(e) for e in all_of(TopAbs_EDGE)[:40])
     BRepMesh_IncrementalMesh(shape, CHORD * size, False, ANGLE)
-    meshed = all(BRep_Tool.Triangulation_s(TopoDS.Face_s(f), TopLoc_Location()) is not None for f in all_of(TopAbs_FACE))
+    meshed = all(BRep_Tool.Triangulation_s(face_of(f), TopLoc_Location()) is not None for f in all_of(TopAbs_FACE))
     return halved, filleted, meshed
 
 

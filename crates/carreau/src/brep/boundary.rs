@@ -194,9 +194,9 @@ impl Walk<'_> {
         let p = edge.curve.point(to);
         let mut uv = DVec2::from(self.surface.project_near(p, at.into()));
         if let Surface::Spline(s) = self.surface {
-            // A search that did not get there begins anew.
+            // A search that did not get there begins anew; an edge is as far from its surface as its tolerance says.
             let off = s.point(uv.x, uv.y).distance(p);
-            if off > 1e-6 * p.distance(edge.curve.point(from)) {
+            if off > edge.tolerance + 1e-6 * p.distance(edge.curve.point(from)) {
                 let other = DVec2::from(self.surface.project(p));
                 if s.point(other.x, other.y).distance(p) < 0.1 * off {
                     uv = other;

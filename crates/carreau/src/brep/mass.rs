@@ -16,6 +16,7 @@
 //! moments, about a point near the model so that nothing cancels.
 
 use super::boundary::{EdgeSamples, Ring, Sample, unroll};
+use super::row::Row;
 use super::surface::Surface;
 use super::tessellate::{Fineness, sample_edges};
 use super::{Brep, Curve, Face};
@@ -30,6 +31,8 @@ use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 const INNER: usize = 8;
 /// Points of the rule along u on planes, where the integrand is a polynomial.
 const INNER_PLANE: usize = 2;
+/// Points of the rule along u on splines, which makes volume and moments of bicubic ones exact between two knots.
+const INNER_SPLINE: usize = 6;
 /// Points of the rule along an edge.
 const OUTER: usize = 6;
 /// Where two levels of the outer rule agree within this share of the face's extent squared (cubed, to the fourth), it is
@@ -39,7 +42,7 @@ const ENOUGH: f64 = 1e-13;
 const MAX_PIECE_HALVINGS: u32 = 8;
 /// The same for faces on splines, where feet of points are found by Newton's method to 1e-8 of the domain, so that two levels never
 /// agree better than that.
-const ENOUGH_ON_SPLINE: f64 = 1e-10;
+const ENOUGH_ON_SPLINE: f64 = 1e-9;
 /// Most halvings of a piece of an edge there.
 const MAX_HALVINGS_ON_SPLINE: u32 = 3;
 
@@ -86,8 +89,8 @@ impl Brep {
         let about = 0.5 * (low + high);
         // Only the angle counts here: pieces of edges over which little turns.
         let samples = sample_edges(self, &Fineness { chord: f64::INFINITY, angle: FRAC_PI_3 });
-        let rules =
-            Rules { inner: GaussRule::new(INNER), plane: GaussRule::new(INNER_PLANE), outer: GaussRule::new(OUTER) };
+        let [inner, plane, spline, outer] = [INNER, INNER_PLANE, INNER_SPLINE, OUTER].map(GaussRule::new);
+        let rules = Rules { inner, plane, spline, outer };
         context.install(|| {
             let one = |face: &Face| {
                 context.check()?;
@@ -119,6 +122,7 @@ impl Brep {
 struct Rules {
     inner: GaussRule,
     plane: GaussRule,
+    spline: GaussRule,
     outer: GaussRule,
 }
 
@@ -269,31 +273,41 @@ impl Integral<'_> {
     /// F at a point of the parameter plane.
     fn inner(&self, uv: DVec2) -> Sums {
         let mut out = Sums::default();
-        let (plane, turn) = match self.surface {
-            Surface::Plane { .. } => (true, f64::INFINITY),
-            Surface::Spline(_) | Surface::Extrusion { profile: Curve::Spline(_) | Curve::Line { .. }, .. } => {
-                (false, f64::INFINITY)
+        let (rule, turn) = match self.surface {
+            Surface::Plane { .. } => (&self.rules.plane, f64::INFINITY),
+            Surface::Spline(_) => (&self.rules.spline, f64::INFINITY),
+            Surface::Extrusion { profile: Curve::Spline(_) | Curve::Line { .. }, .. } => {
+                (&self.rules.inner, f64::INFINITY)
             }
-            _ => (false, FRAC_PI_4),
+            _ => (&self.rules.inner, FRAC_PI_4),
         };
-        let rule = if plane { &self.rules.plane } else { &self.rules.inner };
+        let row = match self.surface {
+            Surface::Spline(s) => Some(Row::of(s, uv.y)),
+            _ => None,
+        };
+        let at = |u: f64| match &row {
+            Some(row) => row.at(u),
+            None => {
+                let jet = self.surface.jet(u, uv.y);
+                (jet.point, jet.first)
+            }
+        };
         let mut a = self.from;
         let inside = self.breaks.iter().copied().filter(|&t| t > self.from && t < uv.x);
         for b in inside.chain([uv.x]) {
             let pieces = ((b - a).abs() / turn).ceil().clamp(1.0, 64.0);
             for k in 0..pieces as u32 {
                 let [low, high] = [k, k + 1].map(|k| a + (b - a) * f64::from(k) / pieces);
-                rule.over(low, high).for_each(|(u, weight)| add(&mut out, &self.density(u, uv.y), weight));
+                rule.over(low, high).for_each(|(u, weight)| add(&mut out, &self.density(at(u)), weight));
             }
             a = b;
         }
         out
     }
 
-    fn density(&self, u: f64, v: f64) -> Sums {
-        let jet = self.surface.jet(u, v);
-        let n = jet.first[0].cross(jet.first[1]);
-        let p = jet.point - self.about;
+    fn density(&self, (point, [along, across]): (DVec3, [DVec3; 2])) -> Sums {
+        let n = along.cross(across);
+        let p = point - self.about;
         let m = 0.5 * p * p * n;
         [n.length(), p.dot(n) / 3.0, m.x, m.y, m.z]
     }

@@ -46,6 +46,7 @@
 //! | `boundary` | loops of a face in the parameter plane, unrolled |
 //! | `tessellate/` | triangles, watertight |
 //! | `mass` | area, volume, centroid |
+//! | `row` | a line of a spline surface, for integrals along it |
 //! | `validate/` | everything that may be wrong with a model, and its distance from a mesh |
 
 mod boundary;
@@ -55,6 +56,7 @@ pub mod frame;
 mod mass;
 #[cfg(test)]
 pub(crate) mod models;
+mod row;
 pub mod surface;
 pub mod tessellate;
 #[cfg(test)]

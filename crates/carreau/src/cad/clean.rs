@@ -15,6 +15,9 @@ use rayon::prelude::*;
 const CLEAN_SAMPLES: usize = 2000;
 /// A count: fewest triangles of a lid, because two in one plane are a facet of a curved surface.
 const LID_TRIANGLES: usize = 3;
+/// A count: fewest triangles of a flat part of a free piece, because two in one plane are a facet of a curved surface, and two
+/// facets may follow each other on something straight.
+const FLAT_TRIANGLES: usize = 5;
 /// Sine of the largest angle between triangles of one plane, because normals of float precision are no surer.
 const LID_SINE: f64 = 1e-5;
 /// A factor: lids are so many times deeper in the surface than its facets, because facets of one surface are about as
@@ -40,7 +43,8 @@ impl<'a> Map<'a> {
         let mut primitives: Vec<Option<Primitive>> = found.regions.iter().map(|r| r.primitive).collect();
         let mut shared = Shared { t, tolerance, label: &mut label, primitives: &mut primitives };
         shared.absorb_crumbs();
-        let mut map = Map { t, diagonal, tolerance, label: Vec::new(), pieces: Vec::new(), next: 0 };
+        let precision = FILE_PRECISION * diagonal;
+        let mut map = Map { t, diagonal, tolerance, precision, label: Vec::new(), pieces: Vec::new(), next: 0 };
         map.collect(&label, &primitives);
         map
     }
@@ -95,10 +99,7 @@ impl<'a> Map<'a> {
         for p in 0..self.pieces.len() {
             let piece = &self.pieces[p];
             let Some(primitive) = piece.primitive.filter(|q| q.kind() != Kind::Plane) else { continue };
-            let sets = connected(self.t, &piece.triangles, |k, n| {
-                let [a, b] = [k, n].map(|k| area_vector(self.t, k));
-                a.cross(b).length() <= LID_SINE * a.length() * b.length() && a.dot(b) > 0.0
-            });
+            let sets = self.coplanar(&piece.triangles);
             let (flat, rest): (Vec<&Vec<u32>>, Vec<&Vec<u32>>) = sets.iter().partition(|s| s.len() >= LID_TRIANGLES);
             let deepest = rest.iter().map(|s| sagitta(self.t, s, &primitive)).fold(0.0, f64::max);
             let is_lid = |s: &&&Vec<u32>| sagitta(self.t, s, &primitive) > LID_DEPTH * deepest;
@@ -110,8 +111,7 @@ impl<'a> Map<'a> {
             sides.retain(|k| lids.iter().all(|l| l.binary_search(k).is_err()));
             let mut parts = vec![(sides, Some((piece.surface.clone(), Some(primitive))))];
             parts.extend(lids.into_iter().map(|lid| {
-                let normal = lid.iter().map(|&k| area_vector(self.t, k)).sum::<DVec3>().normalize_or_zero();
-                let plane = Primitive::Plane { origin: self.t.point(3 * lid[0]), normal };
+                let plane = self.plane_of(&lid);
                 (lid, Some((Surface::of_primitive(&plane), Some(plane))))
             }));
             self.replace(&[p as u32], parts);
@@ -119,27 +119,47 @@ impl<'a> Map<'a> {
         self.compact();
     }
 
-    /// Whether no piece lies on a surface of a kind.
-    pub fn is_free(&self) -> bool {
-        self.pieces.iter().all(|p| p.rung == Rung::Spline)
+    /// In exact data, makes planes of the flat parts of pieces without a surface; whether there were any.
+    pub fn part_flats(&mut self) -> bool {
+        let mut any = false;
+        for p in 0..self.pieces.len() {
+            let piece = &self.pieces[p];
+            if piece.rung != Rung::Spline {
+                continue;
+            }
+            let mut sets = self.coplanar(&piece.triangles);
+            sets.retain(|s| s.len() >= FLAT_TRIANGLES);
+            if sets.is_empty() {
+                continue;
+            }
+            any = true;
+            let parts = sets.into_iter().map(|flat| {
+                let plane = self.plane_of(&flat);
+                (flat, Some((Surface::of_primitive(&plane), Some(plane))))
+            });
+            self.replace(&[p as u32], parts.collect());
+        }
+        self.compact();
+        any
     }
 
-    /// The share of the area in pieces of some triangles whose vertices lie on their surface.
-    pub fn exact_share(&self) -> f64 {
-        self.share(|p| {
-            p.rung < Rung::Spline && p.triangles.len() >= CERTAIN_TRIANGLES && p.max <= FILE_PRECISION * self.diagonal
+    /// Connected sets of triangles in one plane.
+    fn coplanar(&self, triangles: &[u32]) -> Vec<Vec<u32>> {
+        connected(self.t, triangles, |k, n| {
+            let [a, b] = [k, n].map(|k| area_vector(self.t, k));
+            a.cross(b).length() <= LID_SINE * a.length() * b.length() && a.dot(b) > 0.0
         })
     }
 
-    /// The share of the area in pieces that have a surface.
-    pub fn known_share(&self) -> f64 {
-        self.share(|p| p.rung < Rung::Spline)
+    /// The plane of triangles that are in one.
+    fn plane_of(&self, triangles: &[u32]) -> Primitive {
+        let normal = triangles.iter().map(|&k| area_vector(self.t, k)).sum::<DVec3>().normalize_or_zero();
+        Primitive::Plane { origin: self.t.point(3 * triangles[0]), normal }
     }
 
-    fn share(&self, counts: impl Fn(&Piece) -> bool) -> f64 {
-        let area = |p: &Piece| p.triangles.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
-        let all: f64 = self.pieces.iter().map(area).sum();
-        self.pieces.iter().filter(|p| counts(p)).map(area).sum::<f64>() / all
+    /// Whether no piece lies on a surface of a kind.
+    pub fn is_free(&self) -> bool {
+        self.pieces.iter().all(|p| p.rung == Rung::Spline)
     }
 
     /// Whether a piece lies on the surface of a larger one, and both look the same way there, within the angle of its facets.

@@ -5,7 +5,7 @@ use super::model::{Obstacle, attempt};
 use super::regions::{Map, Piece, Rung};
 use super::shells::enclose;
 use super::spline;
-use super::tuning::{FILE_PRECISION, LADDER_ROUNDS};
+use super::tuning::LADDER_ROUNDS;
 use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
@@ -91,7 +91,7 @@ fn judged(
 /// Demotes the cause of every obstacle: the least certain of its pieces.
 fn demote(map: &mut Map<'_>, obstacles: &[Obstacle], round: usize, spent: bool, fallback: &mut Vec<Fallback>) {
     let mut chosen: Vec<(u32, &str)> = Vec::new();
-    let exact = if map.is_noisy() { f64::INFINITY } else { FILE_PRECISION * map.diagonal };
+    let exact = if map.is_noisy() { f64::INFINITY } else { map.precision };
     for obstacle in obstacles {
         // One fall of a piece may clear more than one obstacle.
         if round + 4 < LADDER_ROUNDS && obstacle.pieces.iter().any(|p| chosen.iter().any(|c| c.0 == *p)) {

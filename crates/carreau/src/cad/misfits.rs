@@ -13,7 +13,7 @@ use super::clean::{CERTAIN_TRIANGLES, normals};
 use super::regions::{Map, Piece, area_vector, connected, vertices};
 use super::scraps::SCRAP_TILT;
 use super::swept::SPARE_VERTICES;
-use super::tuning::{COLUMN_DISTANCE, FILE_PRECISION, REFINE_STEPS};
+use super::tuning::REFINE_STEPS;
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit_robust, refine};
 use glam::DVec3;
@@ -28,6 +28,9 @@ const MISFIT_VERTICES: usize = 5000;
 pub enum Share {
     /// Nine tenths, on one of the kind that it was taken for, or of any kind where it was taken for none.
     Most,
+    /// Half of the triangles, of what was taken for round: on the simplest kind, because a few triangles of a neighbour make a torus
+    /// of a cylinder.
+    Round,
     /// Half, on one of any kind where it was taken for a round one.
     Half,
 }
@@ -41,7 +44,7 @@ impl Map<'_> {
             let mut rest = self.pieces[p].triangles.clone();
             rest.retain(|k| own.binary_search(k).is_err());
             for part in connected(self.t, &rest, |_, _| true) {
-                if let Some(home) = self.home(p as u32, &part, FILE_PRECISION * self.diagonal) {
+                if let Some(home) = self.home(p as u32, &part, self.precision) {
                     self.give(p as u32, &part, home);
                     rest.retain(|k| part.binary_search(k).is_err());
                 }
@@ -57,14 +60,14 @@ impl Map<'_> {
     /// The connected part of a piece that lies on a surface, with its share of the area at least.
     fn fitting(&self, piece: &Piece, share: Share) -> Option<(Vec<u32>, Primitive)> {
         let kind = piece.primitive.map(|p| p.kind());
-        if piece.triangles.len() < LEAST_PARTED || (kind.is_some() && !(piece.max > FILE_PRECISION * self.diagonal)) {
+        if piece.triangles.len() < LEAST_PARTED || (kind.is_some() && !(piece.max > self.precision)) {
             return None;
         }
         let (points, normals) = (vertices(self.t, &piece.triangles), normals(self.t, &piece.triangles));
         if points.len() > MISFIT_VERTICES {
             return None;
         }
-        let near = 2.0 * COLUMN_DISTANCE * self.diagonal;
+        let near = self.precision;
         let on = |p: &Primitive| -> Vec<u32> {
             let is_on = |c: u32| p.distance(self.t.point(c)).abs() <= near;
             // Lids have all corners on the surface that their rim is on.
@@ -77,13 +80,19 @@ impl Map<'_> {
         let area = |of: &[u32]| of.iter().map(|&k| area_vector(self.t, k).length()).sum::<f64>();
         let round = [Kind::Cylinder, Kind::Sphere, Kind::Cone, Kind::Torus];
         let kinds: Vec<Kind> = match (kind, share) {
+            (None | Some(Kind::Plane), Share::Round) => return None,
+            (Some(_), Share::Round) => round.to_vec(),
             (Some(Kind::Plane), _) | (Some(_), Share::Most) => kind.into_iter().collect(),
             (Some(own), Share::Half) => [own].into_iter().chain(round.into_iter().filter(|&k| k != own)).collect(),
             (None, Share::Most) => round.to_vec(),
             // A band of some other surface may be half of it.
             (None, Share::Half) => return None,
         };
-        let least = if share == Share::Half { 0.5 } else { 0.9 } * area(&piece.triangles);
+        let least = if share == Share::Most { 0.9 } else { 0.5 } * area(&piece.triangles);
+        let is_most = |own: &[u32]| match share {
+            Share::Round => 2 * own.len() >= piece.triangles.len(),
+            _ => area(own) >= least,
+        };
         let mut scratch = Scratch::default();
         kinds.into_iter().find_map(|kind| {
             let found = fit_robust(kind, &points, &normals, &mut scratch)?.fit.primitive;
@@ -93,7 +102,7 @@ impl Map<'_> {
             let own = parts.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)).then(b[0].cmp(&a[0])))?;
             let enough =
                 own.len() >= CERTAIN_TRIANGLES && vertices(self.t, &own).len() >= kind.parameters() + SPARE_VERTICES;
-            (enough && area(&own) >= least).then_some((own, primitive))
+            (enough && is_most(&own)).then_some((own, primitive))
         })
     }
 }

@@ -8,6 +8,7 @@
 //! | regions and their surfaces | [`crate::segment`] |
 //! | the map of its pieces | `regions` |
 //! | neighbours on one surface made one, crumbs absorbed | `clean` |
+//! | how exact the data is | `exact` |
 //! | fillets of flat strips | `arcs` |
 //! | triangles that lie on two surfaces | `ties` |
 //! | extrusions and surfaces of revolution among the regions without a surface | `swept` |
@@ -51,6 +52,7 @@ mod contract;
 mod corners;
 mod curves;
 mod draft;
+mod exact;
 mod faces;
 mod facets;
 mod flatten;
@@ -185,7 +187,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         let other = segment(mesh, &exact, context)?;
         let other_map = mapped(mesh, triangles, &other, context)?;
         let known = |map: &Map<'_>| map.known_share();
-        if other_map.exact_share() > share + SOME_AREA && known(&other_map) > known(&map) - SOME_AREA {
+        let is_better = other_map.exact_share() > share + SOME_AREA && known(&other_map) > known(&map) - SOME_AREA;
+        if is_better || (other_map.is_exact() && other_map.exact_share() >= share) {
             (segmentation, map) = (other, other_map);
         }
     }
@@ -258,12 +261,19 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     map.unify();
     map.absorb_scraps();
     arcs::round(&mut map)?;
+    map.measure_precision();
     if map.exact_share() > SOME_AREA {
         map.part_misfits(Share::Most);
+        if map.is_exact() {
+            map.part_misfits(Share::Round);
+        }
         map.settle_ties();
     }
     swept::sweep(&mut map)?;
     if map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
+        swept::sweep(&mut map)?;
+    }
+    if map.is_exact() && map.part_flats() {
         swept::sweep(&mut map)?;
     }
     map.part_lids();

@@ -47,7 +47,7 @@ impl Map<'_> {
 
     /// The same map on the same triangles with other vertices.
     pub fn with_vertices_of<'b>(self, t: Triangles<'b>) -> Map<'b> {
-        let Map { diagonal, tolerance, label, pieces, next, .. } = self;
-        Map { t, diagonal, tolerance, label, pieces, next }
+        let Map { diagonal, tolerance, precision, label, pieces, next, .. } = self;
+        Map { t, diagonal, tolerance, precision, label, pieces, next }
     }
 }

@@ -4,7 +4,7 @@
 
 use super::tuning::{EXACT_TOLERANCE, FILE_PRECISION, MOST_GAP, NOISY_GAP};
 use crate::brep::{Frame, Surface};
-use crate::geometry::primitive::Primitive;
+use crate::geometry::primitive::{Kind, Primitive};
 use crate::mesh::{DisjointSets, NONE, Triangles};
 use glam::DVec3;
 use serde::Serialize;
@@ -72,6 +72,11 @@ impl Piece {
         piece
     }
 
+    /// Whether it is taken for a cylinder, cone, sphere or torus.
+    pub fn is_round(&self) -> bool {
+        self.rung == Rung::Analytic && self.primitive.is_some_and(|p| p.kind() != Kind::Plane)
+    }
+
     /// Triangles whose surface is still to be found.
     pub fn free(t: Triangles<'_>, triangles: Vec<u32>, region: u32) -> Self {
         let surface = Surface::Plane { frame: Frame::along(t.point(3 * triangles[0]), DVec3::Z) };
@@ -89,6 +94,8 @@ pub struct Map<'a> {
     pub diagonal: f64,
     /// Largest distance of a vertex from its surface.
     pub tolerance: f64,
+    /// How near vertices lie to the surfaces that they are on, where the data is exact.
+    pub precision: f64,
     /// Piece of every triangle.
     pub label: Vec<u32>,
     /// All pieces.

@@ -22,7 +22,7 @@ use super::runs::{Run, Shape, joint, runs};
 use super::topology::Graph;
 use super::trace::{continued, interpolate};
 use super::tuning::{COLUMN_DISTANCE, REFINE_STEPS, SOME_AREA};
-use super::unions::unions;
+use super::unions::{UNION_CRUMB, unions};
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::Result;
 use crate::geometry::primitive::{self, Kind, Primitive};
@@ -39,6 +39,11 @@ const PLACE_DISTANCE: f64 = 20.0;
 /// A share of the diagonal: places of a profile that every vertex has its own place on are so far apart at first,
 /// because few of them say what a smooth profile is.
 const FIRST_DISTANCE: f64 = 0.04;
+/// A count: fewer triangles than this lie on a swept surface by chance, but for the precision of exact data.
+const FEW_SWEPT: usize = 24;
+/// A share of the diagonal: vertices of exact data that are nearer to each other, seen along a sweep of few triangles, are one place of
+/// its profile, because those on edges are where the part's own tolerance has them.
+const SAME_COLUMN: f64 = 1e-8;
 /// A count: how often that is halved until they are in a row, because a profile that bends more needs nearer ones.
 const DISTANCE_HALVINGS: i32 = 5;
 /// A count: vertices beyond the number of its parameters that speak for a surface, because it fits as many as it has
@@ -54,6 +59,7 @@ pub fn sweep(map: &mut Map<'_>) -> Result<()> {
     }
     map.part_at_edges();
     let graph = Graph::of(map.t, &map.label, map.pieces.len(), &[])?;
+    let exact = map.is_exact();
     for union in unions(map, &graph) {
         let whole = swept(map, &union, &graph);
         if !whole.is_empty() {
@@ -62,15 +68,18 @@ pub fn sweep(map: &mut Map<'_>) -> Result<()> {
         }
         let mut rest = union.clone();
         for &p in union.iter().filter(|_| union.len() > 1) {
-            let alone = if map.pieces[p as usize].rung == Rung::Spline { swept(map, &[p], &graph) } else { Vec::new() };
+            let piece = &map.pieces[p as usize];
+            // A triangle or two lie on a plane always.
+            let is_crumb = exact && piece.triangles.len() <= UNION_CRUMB;
+            let alone = if piece.rung == Rung::Spline && !is_crumb { swept(map, &[p], &graph) } else { Vec::new() };
             if !alone.is_empty() {
                 replace(map, &[p], alone);
                 rest.retain(|&q| q != p);
             }
         }
-        // Crumbs belong to the free piece around them.
+        // Crumbs belong to the free piece around them, and so does what is a torus nearly, where others are one exactly.
         let flat = |p: &u32| map.pieces[*p as usize].primitive.is_none_or(|q| q.kind() == Kind::Plane);
-        if rest.len() > 1 && rest.iter().all(flat) {
+        if rest.len() > 1 && (exact || rest.iter().all(flat)) {
             let mut triangles: Vec<u32> =
                 rest.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
             triangles.sort_unstable();
@@ -101,7 +110,9 @@ fn swept(map: &Map<'_>, pieces: &[u32], graph: &Graph) -> Vec<Part> {
     let mut triangles: Vec<u32> =
         pieces.iter().flat_map(|&p| map.pieces[p as usize].triangles.iter().copied()).collect();
     triangles.sort_unstable();
-    let near = COLUMN_DISTANCE * map.diagonal;
+    let column = COLUMN_DISTANCE * map.diagonal;
+    let near =
+        if triangles.len() < FEW_SWEPT { map.precision.clamp(SAME_COLUMN * map.diagonal, column) } else { column };
     // Noise hides what a surface is from those who found it, but not that all vertices lie within the noise of one.
     let noise = (map.is_noisy() && map.exact_share() <= SOME_AREA).then_some(0.5 * map.tolerance);
     if let Some(primitive) = [Some(near), noise].into_iter().flatten().find_map(|n| simple(map.t, &triangles, n)) {

@@ -140,6 +140,38 @@ fn an_extrusion_of_a_closed_curve_with_a_joint_is_one_face() {
     assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Extrusion)), (3, 1));
 }
 
+/// A plate with round corners, one of which was given the first column of the flat side beside it, which is so narrow that it lies on
+/// the round corner to a millionth of the size.
+#[test]
+fn a_row_of_a_flat_side_leaves_the_round_corner_that_it_nearly_lies_on() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let ring = |z: f64| -> Vec<DVec3> {
+        let corner = |k: u32| {
+            let center = [DVec2::new(3.0, 2.0), DVec2::new(-3.0, 2.0), DVec2::new(-3.0, -2.0), DVec2::new(3.0, -2.0)];
+            let arc = (0..=6)
+                .map(move |j| center[k as usize] + DVec2::from_angle(quarter * (f64::from(k) + f64::from(j) / 6.0)));
+            // The flat side after the first corner runs along −x.
+            arc.chain((k == 0).then_some(DVec2::new(3.0 - 2e-3, 3.0)))
+        };
+        (0..4).flat_map(corner).map(|p| p.extend(z)).collect()
+    };
+    let mesh = loft(&[ring(0.0), ring(1.0)]);
+    // Columns: six of the corner and the narrow one, the flat side, then seven for each corner and the side after it.
+    let column = |c: u32| match c {
+        0..7 => 0,
+        7 => 1,
+        c => 2 * ((c - 8) / 7 + 1) + u32::from((c - 8) % 7 == 6),
+    };
+    let lids = mesh.faces().len() as u32 - 58;
+    let labels = (0..58).map(|k| column(k / 2)).chain((0..lids).map(|k| 8 + k % 2)).collect();
+    let options = CadOptions { labels: Some(labels), ..CadOptions::default() };
+    let model = rebuild(&mesh, &options, &Context::new()).unwrap();
+    assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Cylinder)), (10, 4));
+    let volume = 8.0 * 6.0 - (4.0 - std::f64::consts::PI);
+    assert!((model.volume / volume - 1.0).abs() < 1e-10, "{} for {volume}", model.volume);
+}
+
 /// A triangle of a lid has all corners on the rim, hence on the side as well.
 #[test]
 fn a_triangle_on_two_surfaces_goes_to_the_one_that_it_lies_in() {

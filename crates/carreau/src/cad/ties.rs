@@ -7,7 +7,7 @@
 //! ```
 
 use super::regions::{Map, area_vector};
-use super::tuning::{FILE_PRECISION, NAMED_DISTANCE};
+use super::tuning::NAMED_DISTANCE;
 use crate::geometry::primitive::Primitive;
 use crate::mesh::NONE;
 
@@ -71,6 +71,6 @@ impl Map<'_> {
             (lies_on(own, &home) && lies_on(*p, &q) && off < bound && turned(&q) >= turned(&home)).then_some((off, *p))
         };
         let best = around.iter().filter_map(better).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        best.filter(|_| bound > FILE_PRECISION * self.diagonal).map(|b| b.1)
+        best.filter(|_| bound > self.precision).map(|b| b.1)
     }
 }

@@ -10,29 +10,34 @@
 
 use super::regions::{Map, Piece, Rung, area_vector};
 use super::topology::{Chain, Graph};
-use super::tuning::{FILE_PRECISION, NAMED_DISTANCE};
+use super::tuning::NAMED_DISTANCE;
 use crate::geometry::normals::{angle_between, unit};
 use crate::geometry::primitive::Kind;
 use crate::mesh::{DisjointSets, NONE};
 
 /// Radians: edges that bend by more are none of one smooth surface, because its facets bend by half a radian at most.
 pub const UNION_BEND: f64 = 0.75;
+/// Radians: the same for crumbs of exact data, because two sides of a triangle may bend by half a radian each.
+const CRUMB_BEND: f64 = 1.2;
 /// A count: most triangles of a crumb, because what is left over between regions is no larger.
-const UNION_CRUMB: usize = 3;
+pub const UNION_CRUMB: usize = 3;
 
 /// Sets of pieces, each with one at least that is not flat; flat ones alone are left out.
 pub fn unions(map: &Map<'_>, graph: &Graph) -> Vec<Vec<u32>> {
+    let named = NAMED_DISTANCE * map.diagonal;
     let is_free = |p: &Piece| p.rung == Rung::Spline;
     let is_flat = |p: &Piece| p.primitive.is_some_and(|q| q.kind() == Kind::Plane);
-    let is_doubtful = |p: &Piece| p.max > if is_flat(p) { NAMED_DISTANCE } else { FILE_PRECISION } * map.diagonal;
+    let is_doubtful = |p: &Piece| p.max > if is_flat(p) { named } else { map.precision.max(named) };
     let is_crumb = |p: &Piece| is_flat(p) && p.triangles.len() <= UNION_CRUMB;
     let wanted = |s: u32| {
         let piece = &map.pieces[s as usize];
         is_free(piece) || is_doubtful(piece) || is_crumb(piece)
     };
+    let exact = map.is_exact();
     let mut sets = DisjointSets::new(map.pieces.len());
     for chain in graph.chains.iter().filter(|c| c.sides.iter().all(|&s| s != NONE && wanted(s))) {
-        if bend(map, chain) < UNION_BEND {
+        let crumb = exact && chain.sides.iter().any(|&s| map.pieces[s as usize].triangles.len() <= UNION_CRUMB);
+        if bend(map, chain) < if crumb { CRUMB_BEND } else { UNION_BEND } {
             sets.union(chain.sides[0], chain.sides[1]);
         }
     }

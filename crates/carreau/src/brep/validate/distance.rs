@@ -11,6 +11,7 @@
 //! rows of triangles away from the edge, so that a face may also be near triangles of other regions that face its way, and a
 //! vertex near any face that does.
 
+use super::region::{Region, fan, regions};
 use super::{Fault, Finding, Limits, Reference, middle};
 use crate::brep::tessellate::Tessellation;
 use crate::brep::{Brep, Curve, Surface};
@@ -21,9 +22,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 
-/// The share of the mesh's volume by which a face whose surface swings may change it: what such a surface does between the
-/// vertices is a guess, and a revolution of 13 facets a turn is off by as much.
-const GUESSED: f64 = 0.04;
+/// How many times deeper than its facets say a surface that swings may be: what they say is exact where they are even.
+const DEEPER: f64 = 2.0;
 
 /// What was measured of one face.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,34 +37,6 @@ struct Measured {
     cut_off: f64,
     /// The signed volume between the face and its region.
     between: f64,
-}
-
-/// The triangles of a region, and those of its faces.
-struct Region {
-    triangles: Vec<[u32; 3]>,
-    faces: Vec<u32>,
-    /// Vertices of the region's border with the longest border side there, by vertex.
-    border: Vec<(u32, f64)>,
-}
-
-impl Region {
-    /// The longest border side at a vertex; 0 inside.
-    fn border_at(&self, v: u32) -> f64 {
-        self.border.binary_search_by_key(&v, |b| b.0).map_or(0.0, |k| self.border[k].1)
-    }
-
-    fn find_border(&mut self, points: &[DVec3]) {
-        let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
-        let mut sides: Vec<[u32; 2]> =
-            self.triangles.iter().flat_map(|t| (0..3).map(move |k| sorted(t[k], t[(k + 1) % 3]))).collect();
-        sides.sort_unstable();
-        let single = sides.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| c[0]);
-        let length = |s: [u32; 2]| points[s[0] as usize].distance(points[s[1] as usize]);
-        let mut ends: Vec<(u32, f64)> = single.flat_map(|s| s.map(|v| (v, length(s)))).collect();
-        ends.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-        ends.dedup_by_key(|e| e.0);
-        self.border = ends;
-    }
 }
 
 /// Compares every region with its faces.
@@ -86,7 +58,6 @@ pub(super) fn compare(
     // The face that most of a difference of volumes is at, and how much beyond its bound.
     let mut blamed = (f64::NEG_INFINITY, None);
     let points = reference.mesh.points();
-    let whole = enclosed(reference, points.first().copied().unwrap_or_default()).abs();
     let (mut apart, means) = to_model(points, &regions, &faces_of, tessellation, context)?;
     let most = limits.distance + chord;
     for (v, normal) in far_vertices(reference, &apart, most) {
@@ -129,12 +100,7 @@ pub(super) fn compare(
                 let finding = Finding::new(Fault::TurnedNormal, share, limits.turned_share, measured.turned_at);
                 out.push(finding.of_face(f));
             }
-            let cut_off_here = if swings(brep.surface(&brep.faces[f as usize])) {
-                measured.cut_off.min(GUESSED * whole)
-            } else {
-                measured.cut_off
-            };
-            let allowed = cut_off_here + 2.0 * mean * measured.area;
+            let allowed = measured.cut_off + 2.0 * mean * measured.area;
             cut_off += allowed;
             if measured.between.abs() - allowed > blamed.0 {
                 blamed = (measured.between.abs() - allowed, Some(f));
@@ -152,36 +118,12 @@ fn swings(surface: &Surface) -> bool {
     matches!(surface, Surface::Spline(_) | Surface::Extrusion { .. } | Surface::Revolution { .. })
 }
 
-/// The triangles of a polygon around its first corner.
-fn fan(face: &[u32]) -> impl Iterator<Item = [u32; 3]> {
-    (2..face.len()).map(|k| [face[0], face[k - 1], face[k]])
-}
-
 /// The volume inside the mesh, seen from a point.
 fn enclosed(reference: &Reference, about: DVec3) -> f64 {
     let points = reference.mesh.points();
     let cone = |[a, b, c]: [DVec3; 3]| (a - about).dot((b - about).cross(c - about)) / 6.0;
     let faces = reference.mesh.faces().iter();
     faces.map(|face| fan(face).map(|t| cone(t.map(|v| points[v as usize]))).sum::<f64>()).sum()
-}
-
-/// Triangles and faces of every region.
-fn regions(brep: &Brep, reference: &Reference) -> Vec<Region> {
-    let faces = brep.faces.iter().filter_map(|f| f.region);
-    let count = reference.region_of.iter().copied().chain(faces).max().map_or(0, |m| m as usize + 1);
-    let mut out: Vec<Region> =
-        (0..count).map(|_| Region { triangles: Vec::new(), faces: Vec::new(), border: Vec::new() }).collect();
-    for (f, face) in brep.faces.iter().enumerate() {
-        if let Some(r) = face.region {
-            out[r as usize].faces.push(f as u32);
-        }
-    }
-    for (face, &r) in reference.mesh.faces().iter().zip(reference.region_of) {
-        let region = &mut out[r as usize];
-        region.triangles.extend(fan(face));
-    }
-    out.iter_mut().for_each(|r| r.find_border(reference.mesh.points()));
-    out
 }
 
 /// Numbers of the triangles of every face.
@@ -265,6 +207,7 @@ fn to_mesh(
         let ids = region.triangles[near.triangle as usize];
         let corners = ids.map(|v| points[v as usize]);
         let (sagitta, tilt) = bend(surface, uv, corners);
+        let sagitta = if swings { sagitta.min(DEEPER * region.depth[near.triangle as usize]) } else { sagitta };
         let longest = ids.iter().map(|v| region.border_at(*v)).fold(0.0, f64::max);
         let at_border = if longest > 0.0 { across } else { 0.0 };
         let border = (most_bent * longest.powi(2) / 8.0).min(0.5 * longest) + at_border;

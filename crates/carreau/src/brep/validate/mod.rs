@@ -10,12 +10,14 @@
 //! | `gaps` | edges on both surfaces, vertices at the ends of edges, sizes of tolerances |
 //! | `loops` | loops in the parameter plane: closed, simple, the outer one around the holes |
 //! | `distance` | from the mesh to the faces of its regions and back, normals, volume |
+//! | `region` | the regions of the mesh that this is about |
 //! | `crossing` | faces that cross |
 
 mod crossing;
 mod distance;
 mod gaps;
 mod loops;
+mod region;
 #[cfg(test)]
 mod tests;
 mod topology;
