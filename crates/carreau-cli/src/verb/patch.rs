@@ -216,9 +216,12 @@ impl Patch {
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mut prepared = session.read_fans(&self.input, &options.prepare)?;
-        if self.layout.is_some() && prepared.report.degenerate_faces > 0 {
-            // Their neighbours meet across other edges than in the file once they are gone.
-            session.warn("the layout names faces of the file, so those without area are taken as they are there");
+        if self.layout.is_some() && prepared.report.degenerate_faces + prepared.report.folded_faces > 0 {
+            // Their neighbours meet across other edges than in the file once they are gone, and what a layout has left over is
+            // a face.
+            session.warn(
+                "the layout names faces of the file, so those without area and those folded onto others are taken as they are there",
+            );
             let as_is = PrepareOptions { as_is: true, ..options.prepare };
             prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
         }

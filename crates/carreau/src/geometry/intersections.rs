@@ -81,16 +81,22 @@ type Triangle = [DVec3; 3];
 
 /// Whether two triangles have a point in common besides their common corners and edges.
 pub(crate) fn meet(p: &Triangle, q: &Triangle) -> bool {
-    let common = |a: &DVec3| q.iter().position(|b| a == b);
-    let shared: Vec<[usize; 2]> = (0..3).filter_map(|k| common(&p[k]).map(|j| [k, j])).collect();
+    let (mut places, mut count) = ([[0; 2]; 3], 0);
+    for k in 0..3 {
+        if let Some(j) = q.iter().position(|b| *b == p[k]) {
+            places[count] = [k, j];
+            count += 1;
+        }
+    }
+    let shared = &places[..count];
     // Both sides of a plane that the other does not reach: most pairs end here.
-    if shared.len() < 3 && (is_beside(p, q, &shared, 0) || is_beside(q, p, &shared, 1)) {
+    if shared.len() < 3 && (is_beside(p, q, shared, 0) || is_beside(q, p, shared, 1)) {
         return false;
     }
     if is_flat(p) || is_flat(q) {
         return false;
     }
-    match shared[..] {
+    match *shared {
         [] => sides(p).any(|side| reaches(side, q)) || sides(q).any(|side| reaches(side, p)),
         [[k, j]] => reaches(opposite(p, k), q) || reaches(opposite(q, j), p),
         [[k0, j0], [k1, j1]] => folds(p, q, [k0, k1], [j0, j1]),
