@@ -242,7 +242,12 @@ impl Patch {
         if self.is_divided(options) {
             limits.feature_edges.extend(cad::borders(mesh, &context)?);
         }
-        let result = context.install(|| patch::decompose(mesh, &limits, &context))?;
+        // A bicubic face keeps its distance from the vertices, whatever the cells do.
+        let is_exact = self.is_divided(options) && options.brep.fit == Fit::Auto;
+        let result = context.install(|| match is_exact {
+            true => cad::decompose_for_faces(mesh, &limits, &context),
+            false => patch::decompose(mesh, &limits, &context),
+        })?;
         self.write(session, &prepared, &result, options)?;
         let f = &result.figures;
         session.say(format!(

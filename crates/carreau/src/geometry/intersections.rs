@@ -45,6 +45,14 @@ impl Intersections {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Deadline`].
     pub fn of(mesh: &SurfaceMesh, context: &Context) -> Result<Self> {
+        Self::with(mesh, 0, context)
+    }
+
+    /// The pairs that have a face with this number or a later one.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn with(mesh: &SurfaceMesh, from: u32, context: &Context) -> Result<Self> {
         let (triangles, face) = mesh.faces().fan();
         let scaled = UnitScale::of_mesh(mesh).points(mesh.points());
         let points = scaled.as_deref().unwrap_or(mesh.points());
@@ -61,8 +69,9 @@ impl Intersections {
                 if stopped.is_ok() && step.is_multiple_of(4096) {
                     stopped = context.check();
                 }
-                if stopped.is_ok() && list.len() <= MOST_PAIRS && meet(p, q) {
-                    list.push([face[a as usize], face[b as usize]]);
+                let faces = [face[a as usize], face[b as usize]];
+                if faces.iter().any(|&f| f >= from) && stopped.is_ok() && list.len() <= MOST_PAIRS && meet(p, q) {
+                    list.push(faces);
                 }
             });
             stopped.map(|()| list)
@@ -282,6 +291,10 @@ mod tests {
         }
         let crossed = together(&[sphere(2), moved(&sphere(2), |p| p + DVec3::splat(0.3))]);
         assert!(pairs(&crossed).pairs > 20);
+        // The second sphere with the first, and with itself; then nothing.
+        let of_second = Intersections::with(&crossed, 320, &Context::new()).unwrap();
+        assert_eq!((of_second.pairs, of_second.places), (pairs(&crossed).pairs, pairs(&crossed).places));
+        assert_eq!(Intersections::with(&crossed, 640, &Context::new()).unwrap().pairs, 0);
         let apart = together(&[sphere(2), moved(&sphere(2), |p| p + 3.0 * DVec3::X)]);
         assert_eq!(pairs(&apart).pairs, 0);
     }
