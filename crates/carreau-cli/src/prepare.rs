@@ -2,7 +2,9 @@
 
 use crate::session::Session;
 use crate::verb::defect_lines;
-use carreau::mesh::{KeepPieces, PrepareOptions, Prepared, RawMesh, SurfaceMesh, Takes, Topology, VertexId, prepare};
+use carreau::mesh::{
+    KeepPieces, PrepareOptions, Prepared, RawMesh, SurfaceMesh, Takes, Topology, VertexId, prepare, prepare_fans,
+};
 use carreau::{Error, Length};
 use clap::Args;
 use std::path::Path;
@@ -43,8 +45,9 @@ impl Session {
     /// Reads a surface and prepares it. Its polygons become fans from their first corners before, so that everybody numbers the
     /// triangles alike.
     pub fn read_fans(&mut self, file: &Path, options: &PrepareOptions) -> Result<Prepared, Error> {
-        let mesh = self.read(file)?.into_surface()?.fanned()?;
-        self.prepare(mesh, options, Takes::Bodies)
+        let mesh = self.read(file)?.into_surface()?;
+        let prepared = prepare_fans(mesh, options, Takes::Bodies, &self.context.clone())?;
+        Ok(self.tell(prepared))
     }
 
     /// Reads a surface for a method that takes one body, and cuts its polygons into triangles.
@@ -54,16 +57,20 @@ impl Session {
 
     /// Prepares a surface; says what was done and what is still wrong with it.
     pub fn prepare(&mut self, mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes) -> Result<Prepared, Error> {
-        let context = self.context.clone();
-        let prepared = prepare(mesh, options, takes, &context)?;
+        let prepared = prepare(mesh, options, takes, &self.context.clone())?;
+        Ok(self.tell(prepared))
+    }
+
+    /// Says what was done to a surface.
+    fn tell(&mut self, prepared: Prepared) -> Prepared {
         self.record.set("prepared", &prepared.report);
-        if options.as_is {
-            let topology = context.install(|| Topology::of(&prepared.mesh));
+        if prepared.report.as_is {
+            let topology = self.context.install(|| Topology::of(&prepared.mesh));
             defect_lines(&topology, false).into_iter().for_each(|line| self.warn(line));
         }
         prepared.report.line().into_iter().for_each(|line| self.warn(line));
         prepared.report.left().into_iter().for_each(|line| self.warn(line));
-        Ok(prepared)
+        prepared
     }
 }
 

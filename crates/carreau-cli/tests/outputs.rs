@@ -90,6 +90,17 @@ fn places_that_cannot_be_written_to() {
             desk.refused(verb, &["-o", text(&good), option, text(&missing)], &[5], "there is no folder");
         }
     }
+    // The input of a user who has protected it, say.
+    let kept = desk.at("kept.ply");
+    fs::write(&kept, "mine").unwrap();
+    let mut rights = fs::metadata(&kept).unwrap().permissions();
+    rights.set_readonly(true);
+    fs::set_permissions(&kept, rights).unwrap();
+    for (verb, option) in [("convert", "-o"), ("info", "--json")] {
+        desk.refused(verb, &[option, text(&kept)], &[5], "write-protected");
+    }
+    assert_eq!(fs::read_to_string(&kept).unwrap(), "mine");
+    carreau().args(["demo", "-o", text(&kept)]).assert().code(5).stderr(predicates::str::contains("this is a file"));
     for verb in ["patch", "field", "motorcycle"] {
         desk.refused(verb, &["--layout", text(&desk.at("nowhere").join("l.json"))], &[5], "there is no folder");
     }

@@ -75,6 +75,7 @@ fn holes_are_filled_up_to_a_size_and_pieces_left_out() {
     assert_eq!((found["closed"].as_bool(), found["genus"].as_u64()), (Some(true), Some(0)));
     let warnings = done["warnings"].to_string();
     assert!(warnings.contains("was filled by the faces") && !warnings.contains("left\""), "{warnings}");
+    assert!(!warnings.contains("meet others") && done["filled_intersections"]["pairs"] == 0, "{warnings}");
     // Only the small one.
     let small = filled.iter().map(|hole| hole["edges"].as_u64().unwrap()).min().unwrap();
     let done = record(&["repair", text(&input), "-o", text(&output), "--fill-holes", &small.to_string()]);
@@ -84,6 +85,17 @@ fn holes_are_filled_up_to_a_size_and_pieces_left_out() {
     assert!(found["walls"]["faces"].as_u64().unwrap() > 300 && found["gaps"]["faces"] == 0, "{}", found["walls"]);
     let least = found["walls"]["least"].as_f64().unwrap();
     assert!((0.5..2.0).contains(&least), "{least}");
+}
+
+#[test]
+fn fills_that_meet_other_faces_are_told() {
+    let folder = TempDir::new().unwrap();
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::ONE - DVec3::Z, DVec3::Y].to_vec();
+    let plate = written(folder.path().join("plate.obj"), corners, &[[0, 1, 2], [0, 2, 3]]);
+    let done = record(&["repair", text(&plate), "-o", text(&folder.path().join("out.obj")), "--fill-holes"]);
+    assert_eq!(done["filled"].as_array().unwrap().len(), 1);
+    assert!(done["filled_intersections"]["pairs"].as_u64().unwrap() > 0, "{}", done["filled_intersections"]);
+    assert!(done["warnings"].to_string().contains("faces that fill holes meet others: "), "{}", done["warnings"]);
 }
 
 /// Files that STL programs write make no noise, and a result that is larger than its input is explained.

@@ -15,6 +15,7 @@ use tempfile::TempDir;
 struct Variant {
     name: &'static str,
     mesh: SurfaceMesh,
+    extension: &'static str,
     /// What the line says.
     says: &'static str,
     options: &'static [&'static str],
@@ -70,10 +71,11 @@ fn variants(clean: &SurfaceMesh) -> Vec<Variant> {
         with(corners.to_vec(), &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     };
     let specks = together(&together(clean, &speck(1.0)), &speck(2.0));
-    let variant = |name, mesh, says, options| Variant { name, mesh, says, options };
+    let variant = |name, mesh, says, options| Variant { name, mesh, extension: "obj", says, options };
     vec![
         variant("soup", soup, "welded", &[]),
         variant("split", split(clean), "welded", &[]),
+        Variant { extension: "glb", ..variant("glb", split(clean), "welded", &[]) },
         variant("twice", together(clean, clean), "duplicate faces", &[]),
         variant("turned", turned, "turned 1 component that was inside out", &[]),
         variant("specks", specks, "left out 2 pieces of 8 faces", &["--keep", "largest"]),
@@ -81,7 +83,11 @@ fn variants(clean: &SurfaceMesh) -> Vec<Variant> {
 }
 
 fn written(folder: &Path, name: &str, mesh: &SurfaceMesh) -> PathBuf {
-    let file = folder.join(format!("{name}.obj"));
+    written_as(folder, name, "obj", mesh)
+}
+
+fn written_as(folder: &Path, name: &str, extension: &str, mesh: &SurfaceMesh) -> PathBuf {
+    let file = folder.join(format!("{name}.{extension}"));
     io::write(&file, &RawMesh::from(mesh.clone()), &io::WriteOptions::default()).unwrap();
     file
 }
@@ -94,14 +100,14 @@ fn run(verb: &[&str], input: &Path, output: &Path, options: &[&str]) -> (Vec<u8>
     (fs::read(output).unwrap(), said)
 }
 
-/// The surface with its vertices in the order of their first use, as welding numbers them.
+/// The surface with its vertices in the order of their first use, as welding numbers them, at places that every format holds.
 fn in_order_of_use(mesh: &SurfaceMesh) -> SurfaceMesh {
     let (mut points, mut number) = (Vec::new(), vec![u32::MAX; mesh.vertex_count()]);
     let faces = triangles(mesh).into_iter().map(|t| {
         t.map(|v| {
             if number[v as usize] == u32::MAX {
                 number[v as usize] = points.len() as u32;
-                points.push(mesh.points()[v as usize]);
+                points.push(mesh.points()[v as usize].as_vec3().as_dvec3());
             }
             number[v as usize]
         })
@@ -114,10 +120,11 @@ fn in_order_of_use(mesh: &SurfaceMesh) -> SurfaceMesh {
 fn every_verb_gives_what_it_gives_for_the_clean_surface() {
     let folder = TempDir::new().unwrap();
     let context = Context::new();
-    let cases: [(&str, u32, &[&[&str]]); 3] = [
+    let cases: [(&str, u32, &[&[&str]]); 4] = [
         ("bracket", 20, &[&["patch"], &["simplify"], &["enrich", "--deviation", "20"]]),
         ("wedge", 8, &[&["quad", "--quads", "60"], &["field"], &["motorcycle"]]),
         ("tube-tree", 50, &[&["skeleton"], &["hex"]]),
+        ("cylinder", 16, &[&["quad", "--quads", "80"], &["skeleton"], &["hex"]]),
     ];
     for (model, resolution, verbs) in cases {
         let clean = in_order_of_use(&sample::make(model, Some(resolution), &context).unwrap());
@@ -133,8 +140,8 @@ fn every_verb_gives_what_it_gives_for_the_clean_surface() {
             let output = folder.path().join(format!("out.{extension}"));
             let (want, said) = run(verb, &input, &output, &[]);
             assert!(!said.contains("prepared"), "{said}");
-            for Variant { name, mesh, says, options } in variants(&clean) {
-                let input = written(folder.path(), name, &mesh);
+            for Variant { name, mesh, extension, says, options } in variants(&clean) {
+                let input = written_as(folder.path(), name, extension, &mesh);
                 let (found, said) = run(verb, &input, &output, options);
                 let lines: Vec<&str> = said.lines().filter(|l| l.contains("prepared the surface")).collect();
                 assert!(lines.len() == 1 && lines[0].contains(says), "{model} {verb:?} {name}: {said}");
@@ -203,6 +210,28 @@ fn results_refer_to_the_file() {
         }
         assert_eq!(all, (0..variant.mesh.face_count() as u64).collect::<Vec<_>>(), "{}", variant.name);
     }
+}
+
+/// Quads that share two sides have fans that lie on each other: the model is as closed as the quads are, and with a layout, which
+/// names every triangle of the file, it has them all.
+#[test]
+fn quads_whose_fans_fold_are_a_solid() {
+    let folder = TempDir::new().unwrap();
+    let [file, step, layout] = ["folded.obj", "out.step", "layout.json"].map(|name| folder.path().join(name));
+    // A unit cube; its top is two quads that share both sides at the vertex beside its diagonal.
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nv .3 .6 1\n";
+    let faces = "f 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\nf 5 6 8 9\nf 5 9 8 7\n";
+    fs::write(&file, format!("{corners}{faces}")).unwrap();
+    let r = record(&["patch", text(&file), "-o", text(&step)]);
+    assert_eq!((r["prepared"]["folded_faces"].as_u64(), r["faces"].as_u64()), (Some(2), Some(6)), "{r}");
+    assert!(r["warnings"].to_string().contains("left out 2 faces folded onto each other"), "{r}");
+    assert_eq!(fs::read_to_string(&step).unwrap().matches("MANIFOLD_SOLID_BREP").count(), 1);
+    let r = record(&["patch", text(&file), "-o", text(&step), "--layout", text(&layout)]);
+    assert!(r["warnings"].to_string().contains("folded onto others are taken as they are there"), "{r}");
+    let told: serde_json::Value = serde_json::from_slice(&fs::read(&layout).unwrap()).unwrap();
+    let in_patches = |p: &serde_json::Value| p["triangles"].as_array().unwrap().len();
+    let patches: usize = told["patches"].as_array().unwrap().iter().map(in_patches).sum();
+    assert_eq!(patches + told["leftover"].as_array().unwrap().len(), 14);
 }
 
 #[test]

@@ -65,6 +65,9 @@ impl Demo {
         let values = self.common.over(CommonValues::default());
         Session::run("demo", &self.common, &values, None, |session| {
             session.record.set("options", &values);
+            if self.output.is_file() {
+                return Err(Error::write(&self.output, "this is a file; give the name of a folder"));
+            }
             std::fs::create_dir_all(&self.output).map_err(|e| Error::write(&self.output, e))?;
             let context = session.context.clone();
             let (sections, shown) = context.install(|| self.sections(session))?;

@@ -216,9 +216,12 @@ impl Patch {
 
     fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mut prepared = session.read_fans(&self.input, &options.prepare)?;
-        if self.layout.is_some() && prepared.report.degenerate_faces > 0 {
-            // Their neighbours meet across other edges than in the file once they are gone.
-            session.warn("the layout names faces of the file, so those without area are taken as they are there");
+        if self.layout.is_some() && prepared.report.degenerate_faces + prepared.report.folded_faces > 0 {
+            // Their neighbours meet across other edges than in the file once they are gone, and what a layout has left over is
+            // a face.
+            session.warn(
+                "the layout names faces of the file, so those without area and those folded onto others are taken as they are there",
+            );
             let as_is = PrepareOptions { as_is: true, ..options.prepare };
             prepared = session.prepare(prepared.into_input(), &as_is, Takes::Bodies)?;
         }
@@ -239,7 +242,12 @@ impl Patch {
         if self.is_divided(options) {
             limits.feature_edges.extend(cad::borders(mesh, &context)?);
         }
-        let result = context.install(|| patch::decompose(mesh, &limits, &context))?;
+        // A bicubic face keeps its distance from the vertices, whatever the cells do.
+        let is_exact = self.is_divided(options) && options.brep.fit == Fit::Auto;
+        let result = context.install(|| match is_exact {
+            true => cad::decompose_for_faces(mesh, &limits, &context),
+            false => patch::decompose(mesh, &limits, &context),
+        })?;
         self.write(session, &prepared, &result, options)?;
         let f = &result.figures;
         session.say(format!(

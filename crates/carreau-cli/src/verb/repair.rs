@@ -6,6 +6,7 @@ use crate::outputs::Outputs;
 use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::geometry::holes::fill;
+use carreau::geometry::intersections::Intersections;
 use carreau::io::ResultKind;
 use carreau::io::WriteOptions;
 use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, Topology, keep_pieces, repair};
@@ -184,5 +185,17 @@ fn filled(session: &mut Session, mesh: &SurfaceMesh, most: u32, said: &mut Vec<S
         ));
     }
     session.record.set("filled", &found.holes);
+    // New faces come after all others.
+    if let Some(from) = found.holes.iter().map(|hole| hole.faces[0]).min() {
+        let met = context.install(|| Intersections::with(&found.mesh, from, &context))?;
+        if let Some([a, b]) = met.places.first() {
+            session.warn(format!(
+                "faces that fill holes meet others: {} (first {a} and {b}); the outer border of a plate is a hole, too: --fill-holes \
+                 EDGES leaves holes of more edges open",
+                counted(met.pairs, "pair", "pairs")
+            ));
+        }
+        session.record.set("filled_intersections", met);
+    }
     Ok(found.mesh)
 }

@@ -45,6 +45,14 @@ impl Intersections {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Deadline`].
     pub fn of(mesh: &SurfaceMesh, context: &Context) -> Result<Self> {
+        Self::with(mesh, 0, context)
+    }
+
+    /// The pairs that have a face with this number or a later one.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn with(mesh: &SurfaceMesh, from: u32, context: &Context) -> Result<Self> {
         let (triangles, face) = mesh.faces().fan();
         let scaled = UnitScale::of_mesh(mesh).points(mesh.points());
         let points = scaled.as_deref().unwrap_or(mesh.points());
@@ -61,8 +69,9 @@ impl Intersections {
                 if stopped.is_ok() && step.is_multiple_of(4096) {
                     stopped = context.check();
                 }
-                if stopped.is_ok() && list.len() <= MOST_PAIRS && meet(p, q) {
-                    list.push([face[a as usize], face[b as usize]]);
+                let faces = [face[a as usize], face[b as usize]];
+                if faces.iter().any(|&f| f >= from) && stopped.is_ok() && list.len() <= MOST_PAIRS && meet(p, q) {
+                    list.push(faces);
                 }
             });
             stopped.map(|()| list)
@@ -81,16 +90,22 @@ type Triangle = [DVec3; 3];
 
 /// Whether two triangles have a point in common besides their common corners and edges.
 pub(crate) fn meet(p: &Triangle, q: &Triangle) -> bool {
-    let common = |a: &DVec3| q.iter().position(|b| a == b);
-    let shared: Vec<[usize; 2]> = (0..3).filter_map(|k| common(&p[k]).map(|j| [k, j])).collect();
+    let (mut places, mut count) = ([[0; 2]; 3], 0);
+    for k in 0..3 {
+        if let Some(j) = q.iter().position(|b| *b == p[k]) {
+            places[count] = [k, j];
+            count += 1;
+        }
+    }
+    let shared = &places[..count];
     // Both sides of a plane that the other does not reach: most pairs end here.
-    if shared.len() < 3 && (is_beside(p, q, &shared, 0) || is_beside(q, p, &shared, 1)) {
+    if shared.len() < 3 && (is_beside(p, q, shared, 0) || is_beside(q, p, shared, 1)) {
         return false;
     }
     if is_flat(p) || is_flat(q) {
         return false;
     }
-    match shared[..] {
+    match *shared {
         [] => sides(p).any(|side| reaches(side, q)) || sides(q).any(|side| reaches(side, p)),
         [[k, j]] => reaches(opposite(p, k), q) || reaches(opposite(q, j), p),
         [[k0, j0], [k1, j1]] => folds(p, q, [k0, k1], [j0, j1]),
@@ -276,6 +291,10 @@ mod tests {
         }
         let crossed = together(&[sphere(2), moved(&sphere(2), |p| p + DVec3::splat(0.3))]);
         assert!(pairs(&crossed).pairs > 20);
+        // The second sphere with the first, and with itself; then nothing.
+        let of_second = Intersections::with(&crossed, 320, &Context::new()).unwrap();
+        assert_eq!((of_second.pairs, of_second.places), (pairs(&crossed).pairs, pairs(&crossed).places));
+        assert_eq!(Intersections::with(&crossed, 640, &Context::new()).unwrap().pairs, 0);
         let apart = together(&[sphere(2), moved(&sphere(2), |p| p + 3.0 * DVec3::X)]);
         assert_eq!(pairs(&apart).pairs, 0);
     }

@@ -36,9 +36,11 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     }
     // Through a link the rename would replace the link instead of the file it points to.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let special = fs::metadata(&target).is_ok_and(|m| !m.is_file());
-    if special {
-        return fs::write(&target, bytes).map_err(failed);
+    if let Ok(found) = fs::metadata(&target) {
+        if !found.is_file() {
+            return fs::write(&target, bytes).map_err(failed);
+        }
+        refuse_protected(path, &found)?;
     }
     let (mut file, mut unfinished) = create_beside(&target, &name.to_string_lossy()).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
@@ -47,6 +49,14 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
         fs::rename(beside, &target).map_err(failed)?;
     }
     unfinished.0 = None;
+    Ok(())
+}
+
+/// Refuses to replace a file that is write-protected: a new name for the finished one asks for rights in the folder only.
+pub(super) fn refuse_protected(path: &Path, found: &fs::Metadata) -> Result<()> {
+    if found.permissions().readonly() {
+        return Err(Error::write(path, "this file is write-protected; give another name, or lift its protection"));
+    }
     Ok(())
 }
 

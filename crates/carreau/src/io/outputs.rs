@@ -1,7 +1,7 @@
 //! What can be written where, before anything is: whether a format holds a kind of result, whether a place can be written to;
 //! and what to do about files that are not read.
 
-use super::atomic::create_beside;
+use super::atomic::{create_beside, refuse_protected};
 use super::{CAD_EXTENSIONS, FORMATS, SKELETON_EXTENSIONS, extension, format_of};
 use crate::error::{Error, Result};
 use std::path::Path;
@@ -115,7 +115,8 @@ pub fn check_second_order(path: &Path) -> Result<()> {
     Err(Error::write(path, what))
 }
 
-/// Refuses a place that cannot be written to: a folder, a name in a folder that does not exist or may not be written to.
+/// Refuses a place that cannot be written to: a folder, a file that is write-protected, a name in a folder that does not exist or
+/// may not be written to.
 /// Leaves no trace.
 ///
 /// # Errors
@@ -128,9 +129,12 @@ pub fn check_place(path: &Path) -> Result<()> {
         return Err(Error::write(path, "this is a folder; give the name of a file in it"));
     }
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    if std::fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
-        // Devices and pipes are opened when there is something to write.
-        return Ok(());
+    if let Ok(found) = std::fs::metadata(&target) {
+        if !found.is_file() {
+            // Devices and pipes are opened when there is something to write.
+            return Ok(());
+        }
+        refuse_protected(path, &found)?;
     }
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.exists() {

@@ -65,7 +65,7 @@ pub use id::{CornerId, FaceId, VertexId};
 pub use polygons::Polygons;
 pub use prepare::{
     Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, keep_pieces,
-    prepare,
+    prepare, prepare_fans,
 };
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};

@@ -54,6 +54,23 @@ pub fn cube(low: DVec3, size: f64) -> SurfaceMesh {
     SurfaceMesh::new(p, quads.iter().map(|q| &q[..]).collect()).unwrap()
 }
 
+/// The unit cube, with two quads for its top that share the two sides at a vertex beside its diagonal: closed, but the fans of
+/// these quads have a triangle in common.
+pub fn folded_box() -> SurfaceMesh {
+    let cube = cube(DVec3::ZERO, 1.0);
+    let points = cube.points().iter().copied().chain([DVec3::new(0.3, 0.6, 1.0)]).collect();
+    let mut faces = Polygons::new();
+    for face in cube.faces().iter() {
+        match face {
+            &[a, c, b, e] if [a, c, b, e] == [4, 5, 7, 6] => {
+                [[a, c, b, 8], [a, 8, b, e]].iter().for_each(|q| faces.push(q))
+            }
+            _ => faces.push(face),
+        }
+    }
+    SurfaceMesh::new(points, faces).unwrap()
+}
+
 /// `n × m` vertices around a torus with radii 2 and 0.5, outward.
 pub fn torus(n: u32, m: u32) -> SurfaceMesh {
     let at = |i: u32, j: u32| (i % n) * m + j % m;

@@ -7,11 +7,33 @@ use std::collections::hash_map::Entry;
 
 /// For every point the first one at exactly the same position (-0 and 0 are the same), itself included.
 pub fn first_at_same_position(points: &[DVec3]) -> Vec<u32> {
-    let mut first = FxHashMap::with_capacity_and_hasher(points.len(), Default::default());
     // Adding +0 turns -0 into +0 and leaves everything else as it is.
     let bits = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
-    points.iter().zip(0u32..).map(|(p, k)| *first.entry(bits(p)).or_insert(k)).collect()
+    // A table of ids alone, half of it empty: it is a fraction of the size of one of positions, and every vertex of every mesh
+    // comes here.
+    let mut table = vec![NONE; (2 * points.len()).next_power_of_two().max(2)];
+    let (mask, shift) = (table.len() - 1, u64::BITS - table.len().trailing_zeros());
+    let find = |(p, k): (&DVec3, u32)| {
+        let own = bits(p);
+        // The last round brings the high bits of the last coordinate, in which round numbers differ, down and up again.
+        let mixed = own.iter().chain([&0]).fold(0u64, |h, &x| (h.rotate_left(23) ^ x).wrapping_mul(GOLDEN));
+        let mut at = (mixed >> shift) as usize;
+        loop {
+            match table[at] {
+                NONE => {
+                    table[at] = k;
+                    return k;
+                }
+                other if bits(&points[other as usize]) == own => return other,
+                _ => at = (at + 1) & mask,
+            }
+        }
+    };
+    points.iter().zip(0u32..).map(find).collect()
 }
+
+/// 2⁶⁴ through the golden ratio, odd: its product spreads neighbouring numbers over the high bits (Fibonacci hashing, Knuth).
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// For every point the leader it joins: the nearest leader within `tolerance`, or itself.
 ///

@@ -123,6 +123,9 @@ pub struct PatchOptions {
     pub convex_only: bool,
     /// Accept only quads whose bilinear surface has the area and volume that CAD programs will compute.
     pub faces: bool,
+    /// How far such a surface may be off the two triangles of the quad; [`cad::decompose_for_faces`] decides.
+    #[serde(skip)]
+    pub off_mesh: Option<cad::OffLimit>,
     /// How candidate quads are ranked.
     pub quality: Quality,
     /// How polygons are cut into rectangles (not used by [`Strategy::Grow`]).
@@ -157,6 +160,7 @@ impl Default for PatchOptions {
             adapt_dihedral: false,
             convex_only: false,
             faces: false,
+            off_mesh: None,
             quality: Quality::default(),
             dissection: Dissection::default(),
             merge: true,
@@ -214,6 +218,7 @@ impl PatchOptions {
             adapt_dihedral: self.adapt_dihedral,
             convex_only: self.convex_only,
             faces: self.faces,
+            off_mesh: self.off_mesh,
         }
     }
 

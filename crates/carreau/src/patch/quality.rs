@@ -16,7 +16,7 @@
 //! All sums are formed so that their last bit does not depend on the numbering of vertices and triangles, and ties
 //! are broken by position: relabelling the mesh does not change the result.
 
-use super::cad::cell_weighs_right;
+use super::cad::{OffLimit, cell_weighs_right};
 use super::fold::FoldLimit;
 use crate::context::Context;
 use crate::error::Result;
@@ -52,6 +52,7 @@ pub(super) struct Filters {
     pub adapt_dihedral: bool,
     pub convex_only: bool,
     pub faces: bool,
+    pub off_mesh: Option<OffLimit>,
 }
 
 /// All acceptable pairs of triangles.
@@ -200,6 +201,9 @@ impl Rater<'_> {
             return None;
         }
         if f.faces && !(self.fold.is_slight(corners) && cell_weighs_right(corners)) {
+            return None;
+        }
+        if f.off_mesh.is_some_and(|limit| limit.is_exceeded(corners)) {
             return None;
         }
         Some(match (f.quality, self.targets) {

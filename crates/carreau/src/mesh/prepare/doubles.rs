@@ -118,7 +118,7 @@ fn by_patch<'a>(faces: impl Iterator<Item = &'a u32>, patch: &[u32]) -> Vec<Vec<
 }
 
 /// Whether a face on the same vertices runs the other way.
-fn is_reversed(a: &[u32], b: &[u32]) -> bool {
+pub(super) fn is_reversed(a: &[u32], b: &[u32]) -> bool {
     let n = a.len();
     let Some(k) = b.iter().position(|&v| v == a[0]) else { return false };
     a[1] == b[(k + n - 1) % n] && a[1] != b[(k + 1) % n]

@@ -10,7 +10,7 @@ use super::super::repair::{Soup, outward};
 use super::super::surface::SurfaceMesh;
 use super::separate::{first_of_sheet, separate};
 use super::sheets::Sides;
-use super::{body_labels, doubles};
+use super::{body_labels, doubles, folds};
 use crate::context::Context;
 use crate::error::Result;
 
@@ -44,6 +44,8 @@ pub(in crate::mesh) struct Mended {
     pub removed: Removed,
     /// Faces of the file that were left out as they are there twice, each with the one that stands for it.
     pub doubles: Vec<[u32; 2]>,
+    /// Pairs of faces of the file that lay on each other, as fans do that fold: both are left out.
+    pub folds: Vec<[u32; 2]>,
     /// Faces of the soup that were turned to agree with their neighbours.
     pub turned: Vec<bool>,
     /// A face of every closed component that was turned.
@@ -54,10 +56,11 @@ pub(in crate::mesh) struct Mended {
     pub copies: usize,
 }
 
-/// Takes the steps; `leader`: the vertex that every one becomes.
+/// Takes the steps; `leader`: the vertex that every one becomes; `polygon`: that of every face, where faces are parts of such.
 pub(in crate::mesh) fn mend(
     mesh: &SurfaceMesh,
     leader: Option<&[u32]>,
+    polygon: Option<&[u32]>,
     steps: Steps,
     context: &Context,
 ) -> Result<Mended> {
@@ -74,15 +77,18 @@ pub(in crate::mesh) fn mend(
     }
     context.check()?;
     let mut work = Work::new(soup, mesh, steps);
+    if let Some(polygon) = polygon.filter(|_| steps.doubles) {
+        work.drop_folds(polygon);
+    }
     if steps.doubles {
         work.drop_doubles(context)?;
     }
     let paired = work.agree_and_separate(context)?;
-    let Work { mut soup, sheet, turned, doubles, .. } = work;
+    let Work { mut soup, sheet, turned, doubles, folds, .. } = work;
     let copies = if steps.sheets { separate(&mut soup, mesh, &sheet) } else { 0 };
     context.check()?;
     let inverted = if steps.outward { outward(&mut soup, body_labels(mesh)) } else { Vec::new() };
-    Ok(Mended { soup, degenerate, removed, doubles, turned, inverted, paired, copies })
+    Ok(Mended { soup, degenerate, removed, doubles, folds, turned, inverted, paired, copies })
 }
 
 /// A welded surface while sheets and senses are looked for.
@@ -94,13 +100,27 @@ struct Work<'a> {
     sheet: Vec<u32>,
     turned: Vec<bool>,
     doubles: Vec<[u32; 2]>,
+    folds: Vec<[u32; 2]>,
 }
 
 impl<'a> Work<'a> {
     fn new(soup: Soup, original: &'a SurfaceMesh, steps: Steps) -> Self {
         let sheet = soup.corner_source.iter().map(|&c| original.faces().corners()[c as usize]).collect();
         let turned = vec![false; soup.faces.len()];
-        Work { original, steps, soup, sheet, turned, doubles: Vec::new() }
+        Work { original, steps, soup, sheet, turned, doubles: Vec::new(), folds: Vec::new() }
+    }
+
+    /// Leaves out triangles of fans that lie on each other.
+    fn drop_folds(&mut self, polygon: &[u32]) {
+        let pairs = folds::folded(&self.soup, polygon);
+        if pairs.is_empty() {
+            return;
+        }
+        let mut stays = vec![true; self.soup.faces.len()];
+        pairs.iter().flatten().for_each(|&f| stays[f as usize] = false);
+        let source = |f: u32| self.soup.face_source[f as usize];
+        self.folds.extend(pairs.iter().map(|pair| pair.map(source)));
+        self.keep_faces(|f| stays[f]);
     }
 
     /// Leaves out what is there more often than it needs to be, until nothing is.
@@ -124,15 +144,19 @@ impl<'a> Work<'a> {
         }
         let stands = |f: u32| gone.binary_search_by_key(&f, |pair| pair[0]).map_or(f, |k| gone[k][1]);
         self.doubles.iter_mut().for_each(|pair| pair[1] = stands(pair[1]));
-        let stays = |f: usize| kept[f] as usize == f;
+        self.keep_faces(|f| kept[f] as usize == f);
+        self.doubles.extend(gone);
+        true
+    }
+
+    /// Drops all faces but some, with what is known of them.
+    fn keep_faces(&mut self, stays: impl Fn(usize) -> bool) {
         let face_of = self.soup.faces.face_of_corners();
         let mut corners = face_of.iter();
         self.sheet.retain(|_| corners.next().is_some_and(|&f| stays(f as usize)));
-        let mut faces = 0..kept.len();
-        self.turned.retain(|_| faces.next().is_some_and(stays));
+        let mut faces = 0..self.turned.len();
+        self.turned.retain(|_| faces.next().is_some_and(&stays));
         self.soup.keep_faces(stays);
-        self.doubles.extend(gone);
-        true
     }
 
     /// Looks for senses and sheets in turn. Returns the edges whose sheets come apart, by vertices of the file.

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 1 | `super::weld` | vertices at one place become one |
 //! | 2 | `super::repair` | faces without area are left out, the surface stays closed |
-//! | 3 | `doubles` | of several faces on the same vertices one stays, or two as the wall between bodies |
+//! | 3 | `folds`, `doubles` | of several faces on the same vertices one stays, two as the wall between bodies, or none where fans fold |
 //! | 4 | `sheets` | neighbours are turned until they agree; the majority of a part decides |
 //! | 5 | `sheets`, `radial` | which sides of an edge of many faces are one body; 4 and 5 in turn, until nothing changes |
 //! | 6 | `separate` | bodies that touch come apart, and the sheets of a vertex |
@@ -22,6 +22,7 @@
 
 mod bodies;
 mod doubles;
+mod folds;
 mod mend;
 mod pieces;
 mod radial;
@@ -100,6 +101,27 @@ pub enum Takes {
 /// # Errors
 /// [`Error::Options`] for a length that is none, [`Error::Cancelled`] and [`Error::Deadline`].
 pub fn prepare(mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes, context: &Context) -> Result<Prepared> {
+    prepare_parts(mesh, None, options, takes, context)
+}
+
+/// Cuts all polygons into fans from their first corners, as [`SurfaceMesh::fanned`], and prepares the triangles. Where fans fold
+/// onto each other the triangles that do go, both of each pair.
+///
+/// # Errors
+/// As [`prepare`] and [`SurfaceMesh::fanned`].
+pub fn prepare_fans(mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes, context: &Context) -> Result<Prepared> {
+    let polygon = (!mesh.is_triangular()).then(|| mesh.faces().fan().1);
+    prepare_parts(mesh.fanned()?, polygon.as_deref(), options, takes, context)
+}
+
+/// `polygon`: that of every face, where faces are parts of such.
+fn prepare_parts(
+    mesh: SurfaceMesh,
+    polygon: Option<&[u32]>,
+    options: &PrepareOptions,
+    takes: Takes,
+    context: &Context,
+) -> Result<Prepared> {
     if options.as_is {
         return Ok(Prepared::as_is(mesh));
     }
@@ -114,7 +136,7 @@ pub fn prepare(mesh: SurfaceMesh, options: &PrepareOptions, takes: Takes, contex
         let bodies = Bodies::of(&mesh, &scan.component, scan.components, &scan.shells);
         return pieces::keep(Prepared::unchanged(mesh, bodies), options.keep, takes);
     }
-    let mended = context.install(|| mend(&mesh, scan.leader.as_deref(), Steps::PREPARE, context))?;
+    let mended = context.install(|| mend(&mesh, scan.leader.as_deref(), polygon, Steps::PREPARE, context))?;
     pieces::keep(into_prepared(mended, mesh)?, options.keep, takes)
 }
 

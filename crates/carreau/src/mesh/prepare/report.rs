@@ -18,6 +18,8 @@ pub struct PrepareReport {
     pub degenerate_faces: usize,
     /// Faces on the same vertices as another one: left out.
     pub duplicate_faces: usize,
+    /// Triangles of fans that lay on each other in opposite senses: both of each pair left out.
+    pub folded_faces: usize,
     /// Faces turned to agree with their neighbours.
     pub turned_faces: usize,
     /// Closed components turned outward, or inward where they are cavities.
@@ -54,6 +56,9 @@ pub struct PreparePlaces {
     /// A face and the one that stands for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duplicate_faces: Option<[u32; 2]>,
+    /// A face and the one that it lay on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folded_faces: Option<[u32; 2]>,
     /// A face.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turned_faces: Option<u32>,
@@ -102,12 +107,14 @@ impl PrepareReport {
         let mut report = PrepareReport {
             degenerate_faces: mended.degenerate.len(),
             duplicate_faces: mended.doubles.len(),
+            folded_faces: 2 * mended.folds.len(),
             paired_edges: mended.paired.len(),
             split_vertices: mended.copies,
             ..PrepareReport::default()
         };
         report.places.degenerate_faces = super::first(&mended.degenerate);
         report.places.duplicate_faces = super::first(&mended.doubles);
+        report.places.folded_faces = super::first(&mended.folds);
         report.places.paired_edges = super::first(&mended.paired);
         report.note_turned(&mended.turned, &mended.inverted, &mended.soup.face_source);
         report.note_welded(mesh, &mended.soup);
@@ -166,6 +173,8 @@ impl PrepareReport {
         say(self.welded_vertices, "welded", "vertex", "vertices", pair(p.welded_vertices, "at"));
         say(self.degenerate_faces, "left out", "face without area", "faces without area", one(p.degenerate_faces, ""));
         say(self.duplicate_faces, "left out", "duplicate face", "duplicate faces", pair(p.duplicate_faces, "on"));
+        // Always an even number of them.
+        say(self.folded_faces, "left out", "folded face", "faces folded onto each other", pair(p.folded_faces, "on"));
         say(
             self.turned_faces,
             "turned",

@@ -211,6 +211,28 @@ fn seams_are_where_faces_have_other_vertices_or_senses_in_the_file() {
     assert_eq!(prepared(&soup_of(&torus(5, 4))).seams().len(), Topology::of(&torus(5, 4)).edges);
 }
 
+/// Two quads that share two sides have fans that fold onto each other.
+#[test]
+fn fans_that_fold_leave_the_surface_as_closed_as_its_polygons() {
+    let mesh = folded_box();
+    assert!(Topology::of(&mesh).closed && Topology::of(&mesh).manifold);
+    let context = Context::new();
+    let done = prepare_fans(mesh.clone(), &PrepareOptions::default(), Takes::Bodies, &context).unwrap();
+    let t = Topology::of(&done.mesh);
+    assert!(t.closed && t.manifold && t.consistently_oriented && t.components == 1, "{t:?}");
+    assert!((t.volume.unwrap() - 1.0).abs() < 1e-12);
+    assert_eq!((done.report.folded_faces, done.report.duplicate_faces, done.mesh.face_count()), (2, 0, 12));
+    assert!(done.report.line().unwrap().contains("left out 2 faces folded onto each other (first "));
+    // What is gone is told by what is beside it.
+    assert_eq!(done.left_out().len(), 2);
+    let labels = vec![7; done.mesh.face_count()];
+    assert_eq!(done.labels_of_faces(&labels), [7; 14]);
+    // Quads that are there twice as a whole are doubles.
+    let twice = together(&[cube(DVec3::ZERO, 1.0), cube(DVec3::ZERO, 1.0)]);
+    let done = prepare_fans(twice, &PrepareOptions::default(), Takes::Bodies, &context).unwrap();
+    assert_eq!((done.report.folded_faces, done.report.duplicate_faces, done.mesh.face_count()), (0, 12, 12));
+}
+
 #[test]
 fn nothing_is_done_where_nothing_shall_be() {
     let mesh = soup_of(&turned(&torus(5, 4), |f| f == 3));

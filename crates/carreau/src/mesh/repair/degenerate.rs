@@ -32,6 +32,10 @@ use rayon::prelude::*;
 
 /// Below this mean ratio a triangle is flat (1: equilateral).
 const FLAT_RATIO: f64 = 1e-4;
+/// Times [`FLAT_RATIO`]: from this mean ratio on no rounding can make a triangle flat.
+const CLEARLY: f64 = 2.0;
+/// Sums of squared edge lengths, in square units of the file, whose own squares neither vanish nor overflow.
+const ORDINARY: std::ops::Range<f64> = 1e-100..1e100;
 /// A needle has an edge shorter than this share of its longest.
 const NEEDLE: f64 = 1e-3;
 /// Rounds of flips and collapses; a long row of caps takes one round each in the worst order.
@@ -109,6 +113,13 @@ fn remove_repeats(soup: &mut Soup) -> usize {
 ///
 /// In units of its longest edge, so that a model too small for the squares of its lengths is not taken for flat.
 fn is_flat(p: [DVec3; 3], diagonal: f64) -> bool {
+    // Most triangles are far from flat, and of a size whose squares say so.
+    let (u, v) = (p[1] - p[0], p[2] - p[0]);
+    let squares = u.length_squared() + v.length_squared() + (v - u).length_squared();
+    let bound = CLEARLY * FLAT_RATIO * squares;
+    if ORDINARY.contains(&squares) && 12.0 * u.cross(v).length_squared() > bound * bound {
+        return false;
+    }
     let l = edge_lengths(p);
     let longest = l[0].max(l[1]).max(l[2]);
     if longest == 0.0 {

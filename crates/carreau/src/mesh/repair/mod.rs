@@ -132,7 +132,7 @@ pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) ->
     let tolerance = options.weld.map(|tolerance| resolved(tolerance, mesh.diagonal())).transpose()?;
     let leader = tolerance.and_then(|tolerance| leaders(mesh, tolerance));
     stage.step(1, 3)?;
-    let mut mended = mend(mesh, leader.as_deref(), options.steps(), context)?;
+    let mut mended = mend(mesh, leader.as_deref(), None, options.steps(), context)?;
     stage.step(2, 3)?;
     let dropped_vertices = if options.unreferenced { mended.soup.drop_unreferenced() } else { 0 };
     let Mended { soup, removed, doubles, turned, inverted, copies, .. } = mended;

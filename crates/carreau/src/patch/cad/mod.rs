@@ -7,6 +7,7 @@
 //! | `labels` | names of bodies and faces, colours: what no face is mixed of |
 //! | `ladder` | which face every triangle belongs to: plane → bicubic → divided → cell → triangle |
 //! | `region`, `simple`, `crossed` | flat regions with their holes, cut until their borders are simple |
+//! | `faithful` | quads whose bilinear surface encloses less or more than their triangles are refused, where that adds up |
 //! | `fit` | cubic curves and surfaces within a tolerance of the vertices |
 //! | `divide` | curved patches cut where they bend |
 //! | `piece` | or, on request: one face a patch, cut until none touches itself |
@@ -28,6 +29,7 @@ mod chain;
 mod crossed;
 mod divide;
 mod exact;
+mod faithful;
 mod fit;
 mod flat;
 mod labels;
@@ -54,6 +56,7 @@ use crate::mesh::{FaceId, NONE, SurfaceMesh, VertexId};
 use crate::patch::Patch;
 use chain::{ChainUse, Chains};
 pub(super) use divide::cell_weighs_right;
+pub use faithful::{OffLimit, decompose_for_faces};
 use flat::Flats;
 use labels::Labels;
 use piece::{Outline, Piece};
