@@ -36,6 +36,9 @@ const BEND_SPACING: f64 = 0.35;
 /// A scaled Jacobian: quads between features alone that become worse are taken back, because bends of two features side
 /// by side may be out of step, and no smoothing mends that.
 const RIGID_JACOBIAN: f64 = 0.2;
+/// Lengths of a curve that a radian of its turn counts for, in the order in which they are tried: the first that keeps the curve
+/// leaves its edges most alike.
+const TURN_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.5];
 /// A count: more pairs of a vertex and a bend are not looked at for one curve, because they would take a gigabyte.
 const MOST_BEND_PAIRS: usize = 50_000_000;
 
@@ -55,13 +58,19 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
     let mut edges: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
     work.features.iter().for_each(|&(ends, curve)| edges.entry(curve).or_default().push(ends));
     for (number, edges) in edges {
-        let Some(curve) = source.paths.get(number as usize).filter(|curve| !curve.bends.is_empty()) else { continue };
+        let Some(curve) = source.paths.get(number as usize) else { continue };
         let Some(chain) = Chain::new(work, &edges, number, curve) else {
             tracing::debug!(target: "carreau::quad", number, "vertices are in no order along the curve");
             continue;
         };
         let was_kept = chain.is_kept(work, source);
         let before: Vec<(DVec3, Place)> = chain.state(work);
+        if curve.bends.is_empty() {
+            if !was_kept && !(chain.share_turns(work, source) && !chain.has_flattened(work, around, &before)) {
+                chain.restore(work, &before);
+            }
+            continue;
+        }
         let on_bends = chain.go_to_bends(work);
         // More bends than vertices: all of them together may be nearer to the curve where they were.
         let is_worse = was_kept && !chain.is_kept(work, source);
@@ -151,6 +160,21 @@ impl<'a> Chain<'a> {
         let is_new = flat.iter().any(|&q| jacobian(work, q) > RIGID_JACOBIAN);
         self.restore(work, &after);
         is_new
+    }
+
+    /// Moves vertices along a curve that bends nowhere sharply to where it turns, as much as keeps it. Returns whether anything does.
+    fn share_turns(&self, work: &mut Work, source: &Source) -> bool {
+        let count = self.vertices.len() - 1;
+        let from = if self.curve.is_closed { self.stations[0] } else { 0.0 };
+        TURN_SHARES.iter().any(|share| {
+            let stations = self.curve.shared(from, count, share * self.curve.length());
+            for (&v, &station) in self.vertices[1..count].iter().zip(&stations[1..count]) {
+                if let Place::Curve(_) = work.place[v as usize] {
+                    work.points[v as usize] = self.curve.at(station);
+                }
+            }
+            self.is_kept(work, source)
+        })
     }
 
     /// Puts vertices to the bends that they are matched with, and those between them evenly. Returns those at bends.

@@ -98,6 +98,41 @@ impl Curve {
         self.stations[self.stations.len() - 1]
     }
 
+    /// Stations, from one on, that share the length of the curve and its turn evenly; a length counts for so much of a turn, in
+    /// radians. A closed curve is once around.
+    pub fn shared(&self, from: f64, count: usize, of_turn: f64) -> Vec<f64> {
+        let last = self.points.len() - 1;
+        let turn = |k: usize| {
+            let [before, after] = match k % last {
+                0 if self.is_closed => [last - 1, 1],
+                0 => return 0.0,
+                k => [k - 1, k + 1],
+            };
+            let at = self.points[k % last];
+            let ways = [at - self.points[before], self.points[after] - at].map(DVec3::normalize_or_zero);
+            ways[0].dot(ways[1]).clamp(-1.0, 1.0).acos()
+        };
+        // What is shared up to every point: half of a turn is before it, half behind.
+        let mut sums = vec![0.0];
+        for k in 1..=last {
+            let length = self.stations[k] - self.stations[k - 1];
+            sums.push(sums[k - 1] + length + of_turn * 0.5 * (turn(k - 1) + turn(k)));
+        }
+        let (length, whole) = (self.length(), sums[last]);
+        let between = |x: f64, of: &[f64], is: &[f64]| {
+            let k = of.partition_point(|&s| s < x).clamp(1, last);
+            let share = if of[k] > of[k - 1] { ((x - of[k - 1]) / (of[k] - of[k - 1])).clamp(0.0, 1.0) } else { 0.0 };
+            is[k - 1] + share * (is[k] - is[k - 1])
+        };
+        let first = between(from.rem_euclid(length), &self.stations, &sums);
+        let at = |k: usize| {
+            let sum = first + whole * k as f64 / count as f64;
+            let rounds = if self.is_closed { (sum / whole).floor() } else { 0.0 };
+            between(sum - rounds * whole, &sums, &self.stations) + rounds * length
+        };
+        (0..=count).map(at).collect()
+    }
+
     /// The point at a station; one beyond the ends of a closed curve comes round again.
     pub fn at(&self, station: f64) -> DVec3 {
         let station = if self.is_closed { station.rem_euclid(self.length()) } else { station };
@@ -226,6 +261,21 @@ mod tests {
                 chords.features.extend((first..first + least as u32).map(|k| ([k, k + 1], number)));
             }
             assert!(recall(&chords, &source).0 > 0.9995, "the validator agrees");
+        }
+    }
+
+    #[test]
+    fn places_share_length_and_turn() {
+        let source = ellipse(200);
+        let [curve] = &paths(&source)[..] else { panic!("one border") };
+        let length = curve.length();
+        for (from, of_turn) in [(0.0, 0.0), (0.3 * length, 0.0), (0.0, length), (0.7 * length, 0.1 * length)] {
+            let stations = curve.shared(from, 20, of_turn);
+            assert!((stations[0] - from).abs() < 1e-9 && (stations[20] - from - length).abs() < 1e-9 * length);
+            assert!(stations.windows(2).all(|w| w[0] < w[1]));
+            let edges: Vec<f64> = stations.windows(2).map(|w| w[1] - w[0]).collect();
+            let spread = edges.iter().fold(0.0, |m: f64, &e| m.max(e)) / edges.iter().fold(length, |m, &e| m.min(e));
+            assert!(if of_turn == 0.0 { spread < 1.0 + 1e-6 } else { spread > 1.2 }, "{spread}");
         }
     }
 

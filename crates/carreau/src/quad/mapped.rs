@@ -70,6 +70,9 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
             break;
         }
     }
+    if of_map.best.as_ref().is_some_and(|b| b.loses) {
+        of_map.refused = "its quads lose some of the features".into();
+    }
     Ok(of_map)
 }
 

@@ -85,11 +85,9 @@ fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context)
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
     let pairs = if map.will_do() { None } else { paired::quads(source, options, &mut warnings, context)? };
-    let is_kept_by_pairs = pairs.as_ref().is_some_and(|pairs| pairs.is_useful() && pairs.meets_number);
-    // What keeps all features in as many quads goes before what loses some.
-    let of_map = map.best.filter(|map| !(map.loses && is_kept_by_pairs)).map(|b| (b, Method::Map));
-    let candidates = of_map.into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
-    let best = candidates.min_by(|a, b| a.0.cost.cmp(&b.0.cost));
+    let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
+    // What keeps all features of a part goes before what loses some, however many quads that takes.
+    let best = candidates.min_by(|a, b| (a.0.loses, a.0.cost).cmp(&(b.0.loses, b.0.cost)));
     if options.rung == 1 && best.as_ref().is_none_or(|b| b.1 != Method::Map) {
         warnings.push(format!("no map of the surface gave quads: {}", map.refused));
     }

@@ -4,8 +4,8 @@ use super::work::Place;
 use super::*;
 use crate::error::Error;
 use crate::geometry::distance::{DistanceOptions, compare};
-use crate::mesh::Topology;
 use crate::mesh::test_models::{cube, cubes_sharing_an_edge, grid, moved, together, triangles, turned, without};
+use crate::mesh::{Polygons, Topology};
 use crate::sample;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -234,6 +234,32 @@ fn vertices_lie_where_coarse_rims_bend_and_the_number_is_met() {
     // The upright edges are no features: without the fit the mean is at 0.06 % of the diagonal.
     let found = compare(&mesh, &result.mesh, &DistanceOptions::default(), &Context::new()).unwrap();
     assert!(found.relative.mean < 1e-4, "{:?}", found.relative);
+}
+
+/// A flat stadium: two half circles, and straight sides ten times as long as their radius, in a fan of triangles.
+fn stadium(segments: u32) -> SurfaceMesh {
+    let half = |x: f64, from: f64| {
+        (0..=segments).map(move |k| {
+            let angle = from + 0.5 * TAU * f64::from(k) / f64::from(segments);
+            DVec3::new(x + 0.1 * angle.cos(), 0.1 * angle.sin(), 0.0)
+        })
+    };
+    let rim: Vec<DVec3> = half(0.5, -0.25 * TAU).chain(half(-0.5, 0.25 * TAU)).collect();
+    let mut faces = Polygons::new();
+    let n = rim.len() as u32;
+    (0..n).for_each(|k| faces.push(&[0, k + 1, (k + 1) % n + 1]));
+    SurfaceMesh::new([DVec3::ZERO].into_iter().chain(rim).collect(), faces).unwrap()
+}
+
+#[test]
+fn rims_that_turn_evenly_in_parts_get_their_edges_there() {
+    for segments in [32, 64] {
+        let mesh = stadium(segments);
+        let options = QuadOptions { quads: 150, ..QuadOptions::default() };
+        let result = quads(&mesh, &options, &Context::new()).unwrap();
+        check(&mesh, &result);
+        assert_eq!(result.rung(), 1);
+    }
 }
 
 #[test]
