@@ -66,7 +66,8 @@ pub fn follow(work: &mut Work, around: &Around, source: &Source) -> Vec<(u32, Pl
         let was_kept = chain.is_kept(work, source);
         let before: Vec<(DVec3, Place)> = chain.state(work);
         if curve.bends.is_empty() {
-            if !was_kept && !(chain.share_turns(work, source) && !chain.has_flattened(work, around, &before)) {
+            let is_kept = was_kept || chain.share_turns(work, source);
+            if !is_kept || chain.has_flattened(work, around, &before) {
                 chain.restore(work, &before);
             }
             continue;
