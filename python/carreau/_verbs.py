@@ -138,6 +138,7 @@ def cad(
     style: Literal["auto", "mechanical", "organic"] | None = None,
     tolerance: Length | None = None,
     labels: ArrayLike | str | None = None,
+    snap: Literal["on", "off"] | None = None,
     max_faces: int | None = None,
     **common: Unpack[Common],
 ) -> CadResult:
@@ -154,6 +155,8 @@ def cad(
         Largest distance of a vertex from its face; from the data, for "organic" .1 % of the diagonal.
     labels : array_like of int, str or path, optional
         Faces as given, one label per triangle: an array, the name of a face attribute, or a file.
+    snap : {"on", "off"}, optional
+        Adjust the surfaces of noisy meshes to each other: directions, axes, equal radii, round numbers ("on").
     max_faces : int, optional
         Refuse models of more faces.
     **common
@@ -485,6 +488,8 @@ def field(
     pin: Literal["none", "45", "90", 45, 90] | None = None,
     propagation: Literal["none", "local", "global"] | None = None,
     lean: float | None = None,
+    curvature: float | None = None,
+    guides: File | None = None,
     feature_angle: float | None = None,
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
@@ -507,6 +512,10 @@ def field(
         How far the turn that pinned corners ask for spreads ("local").
     lean : float, optional
         Largest angle by which the two directions lean towards each other, in degrees (60).
+    curvature : float, optional
+        Weight of the directions of curvature beside the smoothness (0).
+    guides : path, optional
+        A file of polylines on the surface that the field follows.
     feature_angle : float, optional
         Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of
         35° alone).
@@ -589,6 +598,11 @@ def quad(
     *,
     quads: int | None = None,
     edge_length: Length | None = None,
+    adaptive: bool = False,
+    sizes: str | None = None,
+    symmetry: Literal["off", "x", "y", "z", "auto"] | None = None,
+    guides: File | None = None,
+    max_quads: int | None = None,
     feature_angle: float | None = None,
     features: ArrayLike | File | None = None,
     ignore_tags: bool = False,
@@ -605,6 +619,17 @@ def quad(
         Number of quads, met within 10 % where the features allow it (3000).
     edge_length : float or str, optional
         Length of the edges instead.
+    adaptive : bool
+        Make quads smaller where the surface bends and larger where it is flat; their number stays.
+    sizes : str, optional
+        A vertex attribute that says how long the edges are to be, relative to each other; of a colour, red makes quads
+        smaller.
+    symmetry : {"off", "x", "y", "z", "auto"}, optional
+        Make the quads of one half and mirror them: across an axis, or across all planes of symmetry ("off").
+    guides : path, optional
+        A file of polylines on the surface that rows of quads follow.
+    max_quads : int, optional
+        More quads are refused.
     feature_angle : float, optional
         Every edge with a larger angle between its faces is a feature, in degrees (180: none is; without it: creases of
         35° alone).

@@ -15,7 +15,7 @@ from . import obj_file, ply, preferences, transfer
 from .child import POLL, Cancelled, Child, Failure, attend, find
 from .surface import Source, new_mesh
 
-__all__ = ["CLASSES", "Run"]
+__all__ = ["CLASSES", "SYMMETRIES", "Run"]
 
 #: The face property `primitive` of `carreau segment`, with colours that colour-blind people tell apart (Okabe and Ito).
 PRIMITIVES = {
@@ -256,6 +256,15 @@ def _mark(mesh: Any, pairs: np.ndarray) -> None:
     mesh.edges.foreach_set("use_edge_sharp", marked)
 
 
+SYMMETRIES = [
+    ("OFF", "None", "Quads without symmetry"),
+    ("X", "X", "Across the object's x axis"),
+    ("Y", "Y", "Across the object's y axis"),
+    ("Z", "Z", "Across the object's z axis"),
+    ("AUTO", "Of the object", "Across all planes of symmetry that the object has"),
+]
+
+
 class CarreauQuads(_NewMesh, bpy.types.Operator):
     """Makes a mesh of quads that keeps every sharp edge"""
 
@@ -264,9 +273,16 @@ class CarreauQuads(_NewMesh, bpy.types.Operator):
     quads: bpy.props.IntProperty(
         name="Quads", default=3000, min=1, max=100_000_000, description="Met within 10 % where sharp edges allow"
     )
+    symmetry: bpy.props.EnumProperty(name="Symmetry", items=SYMMETRIES, description="One half is made and mirrored")
+    adaptive: bpy.props.BoolProperty(name="Adaptive", description="Smaller quads where the surface bends")
 
     def begin(self, context: Any, child_of: Any) -> tuple[Child, str, str]:
-        return self._begin(context, child_of, "quad", {"quads": self.quads})
+        options: dict[str, Any] = {"quads": self.quads}
+        if self.symmetry != "OFF":
+            options["symmetry"] = self.symmetry.lower()
+        if self.adaptive:
+            options["adaptive"] = True
+        return self._begin(context, child_of, "quad", options)
 
 
 class CarreauRemesh(_NewMesh, bpy.types.Operator):

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .operators import Run
+from .operators import SYMMETRIES, Run
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -15,6 +15,8 @@ class CarreauSettings(bpy.types.PropertyGroup):
     """What the panel hands to the operators; it is stored with the scene."""
 
     quads: bpy.props.IntProperty(name="Quads", default=3000, min=1, soft_max=100_000, max=100_000_000)
+    symmetry: bpy.props.EnumProperty(name="Symmetry", items=SYMMETRIES)
+    adaptive: bpy.props.BoolProperty(name="Adaptive", description="Smaller quads where the surface bends")
     triangles: bpy.props.IntProperty(
         name="Triangles", min=0, max=100_000_000, description="0: as many as the angle takes"
     )
@@ -39,7 +41,7 @@ class CarreauSettings(bpy.types.PropertyGroup):
 #: What an operator takes from the settings, by the same names.
 _OF_NEW_MESHES = ("feature_angle", "keep_sharp", "keep_seams", "keep_materials", "replace", "apply_modifiers")
 _TAKEN = {
-    "carreau.quads": ("quads", *_OF_NEW_MESHES),
+    "carreau.quads": ("quads", "symmetry", "adaptive", *_OF_NEW_MESHES),
     "carreau.remesh": ("triangles", "deviation", *_OF_NEW_MESHES),
     "carreau.segment": ("regions", "materials"),
 }
@@ -55,7 +57,7 @@ class CarreauPanel(bpy.types.Panel):
         settings, column = context.scene.carreau, self.layout.column()
         if Run.current is not None:
             column.label(text=f"{Run.current.bl_label} … Esc: cancel", icon="SORTTIME")
-        self._block(column, "carreau.quads", "MESH_GRID", settings, ("quads",))
+        self._block(column, "carreau.quads", "MESH_GRID", settings, ("quads", "symmetry", "adaptive"))
         self._block(
             column,
             "carreau.remesh",

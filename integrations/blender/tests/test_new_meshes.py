@@ -56,6 +56,18 @@ def test_quads_are_a_new_object_beside_the_old_one(put):
     assert not made.data.validate()
 
 
+def test_quads_are_symmetric_across_an_axis_of_the_object(put):
+    obj = put("cylinder", resolution=16)
+    obj.matrix_world = Matrix.Translation((3, 1, 2)) @ Matrix.Rotation(0.7, 4, "Z")
+    assert bpy.ops.carreau.quads(quads=400, symmetry="X", adaptive=True) == {"FINISHED"}
+    made = bpy.context.view_layer.objects.active
+    points = values(made.data.vertices, "co", 3)
+    middle = (points[:, 0].min() + points[:, 0].max()) / 2
+    images = points * (-1, 1, 1) + (2 * middle, 0, 0)
+    nearest = np.linalg.norm(points[:, None] - images[None], axis=2).min(axis=1)
+    assert all_quads(made) and closed(made.data) and nearest.max() < 1e-4
+
+
 def test_in_place_and_undo_restores_the_bytes(put):
     obj = put("cylinder", resolution=16)
     bpy.ops.ed.undo_push(message="before")

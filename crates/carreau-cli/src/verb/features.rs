@@ -7,7 +7,7 @@ use carreau::bounds::angle;
 use carreau::geometry::features::{FeatureOptions, FoundFeatures};
 use carreau::mesh::{Prepared, VertexId};
 use carreau::report::page::{Path as Lines, Scene, Style};
-use carreau::{Error, Place};
+use carreau::{DVec3, Error, Place};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -76,6 +76,23 @@ impl FeatureValues {
         let creases = self.feature_angle.map_or_else(FeatureOptions::auto, every);
         Ok(FeatureOptions { tags: !self.ignore_tags, edges, ..creases })
     }
+}
+
+/// The segments of the polylines in a file of guides; none without one.
+pub fn load_guides(session: &Session, file: Option<&Path>) -> Result<Vec<[DVec3; 2]>, Error> {
+    let Some(file) = file else { return Ok(Vec::new()) };
+    let (points, edges) = if session.is_skeleton(file) {
+        let net = session.load_skeleton(file)?;
+        (net.points, net.edges)
+    } else {
+        let mesh = session.load_mesh(file)?;
+        (mesh.points, mesh.edges)
+    };
+    if edges.is_empty() {
+        let what = format!("{} has no polylines", file.display());
+        return Err(Error::input(what, "", "give guides as lines of an OBJ, VTP or VTK file, or as a skeleton"));
+    }
+    Ok(edges.iter().map(|ends| ends.map(|v| points[v as usize])).collect())
 }
 
 /// Tells of the features that were found, and of sharp edges that are none.

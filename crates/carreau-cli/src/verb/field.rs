@@ -1,6 +1,6 @@
 //! `field`: a frame field along the features of a part.
 
-use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
+use super::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
 use crate::choice::choice;
 use crate::common::{Common, CommonValues};
 use crate::host::Found;
@@ -50,6 +50,13 @@ pub struct Field {
     /// Largest angle by which the two directions lean towards each other, in degrees [default: 60]
     #[arg(long, value_name = "DEG")]
     lean: Option<f64>,
+    /// Weight of the directions of curvature beside the smoothness; 1 counts as much where the field would turn within the radius
+    /// of the curvature [default: 0]
+    #[arg(long, value_name = "WEIGHT")]
+    curvature: Option<f64>,
+    /// A file of polylines on the surface that the field follows, such as an OBJ with l lines
+    #[arg(long, value_name = "FILE")]
+    guides: Option<PathBuf>,
     #[command(flatten)]
     features: FeatureFlags,
     /// Also counts the corners without room and the singularities of the classic field
@@ -67,6 +74,7 @@ pub struct Field {
 struct Options {
     #[serde(flatten)]
     field: FieldOptions,
+    guides: Option<PathBuf>,
     #[serde(flatten)]
     features: FeatureValues,
     classic: bool,
@@ -80,6 +88,7 @@ impl Field {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        let files = files.needs(self.guides.as_deref());
         files.writes(self.output.as_deref(), ResultKind::Surface).also(
             "--layout",
             self.layout.as_deref(),
@@ -104,6 +113,8 @@ impl Field {
         o.pin = self.pin.unwrap_or(o.pin);
         o.propagation = self.propagation.unwrap_or(o.propagation);
         o.lean_deg = self.lean.unwrap_or(o.lean_deg);
+        o.curvature = self.curvature.unwrap_or(o.curvature);
+        all.guides = self.guides.clone().or(all.guides);
         all.features = self.features.over(all.features);
         all.classic |= self.classic;
         all.prepare = self.prepare.over(all.prepare);
@@ -119,6 +130,7 @@ impl Field {
         let context = session.context.clone();
         let mut wanted = options.field.clone();
         wanted.features = options.features.load(session, &prepared)?;
+        wanted.guides = load_guides(session, options.guides.as_deref())?;
         let mut found = context.install(|| field::field(mesh, &wanted, &context))?;
         if mesh.is_triangular() {
             found.source.iter_mut().for_each(|t| *t = prepared.face(*t));

@@ -1,6 +1,7 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
-use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
+use super::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
+use crate::choice::choice;
 use crate::common::{Common, CommonValues, positive_length};
 use crate::host::Found;
 use crate::outputs::Outputs;
@@ -9,7 +10,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::io::ResultKind;
 use carreau::mesh::{PrepareOptions, RawMesh};
-use carreau::quad::{self, QuadOptions, Quads};
+use carreau::quad::{self, QuadOptions, Quads, Symmetry};
 use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
@@ -24,7 +25,8 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  \
     carreau quad part.stl -o quads.obj\n  \
     carreau quad part.obj -o quads.mesh --quads 2000 --json quads.json --picture quads.png\n  \
-    carreau quad scan.ply -o quads.vtu --edge-length 2% --feature-angle 180")]
+    carreau quad scan.ply -o quads.vtu --edge-length 2% --feature-angle 180\n  \
+    carreau quad head.obj -o quads.obj --symmetry auto --adaptive")]
 pub struct Quad {
     /// The surface; polygons are cut into triangles
     input: PathBuf,
@@ -37,6 +39,22 @@ pub struct Quad {
     /// Length of the quads' edges instead
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<Length>,
+    /// Makes quads smaller where the surface bends and larger where it is flat; their number stays
+    #[arg(long, conflicts_with = "sizes")]
+    adaptive: bool,
+    /// A vertex property that says how long the edges are to be, relative to each other; of a colour, red makes quads smaller
+    #[arg(long, value_name = "PROPERTY")]
+    sizes: Option<String>,
+    /// Makes the quads of one half and mirrors them: across an axis, or across all planes of symmetry that the surface has
+    /// [default: off]
+    #[arg(long, value_name = "off|x|y|z|auto", value_parser = choice::<Symmetry>(&["off", "x", "y", "z", "auto"]))]
+    symmetry: Option<Symmetry>,
+    /// A file of polylines on the surface that rows of quads follow, such as an OBJ with l lines
+    #[arg(long, value_name = "FILE")]
+    guides: Option<PathBuf>,
+    /// Refuses meshes with more quads than this
+    #[arg(long, value_name = "N")]
+    max_quads: Option<usize>,
     #[command(flatten)]
     features: FeatureFlags,
     /// The first method to try: 1 (the map, best), 3 (pairs) or 4 (always gives a mesh) [default: 1]
@@ -55,6 +73,7 @@ struct Options {
     #[serde(flatten)]
     quad: QuadOptions,
     edge_length: Option<Length>,
+    guides: Option<PathBuf>,
     #[serde(flatten)]
     features: FeatureValues,
     #[serde(flatten)]
@@ -67,6 +86,7 @@ impl Quad {
     /// The files of a run.
     pub fn outputs(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
+        let files = files.needs(self.guides.as_deref());
         files.writes(self.output.as_deref(), ResultKind::Surface)
     }
 
@@ -85,6 +105,11 @@ impl Quad {
         all.quad.quads = self.quads.unwrap_or(all.quad.quads);
         all.quad.rung = self.rung.unwrap_or(all.quad.rung);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
+        all.quad.adaptive |= self.adaptive;
+        all.quad.sizes = if self.adaptive { None } else { self.sizes.clone().or(all.quad.sizes) };
+        all.quad.symmetry = self.symmetry.unwrap_or(all.quad.symmetry);
+        all.quad.max_quads = self.max_quads.or(all.quad.max_quads);
+        all.guides = self.guides.clone().or(all.guides);
         all.features = self.features.over(all.features);
         all.prepare = self.prepare.over(all.prepare);
         all.common = self.common.over(all.common);
@@ -100,6 +125,7 @@ impl Quad {
         let context = session.context.clone();
         let mut wanted = options.quad.clone();
         wanted.features = options.features.load(session, &prepared)?;
+        wanted.guides = load_guides(session, options.guides.as_deref())?;
         wanted.edge_length = options.edge_length.map(|l| l.resolve(mesh.diagonal()));
         let result = context.install(|| quad::quads(mesh, &wanted, &context))?;
         result.warnings.iter().for_each(|what| session.warn(what.clone()));
@@ -125,6 +151,13 @@ fn describe(session: &mut Session, result: &Quads) {
         "scaled Jacobian: min {:.3}, mean {:.3}; {} irregular vertices, {} inverted quads",
         q.scaled_jacobian_min, q.scaled_jacobian_mean, q.irregular, q.inverted
     ));
+    for plane in &result.symmetry {
+        let ([x, y, z], offset) = (plane.normal.to_array(), plane.offset);
+        session.say(format!(
+            "symmetric about the plane {x:.4} x + {y:.4} y + {z:.4} z = {offset:.4}; the input is up to {:.3e} off its mirror image",
+            plane.asymmetry
+        ));
+    }
     session.say(format!("features kept: {:.3} %", 100.0 * q.feature_recall));
     if let Some((found, bound)) = q.distance_found.zip(q.distance_max) {
         let [found, bound] = [found, bound].map(|share| 100.0 * share);
@@ -134,4 +167,5 @@ fn describe(session: &mut Session, result: &Quads) {
     session.record.set("quads", count);
     session.record.set("rung", result.rung());
     session.record.set("rungs", &result.rungs);
+    session.record.set("symmetry", &result.symmetry);
 }

@@ -5,6 +5,7 @@ use super::condition::Conditioned;
 use crate::error::{Error, Result};
 use crate::geometry::normals::unit;
 use crate::mesh::{NONE, Triangles, unit_sized};
+use crate::numeric::sparse::Complex;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -54,6 +55,8 @@ pub struct Dual<'a> {
     pub turn: Vec<f64>,
     pub weight: Vec<f64>,
     pub areas: Vec<f64>,
+    /// What every triangle is drawn to: e^{4iα}, times the weight that it has.
+    pub wanted: Vec<Complex>,
     pub fans: Vec<Fan>,
     /// Fan of every corner.
     pub fan_of: Vec<u32>,
@@ -84,6 +87,7 @@ impl<'a> Dual<'a> {
             turn: Vec::new(),
             weight: Vec::new(),
             areas: Vec::with_capacity(t.len()),
+            wanted: vec![Complex::new(0.0, 0.0); t.len()],
             fans: Vec::new(),
             fan_of: vec![NONE; 3 * t.len()],
             corners: Vec::with_capacity(3 * t.len()),
@@ -172,6 +176,13 @@ impl<'a> Dual<'a> {
         let in_edge = self.angle[self.triangles.previous(c) as usize] + PI;
         let angle = wrap(in_edge - self.angle[c as usize]);
         if angle < 0.0 { angle + 2.0 * PI } else { angle }
+    }
+
+    /// The direction that a triangle is drawn to, nearest to an angle, and its weight; `None`: there is none.
+    pub fn wanted_near(&self, i: usize, alpha: f64) -> Option<(f64, f64)> {
+        let wanted = self.wanted[i];
+        let weight = wanted.re.hypot(wanted.im);
+        (weight > 0.0).then(|| (alpha + wrap(wanted.im.atan2(wanted.re) - 4.0 * alpha) / 4.0, weight))
     }
 
     /// The corners of a fan, counter-clockwise.

@@ -9,104 +9,41 @@
 //! | splits before | `condition` | – |
 //! | the dual graph, fans | `dual` | §1 |
 //! | target rotation ω | `target` | §1, figure 7 |
+//! | guides, directions of curvature | `align` | – |
 //! | the smoothest field | `smooth` | equation 3 |
 //! | matchings, quads of every fan, surgery | `matching` | equation 1 |
 //! | relaxation | `relax` | equations 4, 5 |
 //! | the layout file | `layout` | – |
+//! | options | `options` | – |
 //!
 //! Beyond the paper: corners below 90° are pinned to one quad, not only those that would get none; inner tips to three; and
 //! what is still wrong after the solves is put right by moving quads from one vertex to another, so that every sector has one.
 
+mod align;
 mod condition;
 mod dual;
 mod layout;
 mod matching;
+mod options;
 mod relax;
 mod smooth;
 mod target;
 #[cfg(test)]
 mod tests;
 
-use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::geometry::features::{FeatureOptions, FeaturedSurface, FoundFeatures, USUAL_ELEMENTS};
+use crate::geometry::features::{FeaturedSurface, FoundFeatures, USUAL_ELEMENTS};
 use crate::mesh::{CornerId, Side, SurfaceMesh, UnitScale, VertexId};
+pub(crate) use align::below_guides;
 use condition::Conditioned;
 use dual::Dual;
 use glam::DVec3;
 use relax::Relaxed;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use target::Spread;
 
-/// Which corners are pinned to one quad.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Pin {
-    /// None, and no repair: the classic field.
-    #[serde(rename = "none")]
-    None,
-    /// Those below 45°.
-    #[serde(rename = "45")]
-    Below45,
-    /// Those below 90°.
-    #[default]
-    #[serde(rename = "90")]
-    Below90,
-}
-
-/// How far the rotation that pins ask for spreads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Propagation {
-    /// Not at all.
-    None,
-    /// Over a few hundredths of the root of the area.
-    #[default]
-    Local,
-    /// Everywhere.
-    Global,
-}
-
-/// Options of [`field`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FieldOptions {
-    /// What the frames are aligned with.
-    #[serde(skip)]
-    pub features: FeatureOptions,
-    /// The frames stay orthogonal.
-    pub orthogonal: bool,
-    /// Which corners are pinned.
-    pub pin: Pin,
-    /// How far they reach.
-    pub propagation: Propagation,
-    /// Largest angle between the branches away from 90°, in degrees.
-    pub lean_deg: f64,
-}
-
-impl Default for FieldOptions {
-    fn default() -> Self {
-        let (features, pin, propagation) = (FeatureOptions::auto(), Pin::default(), Propagation::default());
-        FieldOptions { features, orthogonal: false, pin, propagation, lean_deg: 60.0 }
-    }
-}
-
-impl FieldOptions {
-    /// These options for the classic field: smoothest, orthogonal, no corner pinned or repaired.
-    pub fn classic(&self) -> Self {
-        FieldOptions { orthogonal: true, pin: Pin::None, ..self.clone() }
-    }
-
-    /// Refuses values out of range.
-    ///
-    /// # Errors
-    /// [`Error::Options`].
-    pub fn validate(&self) -> Result<()> {
-        self.features.validate()?;
-        within("lean", self.lean_deg, 0.0..90.0, "degrees")
-    }
-}
+pub use options::{FieldOptions, Pin, Propagation};
 
 /// A fan of triangles around a vertex, between two features or all around.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -218,7 +155,8 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
-        let found = field(&mesh, options, context)?;
+        let guides = options.guides.iter().map(|e| e.map(|p| scale.point(p))).collect();
+        let found = field(&mesh, &FieldOptions { guides, ..options.clone() }, context)?;
         let mesh = scale.back().moved(found.mesh, &[]);
         return Ok(Field { mesh, found: found.found.moved(scale.back()), ..found });
     }
@@ -229,7 +167,11 @@ pub fn field(mesh: &SurfaceMesh, options: &FieldOptions, context: &Context) -> R
         let _stage = context.stage("condition");
         condition::condition(&mesh, &features)?
     };
-    let dual = Dual::new(&conditioned)?;
+    let mut dual = Dual::new(&conditioned)?;
+    if options.curvature > 0.0 {
+        align::to_curvature(&mut dual, options.curvature);
+    }
+    align::to_guides(&mut dual, &options.guides);
     let mut topology = topology(&dual, options, context)?;
     let moved = match options.pin {
         Pin::None => 0,

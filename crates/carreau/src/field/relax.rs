@@ -163,6 +163,10 @@ fn solve(
             None => system.add(ORTHOGONALITY_WEIGHT, &[(i, 1.0)], 0.0),
         }
     }
+    let free = (0..n).filter(|&i| alpha_of[i] != NONE);
+    for (i, (beta, weight)) in free.filter_map(|i| Some((i, dual.wanted_near(i, alpha[i])?))) {
+        system.add(weight, &[(alpha_of[i], 1.0)], -beta);
+    }
     // A triangle among features alone has no edge to say what its direction is.
     for (i, &number) in alpha_of.iter().enumerate().filter(|(_, number)| **number != NONE) {
         system.add(1e-9, &[(number, 1.0)], -alpha[i]);

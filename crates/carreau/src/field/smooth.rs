@@ -1,5 +1,5 @@
 //! The smoothest orthogonal field for a target rotation, by representation vectors (equation 3): z = e^{4iα},
-//! min Σ w |z_j − z_i e^{4i(ω − c)}|² with z = 1 where a feature gives the direction. The lengths of z, small beside singular
+//! min Σ w |z_j − z_i e^{4i(ω − c)}|² with z = 1 where a feature gives the direction, plus what draws it to others (`align`). The lengths of z, small beside singular
 //! points, are evened out by a few steps of diffusion.
 
 use super::dual::Dual;
@@ -33,7 +33,8 @@ pub fn smoothest(dual: &Dual<'_>, omega: &[f64], plan: &mut Option<Plan>, contex
     }
     let system = System::new(dual, omega, &unknown, free.len());
     let mass: Vec<f64> = free.iter().map(|&i| dual.areas[i as usize].max(1e-12 * dual.areas[0])).collect();
-    let shift = if free.len() < n { 0.0 } else { DIAGONAL_SHIFT * system.mean_diagonal() };
+    let is_drawn = free.iter().any(|&i| dual.wanted_near(i as usize, 0.0).is_some());
+    let shift = if free.len() < n || is_drawn { 0.0 } else { DIAGONAL_SHIFT * system.mean_diagonal() };
     let mean_mass = mass.iter().sum::<f64>() / mass.len() as f64;
     let mass: Vec<f64> = mass.iter().map(|m| m / mean_mass).collect();
     let factor = system.matrix(&mass, shift).factor(plan)?;
@@ -99,6 +100,12 @@ impl System {
                 (true, false) => rhs[i as usize] += turn.conj() * w,
                 (false, true) => rhs[j as usize] += turn * w,
                 (false, false) => {}
+            }
+        }
+        for (i, &k) in unknown.iter().enumerate().filter(|(_, k)| **k != NONE) {
+            if let Some((_, weight)) = dual.wanted_near(i, 0.0) {
+                diagonal[k as usize] += weight;
+                rhs[k as usize] += dual.wanted[i];
             }
         }
         System { n, diagonal, beside, rhs }

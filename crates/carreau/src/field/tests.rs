@@ -1,6 +1,7 @@
 //! Properties of whole fields on made models.
 
 use super::*;
+use crate::geometry::features::FeatureOptions;
 use crate::mesh::test_models::{moved, sphere, strip, triangles};
 use crate::sample;
 use glam::DQuat;
@@ -272,4 +273,49 @@ fn a_vertex_far_away_leaves_frames_as_long_as_they_are() {
         }
     }
     assert!(solved > 0);
+}
+
+/// Largest angle between a direction and the nearest branch, over the triangles for which there is one, in degrees.
+fn off(field: &Field, wanted: impl Fn(DVec3, DVec3) -> Option<DVec3>) -> f64 {
+    let angle = |t: usize| {
+        let p = [0, 1, 2].map(|k| field.mesh.point(field.mesh.vertex(CornerId::new(3 * t + k))));
+        let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalize();
+        let along = wanted((p[0] + p[1] + p[2]) / 3.0, normal)?.reject_from(normal).normalize();
+        Some(field.u[t].dot(along).abs().max(field.v[t].dot(along).abs()).min(1.0).acos().to_degrees())
+    };
+    (0..field.mesh.face_count()).filter_map(angle).fold(0.0, f64::max)
+}
+
+fn smooth() -> FieldOptions {
+    FieldOptions {
+        features: FeatureOptions { angle_deg: None, ..FeatureOptions::default() },
+        ..FieldOptions::default()
+    }
+}
+
+#[test]
+fn fields_follow_the_directions_of_curvature() {
+    // Along a torus that lies askew; the smoothest field may lie anyhow.
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 1.0);
+    let mesh = moved(&part("torus"), |p| turn * p);
+    let around = |p: DVec3, _: DVec3| Some((turn * DVec3::Z).cross(p));
+    let found = of(&mesh, &FieldOptions { curvature: 1.0, ..smooth() });
+    assert!(off(&found, around) < 8.0 && found.singularities() == 0, "{}", off(&found, around));
+}
+
+#[test]
+fn fields_follow_guides() {
+    // Around a sphere, along a circle that no axis knows of.
+    let mesh = sphere(4);
+    let (x, y) = DVec3::new(1.0, 0.4, -0.3).normalize().any_orthonormal_pair();
+    let at = |k: usize| {
+        let (sin, cos) = (2.0 * PI * k as f64 / 100.0).sin_cos();
+        x * cos + y * sin
+    };
+    let guides: Vec<[DVec3; 2]> = (0..100).map(|k| [at(k), at(k + 1)]).collect();
+    let axis = x.cross(y);
+    let along = |p: DVec3, _: DVec3| (p.normalize().dot(axis).abs() < 0.04).then(|| axis.cross(p));
+    let [guided, free] =
+        [guides, Vec::new()].map(|guides| off(&of(&mesh, &FieldOptions { guides, ..smooth() }), along));
+    assert!(guided < 8.0 && free > 15.0, "{guided} {free}");
 }

@@ -22,6 +22,8 @@ pub struct Around {
     pub quads: Vec<Vec<u32>>,
     /// Along edges; for vertices on curves, along their curve.
     pub neighbours: Vec<Vec<u32>>,
+    /// How long edges are to be at every vertex, relative to each other; empty where they are to be even.
+    pub size: Vec<f64>,
     /// What the scaled Jacobian can be at the corners of every quad.
     ceilings: Vec<[f64; 4]>,
 }
@@ -29,8 +31,12 @@ pub struct Around {
 impl Around {
     pub fn new(work: &Work) -> Self {
         let n = work.points.len();
-        let mut around =
-            Around { quads: vec![Vec::new(); n], neighbours: vec![Vec::new(); n], ceilings: ceilings(work) };
+        let mut around = Around {
+            quads: vec![Vec::new(); n],
+            neighbours: vec![Vec::new(); n],
+            size: Vec::new(),
+            ceilings: ceilings(work),
+        };
         for (q, face) in (0u32..).zip(work.faces.iter()) {
             face.iter().for_each(|&v| around.quads[v as usize].push(q));
         }
@@ -49,6 +55,21 @@ impl Around {
             }
         }
         around
+    }
+
+    /// Where a vertex is best among its neighbours: in the middle, or nearer to those where edges are to be shorter.
+    pub fn mean(&self, work: &Work, v: u32) -> DVec3 {
+        let neighbours = &self.neighbours[v as usize];
+        let weight = |w: u32| match self.size.is_empty() {
+            true => 1.0,
+            false => 1.0 / (self.size[v as usize] + self.size[w as usize]),
+        };
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+        for &w in neighbours {
+            sum += weight(w) * work.points[w as usize];
+            weights += weight(w);
+        }
+        sum / weights
     }
 
     /// Says anew what can be at corners, where vertices have gone to tips.

@@ -1,6 +1,7 @@
 //! Coarse triangles that keep the features: the working mesh of the map, and what is paired on rung 3. Their feature edges know the
 //! curves of the source that they are on.
 
+use super::sizes::Sizes;
 use super::source::{Source, bits};
 use super::work::Place;
 use crate::context::Context;
@@ -31,6 +32,11 @@ const PATH_SHARE: f64 = 0.8;
 const HELD_TAG: i32 = 2;
 /// A share of the diagonal: vertices on features are so near, because they are put back to them but for rounding.
 const ON_FEATURE: f64 = 1e-5;
+/// Weight of the directions of curvature in the field: little beside the smoothness, so that they turn the field along limbs and
+/// make no singularities.
+const CURVATURE: f64 = 0.1;
+/// The name of a vertex property: how long edges are to be.
+const SIZE: &str = "size";
 
 /// Coarse triangles that know the source.
 pub struct Coarse {
@@ -80,17 +86,25 @@ pub fn coarse(
     mesh.attributes.face.insert("region".into(), Column::Label(source.region.iter().map(|&r| r as i32).collect()));
     let held = source.held_edges().map(|ends| TaggedEdge { ends: ends.map(VertexId), tag: HELD_TAG });
     mesh.tagged_edges.extend(held);
+    let sizes = source.guidance.sizes.as_deref();
+    if let Some(sizes) = sizes {
+        let of = |&p: &DVec3| length * sizes.at(p);
+        mesh.attributes.vertex.insert(SIZE.into(), Column::Scalar(mesh.points().iter().map(of).collect()));
+    }
     // A share beneath the doubles stands as the least of them.
-    let largest = (length / source.diagonal).max(f64::MIN_POSITIVE);
+    let largest = (length * sizes.map_or(1.0, Sizes::largest) / source.diagonal).max(f64::MIN_POSITIVE);
     let options = RemeshOptions {
         deviation: follow.deviation,
         feature_angle: feature_deg,
         labels: Some("region".into()),
-        min_size: follow.smallest * largest,
+        min_size: follow.smallest
+            * (length / source.diagonal).max(f64::MIN_POSITIVE)
+            * sizes.map_or(1.0, Sizes::smallest),
         max_size: largest,
         ridge_tolerance: follow.ridge_tolerance,
         ragged_borders: false,
         held_tag: Some(HELD_TAG),
+        sizes: sizes.map(|_| SIZE.into()),
         ..RemeshOptions::default()
     };
     let made = match simplify(&mesh, &options, context) {
@@ -251,11 +265,21 @@ fn most(path: &[u32], found: &[([u32; 2], u32)], points: &[DVec3]) -> Option<u32
     (*most.1 >= PATH_SHARE * lengths.values().sum::<f64>()).then_some(*most.0)
 }
 
-/// The frame field of the coarse triangles.
-pub fn field_of(coarse: &Coarse, context: &Context) -> Result<Field> {
+/// The frame field of the coarse triangles, as quads are to run.
+pub fn field_of(coarse: &Coarse, source: &Source, context: &Context) -> Result<Field> {
+    let guides = source.guidance.guides.clone();
+    field_with(coarse, FieldOptions { curvature: CURVATURE, guides, ..FieldOptions::default() }, context)
+}
+
+/// The smoothest frame field of the coarse triangles.
+pub fn smoothest_field_of(coarse: &Coarse, context: &Context) -> Result<Field> {
+    field_with(coarse, FieldOptions::default(), context)
+}
+
+fn field_with(coarse: &Coarse, options: FieldOptions, context: &Context) -> Result<Field> {
     let edges = coarse.features.iter().map(|(ends, _)| ends.map(VertexId)).collect();
     let features = FeatureOptions { angle_deg: None, tags: false, edges, ..FeatureOptions::default() };
-    field::field(&coarse.mesh, &FieldOptions { features, ..FieldOptions::default() }, context)
+    field::field(&coarse.mesh, &FieldOptions { features, ..options }, context)
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: 
     let may_leave_out = options.rung == 1 && source.is_noisy && options.features.creases == Creases::Auto;
     if may_leave_out
         && !map.will_do()
-        && let Some(found) = without_creases(mesh, options, context)?
+        && let Some(found) = without_creases(&source, mesh, options, context)?
     {
         return Ok(found);
     }
@@ -66,9 +66,14 @@ fn of_map(source: &Source, options: &QuadOptions, context: &Context) -> Result<O
 
 /// Creases that fade out may leave no room for so few quads: those of the map without any, if it has as many as were asked
 /// for.
-fn without_creases(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Option<(Source, Made)>> {
+fn without_creases(
+    with: &Source,
+    mesh: &SurfaceMesh,
+    options: &QuadOptions,
+    context: &Context,
+) -> Result<Option<(Source, Made)>> {
     let features = FeatureOptions { angle_deg: None, ..options.features.clone() };
-    let source = Source::new(mesh, &features, context)?;
+    let source = Source::new(mesh, &features, context)?.guided(with.guidance.clone());
     let Some(found) = of_map(&source, options, context)?.best.filter(|b| b.meets_number && !b.is_flat) else {
         return Ok(None);
     };

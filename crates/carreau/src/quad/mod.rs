@@ -3,6 +3,8 @@
 //! Quads are made by global parametrisation; where that fails triangles are paired, or become three quads each. A validator looks
 //! at every result before it is shown.
 //!
+//! Where symmetry is asked for, all of this is done to one half (`symmetry`).
+//!
 //! | rung | method | file |
 //! |---|---|---|
 //! | | the methods in their order; what speaks against quads | `methods`; `judged` |
@@ -13,6 +15,7 @@
 //! | stages of rung 1 | file |
 //! |---|---|
 //! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `scraps`; `sew` |
+//! | what quads are led by besides: sizes, guides, planes that the surface was cut at | `guidance`; `sizes` |
 //! | working mesh, field, map, whole numbers, quads | `coarse`; `map` |
 //! | vertices go to where features bend, and where the surface comes to a point | `bends`, `apices` |
 //! | smoothing; quads that are turned over | `smooth`, `straighten`, `around`, `ceiling`; `untangle` |
@@ -32,6 +35,7 @@ mod curve;
 mod fit;
 mod gaps;
 pub mod graph;
+mod guidance;
 mod halve;
 mod judged;
 mod junction;
@@ -45,9 +49,11 @@ mod paired;
 mod quality;
 mod scraps;
 mod sew;
+mod sizes;
 mod smooth;
 mod source;
 mod straighten;
+mod symmetry;
 #[cfg(test)]
 mod tests;
 mod untangle;
@@ -56,18 +62,21 @@ mod work;
 
 pub use graph::{GraphOptions, MotorcycleGraph, motorcycle_graph};
 pub use quality::QuadQuality;
+pub use symmetry::{MirrorPlane, Symmetry};
 
 use crate::bounds::{positive, within};
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use glam::DVec3;
+use guidance::Guidance;
 use judged::USELESS_STRAYING;
 use lift::lift;
 use methods::Made;
 use serde::{Deserialize, Serialize};
 use source::Source;
+use symmetry::Symmetric;
 use work::Work;
 
 /// Options of [`quads`].
@@ -84,11 +93,33 @@ pub struct QuadOptions {
     pub edge_length: Option<f64>,
     /// The first rung that is tried, 1 to 4.
     pub rung: u32,
+    /// Quads that are the same on both sides of a plane.
+    pub symmetry: Symmetry,
+    /// Smaller quads where the surface bends, larger ones where it is flat.
+    pub adaptive: bool,
+    /// Name of a vertex property that says how long the edges are to be, relative to each other; where it is a colour, red makes
+    /// quads smaller.
+    pub sizes: Option<String>,
+    /// More quads are refused.
+    pub max_quads: Option<usize>,
+    /// Segments on the surface that rows of quads follow.
+    #[serde(skip)]
+    pub guides: Vec<[DVec3; 2]>,
 }
 
 impl Default for QuadOptions {
     fn default() -> Self {
-        QuadOptions { features: FeatureOptions::auto(), quads: 3000, edge_length: None, rung: 1 }
+        QuadOptions {
+            features: FeatureOptions::auto(),
+            quads: 3000,
+            edge_length: None,
+            rung: 1,
+            symmetry: Symmetry::Off,
+            adaptive: false,
+            sizes: None,
+            max_quads: None,
+            guides: Vec::new(),
+        }
     }
 }
 
@@ -118,6 +149,8 @@ pub struct Quads {
     pub missing: Vec<[VertexId; 2]>,
     /// The features of the input, and sharp edges that are none at the size of the quads.
     pub features: FoundFeatures,
+    /// The planes that the quads are mirrored in.
+    pub symmetry: Vec<MirrorPlane>,
 }
 
 impl Quads {
@@ -145,30 +178,68 @@ const TAKE_BACK_ROUNDS: usize = 30;
 /// ```
 ///
 /// # Errors
-/// [`Error::Options`](crate::Error::Options) for options out of range, [`Error::Input`](crate::Error::Input) for a mesh without faces, [`Error::Cancelled`](crate::Error::Cancelled),
-/// [`Error::Deadline`](crate::Error::Deadline).
+/// [`Error::Options`] for options out of range, or sizes that are no such property; [`Error::Input`] for a mesh without faces;
+/// [`Error::Numeric`] for a surface without the symmetry that is asked for, or more quads than are allowed; [`Error::Cancelled`],
+/// [`Error::Deadline`].
 pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
     options.validate()?;
     let scale = UnitScale::of_mesh(mesh);
     if let Some(mesh) = scale.mesh(mesh, &[]) {
         let edge_length = options.edge_length.map(|length| scale.length(length));
-        let made = quads(&mesh, &QuadOptions { edge_length, ..options.clone() }, context)?;
+        let guides = options.guides.iter().map(|e| e.map(|p| scale.point(p))).collect();
+        let made = quads(&mesh, &QuadOptions { edge_length, guides, ..options.clone() }, context)?;
         let mesh = scale.back().moved(made.mesh, &[]);
-        return Ok(Quads { mesh, features: made.features.moved(scale.back()), ..made });
+        let symmetry = made.symmetry.into_iter().map(|plane| plane.moved(scale.back())).collect();
+        return Ok(Quads { mesh, features: made.features.moved(scale.back()), symmetry, ..made });
+    }
+    let mut warnings = Vec::new();
+    if options.symmetry != Symmetry::Off {
+        match symmetry::quads(mesh, options, context)? {
+            Ok(Symmetric { source, made, planes }) => {
+                return Ok(Quads { symmetry: planes, ..judged(&source, mesh, made, options, warnings, context)? });
+            }
+            Err(why) => warnings.push(why),
+        }
     }
     let source = Source::new(mesh, &sized(&options.features, mesh, options.quads, options.edge_length), context)?;
+    let source = guided(source, mesh, options, context)?;
     let (source, made) = methods::best(source, mesh, options, context)?;
-    let Made { work, method, mut warnings } = made;
+    judged(&source, mesh, made, options, warnings, context)
+}
+
+/// A surface with what quads are led by besides.
+fn guided(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Source> {
+    let length = options.edge_length.unwrap_or_else(|| (source.area / options.quads as f64).sqrt());
+    let guidance = Guidance::new(&source, mesh, options, length, context)?;
+    Ok(source.guided(guidance))
+}
+
+/// Quads with their figures, and what of them is not as it was asked for.
+fn judged(
+    source: &Source,
+    mesh: &SurfaceMesh,
+    made: Made,
+    options: &QuadOptions,
+    mut warnings: Vec<String>,
+    context: &Context,
+) -> Result<Quads> {
+    let Made { work, method, warnings: more } = made;
+    warnings.extend(more);
     let count = work.faces.len();
+    if let Some(most) = options.max_quads.filter(|&most| count > most) {
+        return Err(Error::Numeric(format!(
+            "{count} quads were made, at most {most} are allowed: ask for fewer, or keep fewer features"
+        )));
+    }
     if options.edge_length.is_none() && off(count, options.quads) > NUMBER_WITHIN {
         warnings.push(format!(
             "{} quads were asked for, {count} were made: what the features need, or what is left where the map of the surface fails",
             options.quads
         ));
     }
-    let mut quality = quality::measure(&work, &source);
+    let mut quality = quality::measure(&work, source);
     if quality.feature_recall < validate::LEAST_RECALL
-        && let (kept, Some(p)) = validate::recall(&work, &source)
+        && let (kept, Some(p)) = validate::recall(&work, source)
     {
         warnings.push(format!(
             "{:.1} % of the features are kept, the first one is lost near {:.4} {:.4} {:.4}: it is too short or bends too much for the edges of the quads; more quads keep it",
@@ -192,7 +263,7 @@ pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Re
             100.0 * found
         ));
     }
-    finish(&source, work, method.rung(), quality, warnings)
+    finish(source, work, method.rung(), quality, warnings)
 }
 
 /// Polygons that are folded can be read as other triangles than ours: as fans, which most programs make of them.
@@ -212,6 +283,9 @@ impl QuadOptions {
     pub fn validate(&self) -> Result<()> {
         self.features.validate()?;
         check_size(self.quads, self.edge_length)?;
+        if self.adaptive && self.sizes.is_some() {
+            return Err(Error::Options("sizes: either adaptive or by a property, not both".into()));
+        }
         within("rung", self.rung, 1..=4, "")
     }
 }
@@ -275,6 +349,7 @@ fn finish(source: &Source, mut work: Work, rung: u32, quality: QuadQuality, warn
         warnings,
         missing: source.surface.missing.clone(),
         features: source.surface.found.clone(),
+        symmetry: Vec::new(),
     })
 }
 

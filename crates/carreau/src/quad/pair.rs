@@ -31,7 +31,7 @@ const MOST_FOLD: f64 = 0.6;
 /// not be found again.
 pub fn paired(source: &Source, length: f64, loose: f64, feature_deg: f64, context: &Context) -> Result<Option<Work>> {
     let Some(coarse) = coarse(source, length, Follow::loose(loose), feature_deg, context)? else { return Ok(None) };
-    let frames = frames(&coarse, context)?;
+    let frames = frames(&coarse, source, context)?;
     let _stage = context.stage("pairs");
     let Some(t) = Triangles::of(&coarse.mesh) else { return Ok(None) };
     let faces = pairs(t, |c| coarse.is_feature[c as usize], &frames, context)?;
@@ -118,8 +118,8 @@ fn cost(t: Triangles<'_>, c: u32, frames: &[[DVec3; 2]]) -> Option<f64> {
 }
 
 /// The frames of the coarse triangles.
-fn frames(coarse: &Coarse, context: &Context) -> Result<Vec<[DVec3; 2]>> {
-    let field = field_of(coarse, context)?;
+fn frames(coarse: &Coarse, source: &Source, context: &Context) -> Result<Vec<[DVec3; 2]>> {
+    let field = field_of(coarse, source, context)?;
     let mut frames = vec![[DVec3::ZERO; 2]; coarse.mesh.face_count()];
     // Parts of a triangle come in any order: the last one decides.
     for (k, &t) in field.source.iter().enumerate() {

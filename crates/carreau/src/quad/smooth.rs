@@ -76,6 +76,9 @@ pub struct Smoothing {
 impl Smoothing {
     pub fn new(work: &mut Work, source: &Source) -> Self {
         let mut around = Around::new(work);
+        if let Some(sizes) = &source.guidance.sizes {
+            around.size = work.points.iter().map(|&p| sizes.at(p)).collect();
+        }
         let held = bends::follow(work, &around, source);
         apices::follow(work, &mut around, source);
         Smoothing { around, held, even: None }
@@ -210,7 +213,7 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
         return false;
     }
     let from = work.points[v as usize];
-    let mean = neighbours.iter().map(|&w| work.points[w as usize]).sum::<DVec3>() / neighbours.len() as f64;
+    let mean = around.mean(work, v);
     let ring = Ring::new(work, around, v);
     let least = ring.now.min(GOOD_SHAPE);
     let up = ring.up();

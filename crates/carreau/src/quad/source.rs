@@ -3,6 +3,7 @@
 use super::apices::{Tip, tips};
 use super::bends::{BEND_DEG, bends};
 use super::curve::{Curve, paths};
+use super::guidance::Guidance;
 use super::junction::{EdgePlace, edge_place, meeting_borders, shared_borders, with_shared_borders_divided};
 use super::scraps::drop_around_scraps;
 use super::sew::sewn;
@@ -61,6 +62,10 @@ pub struct Source {
     at_corner: FxHashSet<[u64; 3]>,
     /// The edges of these stay as they are.
     pub is_held: bool,
+    /// What quads are led by besides.
+    pub guidance: Guidance,
+    /// Curves along which it was cut: they are borders, and no features of the whole.
+    pub is_cut: Vec<bool>,
     /// Sharp edges are noise to a part: what features are left fades out and is as rough as its scan.
     pub is_noisy: bool,
 }
@@ -95,7 +100,18 @@ impl Source {
         if !surface.repaired.is_empty() {
             return Ok(None);
         }
-        Ok(Some(Self::of(surface, &places, context)?))
+        Ok(Some(Self::of(surface, &places, context)?.guided(self.guidance.clone())))
+    }
+
+    /// The same, led by more than itself.
+    pub fn guided(mut self, guidance: Guidance) -> Self {
+        let mesh = &self.surface.mesh;
+        self.is_cut = vec![!guidance.cuts.is_empty(); self.sides.len()];
+        for (c, &curve) in self.surface.features.edges(mesh).zip(&self.curve) {
+            self.is_cut[curve as usize] &= guidance.cut_places.contains(&edge_place(mesh, c));
+        }
+        self.guidance = guidance;
+        self
     }
 
     /// The same with the borders that lie on others in edges up to a length, which stay as they are; `None` where there are
@@ -106,7 +122,10 @@ impl Source {
         }
         let mesh = with_shared_borders_divided(&self.surface.mesh, length)?;
         let surface = FeaturedSurface::new(&mesh, &AS_MARKED, context)?;
-        Ok(Some(Source { is_held: true, ..Self::of(surface, &self.sewn_places, context)? }))
+        Ok(Some(Source {
+            is_held: true,
+            ..Self::of(surface, &self.sewn_places, context)?.guided(self.guidance.clone())
+        }))
     }
 
     /// Where the edges of borders that lie on others are, nothing moves.
@@ -187,6 +206,8 @@ impl Source {
             is_kept,
             sewn_places: sewn_places.clone(),
             is_held: false,
+            guidance: Guidance::default(),
+            is_cut: vec![false; curve_count],
             at_corner,
             surface,
         };

@@ -2,6 +2,7 @@
 
 use super::junction::TOUCH_DISTANCE;
 use super::source::Source;
+use super::symmetry::{AT_PLANE, MirrorPlane};
 use super::work::Work;
 use crate::error::Result;
 use crate::geometry::quality::scaled_jacobian;
@@ -90,6 +91,11 @@ fn border_refusal(work: &Work, source: &Source) -> Option<&'static str> {
     let near = BORDER_NEAR * source.diagonal;
     let is_far = |e: &[u32; 2]| {
         let [a, b] = e.map(|v| work.points[v as usize]);
+        let at_plane = |p: DVec3, plane: &MirrorPlane| plane.height(p).abs() <= AT_PLANE * source.diagonal;
+        // The quads are mirrored there: how near they are to the cut is how near they are to the surface.
+        if source.guidance.cuts.iter().any(|plane| [a, b].iter().all(|&p| at_plane(p, plane))) {
+            return false;
+        }
         [0.25, 0.5, 0.75].iter().any(|&s| source.feature_along(a + (b - a) * s, DVec3::X, near, -1.0).is_none())
     };
     if edges.iter().any(is_far) {
@@ -132,7 +138,8 @@ pub fn lost(work: &Work, source: &Source) -> Vec<Lost> {
     let tree = TriangleTree::of_segments(&work.points, work.features.iter().map(|f| f.0));
     let (near, cos) = (FEATURE_NEAR * source.diagonal, FEATURE_ALONG_DEG.to_radians().cos());
     let mut all = vec![Lost::default(); source.paths.len()];
-    for (ends, &curve) in source.edges.iter().zip(&source.curve) {
+    let features = source.edges.iter().zip(&source.curve).filter(|(_, curve)| !source.is_cut[**curve as usize]);
+    for (ends, &curve) in features {
         let of_curve = &mut all[curve as usize];
         let [a, b] = ends.map(|v| source.surface.mesh.points()[v as usize]);
         let (length, along) = (a.distance(b), (b - a).normalize_or_zero());
@@ -156,5 +163,11 @@ pub fn lost(work: &Work, source: &Source) -> Vec<Lost> {
 
 /// Whether edges between two places keep the curve that they are on, by a share of what may be between them.
 pub fn keeps_feature(source: &Source, curve: u32, ends: [DVec3; 2], share: f64) -> bool {
-    source.is_along(curve, ends, share * FEATURE_NEAR * source.diagonal, (share * FEATURE_ALONG_DEG).to_radians().cos())
+    source.is_cut.get(curve as usize) == Some(&true)
+        || source.is_along(
+            curve,
+            ends,
+            share * FEATURE_NEAR * source.diagonal,
+            (share * FEATURE_ALONG_DEG).to_radians().cos(),
+        )
 }

@@ -1,7 +1,7 @@
 //! From a surface to its motorcycle graph: coarse triangles, their frame field, tracks, and cuts where tracks leave patches
 //! that are no discs.
 
-use super::super::coarse::{Coarse, Follow, coarse, field_of};
+use super::super::coarse::{Coarse, Follow, coarse, smoothest_field_of};
 use super::super::source::Source;
 use super::super::work::Place;
 use super::cut::open_holes;
@@ -40,7 +40,7 @@ pub fn draw(
     let Some(coarse) = coarse(source, edges, Follow::loose(1.0), feature_deg, context)? else {
         return Ok(Err("its features were not found again".into()));
     };
-    let field = field_of(&coarse, context)?;
+    let field = smoothest_field_of(&coarse, context)?;
     let curve: FxHashMap<[u32; 2], u32> =
         coarse.features.iter().map(|([a, b], c)| ([*a.min(b), *a.max(b)], *c)).collect();
     let sheet = match field.repaired.is_empty() {

@@ -2,8 +2,10 @@
 //! frames of both sides have an axis along the edge.
 
 use super::super::coarse::Coarse;
+use super::super::guidance::Guidance;
 use super::super::work::Place;
-use crate::field::Field;
+use super::tuning::GUIDED_WEIGHT;
+use crate::field::{Field, below_guides};
 use crate::mesh::{NONE, Triangles};
 use glam::{DMat2, DVec2, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -22,6 +24,10 @@ pub struct Framed {
     pub local: Vec<[DVec2; 3]>,
     pub frame: Vec<DMat2>,
     pub area: Vec<f64>,
+    /// How long edges are to be in every triangle, relative to even ones.
+    pub size: Vec<f64>,
+    /// How much the frame of every triangle counts beside its area.
+    pub weight: Vec<f64>,
     pub region: Vec<u32>,
     /// Quads that the field gives every vertex.
     pub quads: Vec<i32>,
@@ -85,6 +91,8 @@ impl Framed {
             area: local.iter().map(|p| 0.5 * (p[1] - p[0]).perp_dot(p[2] - p[0])).collect(),
             local,
             frame: (0..t.len()).map(frame).collect(),
+            size: vec![1.0; t.len()],
+            weight: vec![1.0; t.len()],
             region: field.source.iter().map(|&s| coarse.region[s as usize]).collect(),
             quads: vec![0; t.points().len()],
             is_kept: vec![false; t.points().len()],
@@ -142,6 +150,18 @@ impl Framed {
             let is_straight = if on_border[v] { sectors[..] == [2] } else { sectors[..] == [2, 2] };
             self.is_kept[v] |= !is_straight || self.place[v] == Some(Place::Fixed);
         }
+    }
+
+    /// Says how long edges are to be, and where they are to keep to their frames.
+    pub fn led(mut self, guidance: &Guidance) -> Self {
+        if let Some(sizes) = &guidance.sizes {
+            let middle = |t: &[u32; 3]| t.iter().map(|&v| self.points[v as usize]).sum::<DVec3>() / 3.0;
+            self.size = self.triangles.iter().map(|t| sizes.at(middle(t))).collect();
+        }
+        for (t, _) in below_guides(&self.points, &self.triangles, &guidance.guides) {
+            self.weight[t as usize] = GUIDED_WEIGHT;
+        }
+        self
     }
 
     /// Whether the corners of a vertex are not all in one fan.

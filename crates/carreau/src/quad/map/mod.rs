@@ -48,10 +48,10 @@ use strips::Strips;
 use tuning::{
     CANCELLED_DISTANCE, EVEN_GROWTH, FAILED_SIZES, LACKING_WEIGHT, LEAST_GROWTH, MAPPED_WITHIN, MORE_EDGES,
     MOST_CURVE_EDGES, MOST_MAPPED_QUADS, MOST_SIZES, QUADS_EACH_SINGULARITY, REFINED_STRETCH, SPARE_EDGES,
-    STALLED_SIZES, WORKING_SMALLEST,
+    STALLED_SIZES,
 };
 
-pub use tuning::WORKING_EDGES;
+pub use tuning::{WORKING_EDGES, WORKING_SMALLEST};
 
 /// What is wanted.
 pub struct Wish {
@@ -94,7 +94,7 @@ impl QuadMap {
         let Some(coarse) = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)? else {
             return Ok(Err("its features were not found again".into()));
         };
-        let field = field_of(&coarse, context)?;
+        let field = field_of(&coarse, source, context)?;
         if !field.repaired.is_empty() {
             return Ok(Err("its working mesh is not sound".into()));
         }
@@ -103,7 +103,7 @@ impl QuadMap {
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
         match Framed::new(&coarse, &field) {
-            Ok(framed) => Self::of_frames(framed, fewest(source), wish, context),
+            Ok(framed) => Self::of_frames(framed.led(&source.guidance), fewest(source), wish, context),
             Err(why) => Ok(Err(why)),
         }
     }
@@ -243,7 +243,7 @@ fn growth(before: Option<[f64; 2]>, now: [f64; 2]) -> f64 {
 /// it is: they ask for nothing.
 fn fewest(source: &Source) -> Vec<usize> {
     let of = |curve: &Curve| curve.fewest(source, MOST_CURVE_EDGES).filter(|&n| n > 1 && !source.is_noisy).unwrap_or(0);
-    source.paths.iter().map(of).collect()
+    source.paths.iter().zip(&source.is_cut).map(|(path, &is_cut)| if is_cut { 0 } else { of(path) }).collect()
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ fn gradients(p: &[DVec2; 3]) -> [DVec2; 3] {
 
 /// What the derivative of the map should be in a triangle.
 fn target(framed: &Framed, cut: &Cut, t: usize, length: f64) -> DMat2 {
-    let j = (framed.frame[t] * length).inverse();
+    let j = (framed.frame[t] * (length * framed.size[t])).inverse();
     DMat2::from_cols(turned(j.x_axis, -cut.comb[t]), turned(j.y_axis, -cut.comb[t]))
 }
 
@@ -116,7 +116,7 @@ pub struct System<'a> {
     rows: Vec<Row>,
     /// Gradients of the three hat functions of every triangle where its frame is the unit.
     gradients: Vec<[DVec2; 3]>,
-    /// Area of every triangle, in quads.
+    /// Area of every triangle, in quads, times its weight.
     area: Vec<f64>,
 }
 
@@ -127,7 +127,8 @@ impl<'a> System<'a> {
             gradients(&framed.local[t]).map(|g| wanted * g)
         };
         let gradients = (0..framed.triangles.len()).map(of).collect();
-        let area = framed.area.iter().map(|a| a / (length * length)).collect();
+        let quads = framed.area.iter().zip(&framed.size).map(|(a, s)| a / (length * s).powi(2));
+        let area = quads.zip(&framed.weight).map(|(quads, weight)| quads * weight).collect();
         System { cut, rows: constraints(framed, cut), gradients, area }
     }
 

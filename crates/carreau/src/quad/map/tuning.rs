@@ -131,3 +131,7 @@ pub const FAILED_SIZES: usize = 3;
 pub const MOST_CELLS: i64 = 100_000_000;
 /// A count: triangles that a straight line crosses at most, because rounding might lead it around forever.
 pub const MOST_CROSSED: usize = 100_000;
+
+/// Weight of the frames of triangles below a guide beside all others: a row of them has to stand against the field to both sides,
+/// which is as wide as a limb.
+pub const GUIDED_WEIGHT: f64 = 30.0;

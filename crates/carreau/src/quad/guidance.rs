@@ -1,0 +1,44 @@
+//! What quads are led by beside the surface and its features: sizes, guides, and the planes that the surface was cut at.
+
+use super::QuadOptions;
+use super::junction::EdgePlace;
+use super::sizes::Sizes;
+use super::source::Source;
+use super::symmetry::MirrorPlane;
+use crate::context::Context;
+use crate::error::Result;
+use crate::mesh::SurfaceMesh;
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+use std::sync::Arc;
+
+/// None of all by default.
+#[derive(Clone, Default)]
+pub struct Guidance {
+    /// Planes of symmetry that the surface was cut at.
+    pub cuts: Vec<MirrorPlane>,
+    /// The edges there that are no features of the whole.
+    pub cut_places: FxHashSet<EdgePlace>,
+    /// How long edges are to be, where they are not to be even.
+    pub sizes: Option<Arc<Sizes>>,
+    /// Segments that rows of quads follow.
+    pub guides: Vec<[DVec3; 2]>,
+}
+
+impl Guidance {
+    /// What is asked for, of a surface whose properties are those of a mesh. `length`: of the quads' edges.
+    pub fn new(
+        source: &Source,
+        mesh: &SurfaceMesh,
+        options: &QuadOptions,
+        length: f64,
+        context: &Context,
+    ) -> Result<Self> {
+        let sizes = match &options.sizes {
+            Some(name) => Some(Sizes::of_property(mesh, name, length)?),
+            None if options.adaptive => Sizes::of_curvature(source, length, context)?,
+            None => None,
+        };
+        Ok(Guidance { sizes: sizes.map(Arc::new), guides: options.guides.clone(), ..Guidance::default() })
+    }
+}
