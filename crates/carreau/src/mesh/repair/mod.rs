@@ -124,7 +124,8 @@ pub struct Repaired {
 /// those of the vertex that stays. A tagged edge that is cut is tagged on every side.
 ///
 /// # Errors
-/// [`Error::Options`] for a negative tolerance, [`Error::Cancelled`] and [`Error::Deadline`].
+/// [`Error::Options`] for a negative tolerance, [`Error::Input`] where welding leaves no face, [`Error::Cancelled`] and
+/// [`Error::Deadline`].
 pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) -> Result<Repaired> {
     let before = Topology::of(mesh);
     let stage = context.stage("repair");
@@ -137,7 +138,11 @@ pub fn repair(mesh: &SurfaceMesh, options: &RepairOptions, context: &Context) ->
     let dropped_vertices = if options.unreferenced { mended.soup.drop_unreferenced() } else { 0 };
     let Mended { soup, removed, doubles, turned, inverted, copies, .. } = mended;
     let welded_vertices = welded(leader.as_deref(), &soup);
+    let faces = mesh.face_count();
     let mesh = soup.into_mesh(mesh)?;
+    if mesh.face_count() == 0 && faces > 0 && tolerance.is_some_and(|tolerance| tolerance > 0.0) {
+        return Err(Error::input("no face has any area once vertices are welded", "", "weld less"));
+    }
     let after = Topology::of(&mesh);
     stage.step(3, 3)?;
     let report = RepairReport {

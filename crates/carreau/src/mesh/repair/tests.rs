@@ -49,6 +49,14 @@ fn a_sound_mesh_stays_as_it_is() {
 }
 
 #[test]
+fn welding_everything_into_one_vertex_is_refused() {
+    let mesh = cube(DVec3::ZERO, 1.0);
+    let options = RepairOptions { weld: Some(Length::OfDiagonal(1.0)), ..RepairOptions::default() };
+    let found = repair(&mesh, &options, &Context::new());
+    assert!(matches!(found, Err(Error::Input { .. })));
+}
+
+#[test]
 fn nothing_is_done_with_every_step_off() {
     let mesh = together(&[soup_of(&torus(5, 4)), cubes_sharing_an_edge(), turned(&tetrahedron(), |_| true)]);
     assert!(same(&repair(&mesh, &off(), &Context::new()).unwrap().mesh, &mesh));
