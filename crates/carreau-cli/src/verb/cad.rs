@@ -10,7 +10,7 @@ use crate::replay::options_from;
 use crate::session::{Failure, Session};
 use carreau::brep::tessellate::{Fineness, tessellate};
 use carreau::brep::{Brep, Surface, SurfaceKind};
-use carreau::cad::{self, CadModel, CadOptions, Style};
+use carreau::cad::{self, CadModel, CadOptions, Snap, Style};
 use carreau::io::{self, CAD_EXTENSIONS, ResultKind, StepSchema, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh};
 use carreau::report::page::Scene;
@@ -21,6 +21,7 @@ use carreau::{Context, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Makes a CAD model of a mesh: closed bodies become solids
@@ -50,6 +51,10 @@ pub struct Cad {
     /// Takes the faces from a face property of the input, or from a file with one integer per triangle
     #[arg(long, value_name = "FILE|PROPERTY")]
     labels: Option<String>,
+    /// Adjusts the surfaces of noisy meshes to each other: directions, axes, equal radii, round numbers; off: each is fitted for
+    /// itself [default: on]
+    #[arg(long, value_name = "on|off", value_parser = choice::<Snap>(&["on", "off"]))]
+    snap: Option<Snap>,
     /// Refuses models with more faces than this
     #[arg(long, value_name = "N")]
     max_faces: Option<u32>,
@@ -92,6 +97,7 @@ impl Cad {
     fn options(&self) -> Result<Options, Error> {
         let mut all = options_from(self.common.options.as_deref(), "cad", Options::default())?;
         all.cad.style = self.style.unwrap_or(all.cad.style);
+        all.cad.snap = self.snap.unwrap_or(all.cad.snap);
         all.cad.max_faces = self.max_faces.or(all.cad.max_faces);
         all.labels = self.labels.clone().or(all.labels);
         all.tolerance = self.tolerance.or(all.tolerance);
@@ -183,6 +189,12 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
             f.reason
         ));
     }
+    if !model.relations.is_empty() {
+        let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+        model.relations.iter().for_each(|r| *kinds.entry(r.relation).or_default() += 1);
+        let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{n} {}", kind.replace('_', " "))).collect();
+        session.say(format!("surfaces adjusted to each other: {}", kinds.join(", ")));
+    }
     model.warnings.iter().for_each(|w| session.warn(w.clone()));
     if let Some(smooth) = &model.smooth {
         session.say(format!(
@@ -210,6 +222,7 @@ fn tell(session: &mut Session, model: &CadModel, style: Style, diagonal: f64) {
     record.set("distance_rms", share(model.distance_rms));
     record.set("tolerance_max", share(brep.tolerance()));
     record.set("fallback", &model.fallback);
+    record.set("relations", &model.relations);
     record.set("faces_of_regions", faces_of_regions(model));
     record.set("face_table", (0..brep.faces.len()).map(|f| described(model, f)).collect::<Vec<Value>>());
 }

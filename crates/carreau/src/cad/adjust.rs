@@ -101,22 +101,40 @@ impl Body {
         [0.0, 0.0, 0.0, turn.x, turn.y, turn.z, 0.0, 0.0]
     }
 
-    /// Standard deviation of the surface's direction in radians, from that of its distances.
-    pub fn turn_deviation(&self) -> f64 {
+    /// Derivatives of `along · p` where the point p moves with the surface.
+    pub fn carried(&self, p: DVec3, along: DVec3) -> Row {
+        let [_, _, _, x, y, z, ..] = self.turned((p - self.middle).cross(along));
+        [along.x, along.y, along.z, x, y, z, 0.0, 0.0]
+    }
+
+    /// The middle of its vertices.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// Covariance of the unknowns, row by row, from the standard deviation of the distances.
+    pub fn covariance(&self) -> Option<Vec<f64>> {
         let (block, _) = normal_equations(self);
         let largest = (0..UNKNOWNS).map(|k| block[k][k]).fold(f64::MIN_POSITIVE, f64::max);
         let entry = |i: usize, j: usize| block[i.max(j)][i.min(j)] + if i == j { STAY_WEIGHT * largest } else { 0.0 };
         let full: Vec<f64> = (0..UNKNOWNS * UNKNOWNS).map(|k| entry(k / UNKNOWNS, k % UNKNOWNS)).collect();
+        Some(inverse(&cholesky(&full, UNKNOWNS)?, UNKNOWNS))
+    }
+
+    /// Standard deviation of a number that follows the unknowns with these derivatives.
+    pub fn deviation(covariance: &[f64], row: &Row) -> f64 {
+        let of = |k: usize| row[k / UNKNOWNS] * row[k % UNKNOWNS] * covariance[k];
+        (0..UNKNOWNS * UNKNOWNS).map(of).sum::<f64>().max(0.0).sqrt()
+    }
+
+    /// Standard deviation of the surface's direction in radians, from that of its distances.
+    pub fn turn_deviation(&self) -> f64 {
         let least = self.sigma / self.size;
-        let Some(factor) = cholesky(&full, UNKNOWNS) else { return least };
-        let inverse = inverse(&factor, UNKNOWNS);
+        let Some(covariance) = self.covariance() else { return least };
         let Some(own) = direction(&self.primitive) else { return f64::INFINITY };
         let (x, y) = own.any_orthonormal_pair();
-        let variance = |e: DVec3| {
-            let at = |i: usize, j: usize| e[i] * e[j] * inverse[(3 + i) * UNKNOWNS + 3 + j];
-            (0..9).map(|k| at(k / 3, k % 3)).sum::<f64>()
-        };
-        ((variance(x) + variance(y)).sqrt() / self.size).max(0.5 * least)
+        let of = |e: DVec3| Self::deviation(&covariance, &[0.0, 0.0, 0.0, e.x, e.y, e.z, 0.0, 0.0]);
+        (of(x).hypot(of(y)) / self.size).max(0.5 * least)
     }
 
     pub fn moved(&self, step: &[f64]) -> Option<Primitive> {

@@ -97,6 +97,7 @@ use tuning::{EXACT_TOLERANCE, NEARLY_ALL_AREA, SOME_AREA};
 pub use ladder::Fallback;
 pub use organic::{Angles, Smooth};
 pub use regions::Rung;
+pub use relations::Adjusted;
 
 /// What kind of model is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -125,6 +126,19 @@ pub struct CadOptions {
     pub labels: Option<Vec<u32>>,
     /// More faces than this are refused.
     pub max_faces: Option<u32>,
+    /// Whether noisy surfaces are adjusted to each other: directions, axes, equal radii, round numbers.
+    pub snap: Snap,
+}
+
+/// Whether noisy surfaces are adjusted to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Snap {
+    /// Parallel and perpendicular directions, axes on one line, equal radii, and lengths that are round numbers in the unit of the file.
+    #[default]
+    On,
+    /// Every surface is fitted for itself; only surfaces that touch or meet in a point do so exactly.
+    Off,
 }
 
 /// A CAD model with what is known about it.
@@ -140,6 +154,8 @@ pub struct CadModel {
     pub segmentation: Option<Segmentation>,
     /// What is known of smooth faces, where the model is made of these.
     pub smooth: Option<Smooth>,
+    /// What the surfaces were adjusted to.
+    pub relations: Vec<Adjusted>,
     /// What a user should know, one sentence each.
     pub warnings: Vec<String>,
     /// Area of every face.
@@ -199,7 +215,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
             done => return allowed(done?, options),
         }
     }
-    settle(&mut map, context)?;
+    let mut relations = settle(&mut map, options.snap, context)?;
     let places = if map.is_noisy() { Some(map.projected(context)?) } else { None };
     let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
     let (distance_max, distance_rms) = distances(&map);
@@ -208,12 +224,14 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let area = areas.iter().sum();
     let volume = brep.solid_masses(&masses).iter().map(|m| m.volume).sum();
     let face_of_triangle = map.label;
+    relations.iter_mut().flat_map(|r| &mut r.faces).for_each(|t| *t = face_of_triangle[*t as usize]);
     let model = CadModel {
         brep,
         face_of_triangle,
         fallback,
         segmentation: Some(segmentation),
         smooth: None,
+        relations,
         warnings: Vec::new(),
         areas,
         area,
@@ -282,13 +300,13 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
 }
 
 /// What is known of pieces before there is a topology: surfaces that touch do, and those that meet in a point.
-fn settle(map: &mut Map<'_>, context: &Context) -> Result<()> {
+fn settle(map: &mut Map<'_>, snap: Snap, context: &Context) -> Result<Vec<Adjusted>> {
     let _stage = context.stage("map");
     map.tighten();
     map.contract()?;
-    relations::relate(map, context)?;
+    let relations = relations::relate(map, snap == Snap::On, context)?;
     map.tighten();
-    Ok(())
+    Ok(relations)
 }
 
 /// Largest and root mean square distance of the vertices of all pieces from their surfaces.

@@ -277,6 +277,7 @@ fn finish(
         fallback: Vec::new(),
         segmentation: None,
         smooth: Some(Smooth { angles, quads: cage.net.quads.len(), irregular }),
+        relations: Vec::new(),
         warnings: Vec::new(),
         areas,
         area,

@@ -1,8 +1,9 @@
 //! What is zero where a relation holds, with its derivatives by the unknowns of the surfaces.
 
 use super::contact::contact;
-use crate::cad::adjust::{Body, Condition, direction};
+use crate::cad::adjust::{Body, Condition, Row, direction};
 use crate::cad::tuning::NEWTON_STEPS;
+use crate::geometry::primitive::Primitive;
 use glam::{DMat3, DVec3};
 
 /// At a place of a border: both surfaces are equally far from the point of contact.
@@ -56,4 +57,92 @@ pub fn perpendicular(all: &[Body], bodies: [u32; 2]) -> Vec<Condition> {
     let (Some(d), Some(e)) = (direction(&a.primitive), direction(&b.primitive)) else { return Vec::new() };
     let by = vec![(bodies[0], a.turned(d.cross(e))), (bodies[1], b.turned(e.cross(d)))];
     vec![Condition { value: d.dot(e), by }]
+}
+
+/// Two axes are on one line: no part of what is between them is across the first.
+pub fn coaxial(all: &[Body], bodies: [u32; 2]) -> Vec<Condition> {
+    let [a, b] = bodies.map(|k| &all[k as usize]);
+    let (Some((o, d)), Some((p, e))) = (axis(&a.primitive), axis(&b.primitive)) else { return Vec::new() };
+    let far = p + e * e.dot(b.middle() - p);
+    let near = o + d * d.dot(far - o);
+    let (x, y) = d.any_orthonormal_pair();
+    let one = |across: DVec3| Condition {
+        value: across.dot(far - near),
+        by: vec![(bodies[0], a.carried(near, -across)), (bodies[1], b.carried(far, across))],
+    };
+    vec![one(x), one(y)]
+}
+
+/// A radius has a value; or it is that of another surface.
+pub fn radius(all: &[Body], (body, which): (u32, Radius), value: f64) -> Condition {
+    let of = which.of(&all[body as usize].primitive).unwrap_or(value);
+    Condition { value: of - value, by: vec![(body, which.row(1.0))] }
+}
+
+/// Two surfaces have the same radius.
+pub fn same_radius(all: &[Body], bodies: [u32; 2]) -> Vec<Condition> {
+    let of = |k: usize| Radius::Only.of(&all[bodies[k] as usize].primitive);
+    let (Some(a), Some(b)) = (of(0), of(1)) else { return Vec::new() };
+    vec![Condition { value: a - b, by: vec![(bodies[0], Radius::Only.row(1.0)), (bodies[1], Radius::Only.row(-1.0))] }]
+}
+
+/// Two parallel planes are so far apart, along the normal of the first.
+pub fn apart(all: &[Body], bodies: [u32; 2], value: f64) -> Vec<Condition> {
+    let [a, b] = bodies.map(|k| &all[k as usize]);
+    let (Primitive::Plane { origin: o, normal: n }, Primitive::Plane { origin: p, normal: m }) =
+        (a.primitive, b.primitive)
+    else {
+        return Vec::new();
+    };
+    let [foot, far] = [(o, n, a), (p, m, b)].map(|(o, n, body)| body.middle() + n * n.dot(o - body.middle()));
+    let turned = a.turned(n.cross(far - foot));
+    let [x, y, z, ..] = a.carried(foot, -n);
+    let [.., u, v, w, _, _] = turned;
+    vec![Condition {
+        value: n.dot(far - foot) - value,
+        by: vec![(bodies[0], [x, y, z, u, v, w, 0.0, 0.0]), (bodies[1], b.carried(far, n))],
+    }]
+}
+
+/// A point and the direction of the axis of what is round.
+pub fn axis(primitive: &Primitive) -> Option<(DVec3, DVec3)> {
+    match *primitive {
+        Primitive::Cylinder { origin, axis, .. } => Some((origin, axis)),
+        Primitive::Cone { apex, axis, .. } => Some((apex, axis)),
+        Primitive::Torus { center, axis, .. } => Some((center, axis)),
+        Primitive::Plane { .. } | Primitive::Sphere { .. } => None,
+    }
+}
+
+/// One of the radii of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Radius {
+    /// Of a sphere or a cylinder.
+    Only,
+    /// Around the axis of a torus.
+    Major,
+    /// Of the tube of a torus.
+    Minor,
+}
+
+impl Radius {
+    pub const ALL: [Radius; 3] = [Radius::Only, Radius::Major, Radius::Minor];
+
+    /// What it is.
+    pub fn of(self, primitive: &Primitive) -> Option<f64> {
+        match (self, *primitive) {
+            (Radius::Only, Primitive::Sphere { radius, .. } | Primitive::Cylinder { radius, .. }) => Some(radius),
+            (Radius::Major, Primitive::Torus { major_radius, .. }) => Some(major_radius),
+            (Radius::Minor, Primitive::Torus { minor_radius, .. }) => Some(minor_radius),
+            _ => None,
+        }
+    }
+
+    /// Derivatives of so many times it.
+    pub fn row(self, times: f64) -> Row {
+        match self {
+            Radius::Only | Radius::Major => [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, times, 0.0],
+            Radius::Minor => [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, times],
+        }
+    }
 }

@@ -1,5 +1,5 @@
 //! Relations between surfaces that hold exactly on the part, and only within the noise in the fits: surfaces that touch, corners of four
-//! and more, in noisy data also directions that are parallel or perpendicular.
+//! and more, in noisy data also directions that are parallel or perpendicular, axes on one line, equal radii and round numbers.
 //!
 //! ```text
 //!     ────────●─ ─ ─ ─  plane            f = 0 on both surfaces at the point where their normals agree;
@@ -15,12 +15,14 @@
 //! | `search` | the surfaces, each once, and the relations that the noise allows |
 //! | `contact` | where two surfaces touch |
 //! | `conditions` | what is zero where a relation holds |
+//! | `values` | radii and distances that are round numbers |
 
 mod conditions;
 mod contact;
 mod search;
 #[cfg(test)]
 mod tests;
+mod values;
 
 use super::adjust::{Body, Condition, adjust};
 use super::regions::{Map, Piece};
@@ -30,9 +32,11 @@ use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
-use conditions::{concurring, parallel, perpendicular, touching};
+use conditions::{Radius, apart, coaxial, concurring, parallel, perpendicular, radius, same_radius, touching};
 use glam::DVec3;
 use search::Found;
+use serde::Serialize;
+use values::round_values;
 
 pub use contact::room;
 
@@ -40,6 +44,19 @@ pub use contact::room;
 const WORSE_FACTOR: f64 = 1.6;
 /// A count: rounds in which relations that do not hold are dropped, because each solves for all surfaces.
 const RELATION_ROUNDS: usize = 40;
+
+/// A relation that the surfaces of a model were adjusted to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Adjusted {
+    /// What holds now: `tangent`, `concurrent`, `parallel`, `perpendicular`, `coaxial`, `equal_radius`, `radius`, `distance`.
+    pub relation: &'static str,
+    /// The faces that it is between.
+    pub faces: Vec<u32>,
+    /// What it was: an angle in degrees, else a length in the unit of the file.
+    pub before: f64,
+    /// What it is.
+    pub after: f64,
+}
 
 /// What holds between surfaces; lengths as shares of the diagonal.
 #[derive(Debug, Clone)]
@@ -52,13 +69,27 @@ enum Relation {
     Parallel([u32; 2]),
     /// Normals or axes are perpendicular.
     Perpendicular([u32; 2]),
+    /// Axes are on one line.
+    Coaxial([u32; 2]),
+    /// Two cylinders or spheres have the same radius.
+    SameRadius([u32; 2]),
+    /// A radius has a round value.
+    Radius { body: [u32; 1], which: Radius, value: f64 },
+    /// Two parallel planes have a round distance.
+    Apart { bodies: [u32; 2], value: f64 },
 }
 
 impl Relation {
     fn bodies(&self) -> &[u32] {
         match self {
-            Relation::Touch { bodies, .. } | Relation::Parallel(bodies) | Relation::Perpendicular(bodies) => bodies,
+            Relation::Touch { bodies, .. }
+            | Relation::Parallel(bodies)
+            | Relation::Perpendicular(bodies)
+            | Relation::Coaxial(bodies)
+            | Relation::SameRadius(bodies)
+            | Relation::Apart { bodies, .. } => bodies,
             Relation::Concur { bodies, .. } => bodies,
+            Relation::Radius { body, .. } => body,
         }
     }
 
@@ -69,6 +100,32 @@ impl Relation {
             Relation::Concur { bodies, place } => vec![concurring(all, *bodies, *place)],
             Relation::Parallel(bodies) => parallel(all, *bodies),
             Relation::Perpendicular(bodies) => perpendicular(all, *bodies),
+            Relation::Coaxial(bodies) => coaxial(all, *bodies),
+            Relation::SameRadius(bodies) => same_radius(all, *bodies),
+            Relation::Radius { body: [body], which, value } => vec![radius(all, (*body, *which), *value)],
+            Relation::Apart { bodies, value } => apart(all, *bodies, *value),
+        }
+    }
+
+    /// Its name in the record, and what it was before and is now, lengths in a unit.
+    fn told(&self, all: &[Body], unit: f64) -> (&'static str, [f64; 2]) {
+        let off = unit * self.off(all);
+        let degrees = self.off(all).min(1.0).asin().to_degrees();
+        match self {
+            Relation::Touch { .. } => ("tangent", [off, 0.0]),
+            Relation::Concur { .. } => ("concurrent", [off, 0.0]),
+            Relation::Parallel(_) => ("parallel", [degrees, 0.0]),
+            Relation::Perpendicular(_) => ("perpendicular", [90.0 - degrees, 90.0]),
+            Relation::Coaxial(_) => ("coaxial", [off, 0.0]),
+            Relation::SameRadius(_) => ("equal_radius", [off, 0.0]),
+            Relation::Radius { body: [body], which, value } => {
+                let was = which.of(&all[*body as usize].primitive).unwrap_or(*value);
+                ("radius", [unit * was, unit * value])
+            }
+            Relation::Apart { value, .. } => {
+                let was = self.conditions(all).first().map_or(0.0, |c| c.value) + value;
+                ("distance", [unit * was.abs(), unit * value.abs()])
+            }
         }
     }
 
@@ -86,19 +143,49 @@ struct Claim {
     bound: f64,
 }
 
-/// Adjusts the surfaces of a map so that those relations hold exactly which hold on the part.
-pub fn relate(map: &mut Map<'_>, context: &Context) -> Result<()> {
+/// Adjusts the surfaces of a map so that those relations hold exactly which hold on the part. `snap`: also directions, axes, equal
+/// radii and round numbers that noise hides. Returns what holds now, with a triangle instead of every face.
+pub fn relate(map: &mut Map<'_>, snap: bool, context: &Context) -> Result<Vec<Adjusted>> {
     let _stage = context.stage("relations");
     let graph = Graph::of(map.t, &map.label, map.pieces.len(), &[])?;
     let found = Found::of(map);
-    let bodies = &found.bodies;
-    let mut held = found.claims(map, &graph);
+    let snap = snap && map.is_noisy();
+    let claims = found.claims(map, &graph, snap);
     // What is exact stays as it is.
-    if held.iter().all(|c| c.relation.off(bodies) <= NAMED_DISTANCE) {
-        return Ok(());
+    if !snap && claims.iter().all(|c| c.relation.off(&found.bodies) <= NAMED_DISTANCE) {
+        return Ok(Vec::new());
     }
+    let (mut adjusted, mut held) = adjusted(&found.bodies, claims, context)?;
+    if snap {
+        let rounded = round_values(&adjusted, &held, found.unit.diagonal);
+        if !rounded.is_empty() {
+            let claims = held.into_iter().chain(rounded).collect();
+            (adjusted, held) = self::adjusted(&found.bodies, claims, context)?;
+        }
+    }
+    if held.is_empty() {
+        return Ok(Vec::new());
+    }
+    let triangle = |body: &u32| {
+        let piece = found.number.iter().position(|n| n == body);
+        piece.and_then(|p| map.pieces[p].triangles.first().copied()).unwrap_or(0)
+    };
+    let told = |claim: &Claim| {
+        let (relation, [before, after]) = claim.relation.told(&found.bodies, found.unit.diagonal);
+        Adjusted { relation, faces: claim.relation.bodies().iter().map(triangle).collect(), before, after }
+    };
+    let all = held.iter().map(told).collect();
+    apply(map, &found, &adjusted);
+    Ok(all)
+}
+
+/// Surfaces adjusted to claims, and those of these that they can be adjusted to.
+fn adjusted(bodies: &[Body], mut held: Vec<Claim>, context: &Context) -> Result<(Vec<Body>, Vec<Claim>)> {
     for _ in 0..RELATION_ROUNDS {
-        let mut adjusted = bodies.clone();
+        if held.is_empty() {
+            break;
+        }
+        let mut adjusted = bodies.to_vec();
         let all = |b: &[Body]| held.iter().flat_map(|c| c.relation.conditions(b)).collect::<Vec<_>>();
         let multipliers = adjust(&mut adjusted, all, context)?;
         let mut dropped: Vec<usize> = match multipliers {
@@ -119,17 +206,13 @@ pub fn relate(map: &mut Map<'_>, context: &Context) -> Result<()> {
         };
         tracing::debug!(held = held.len(), dropped = dropped.len(), "adjusted");
         if dropped.is_empty() {
-            apply(map, &found, &adjusted);
-            return Ok(());
+            return Ok((adjusted, held));
         }
         dropped.sort_unstable();
         dropped.dedup();
         dropped.iter().rev().for_each(|&k| drop(held.remove(k)));
-        if held.is_empty() {
-            break;
-        }
     }
-    Ok(())
+    Ok((bodies.to_vec(), Vec::new()))
 }
 
 /// The largest multiplier of the conditions of every relation.

@@ -1,5 +1,6 @@
 //! Relations that the noise allows.
 
+use super::conditions::{Radius, axis};
 use super::contact::{contact, reach};
 use super::{Claim, Relation};
 use crate::cad::adjust::{Body, direction};
@@ -29,6 +30,11 @@ const LEAST_VOLUME: f64 = 0.05;
 const SAME_DEVIATIONS: f64 = 3.5;
 /// Radians, 3°: the largest angle between directions that are parallel, because larger angles are meant.
 const MOST_TURNED: f64 = 0.052;
+/// A share of the diagonal: the farthest that parallel axes on one line are off each other, because farther ones are meant.
+const MOST_SHIFTED: f64 = 2e-3;
+/// A share of a radius: the largest standard deviation of one that may be equal to another, because of less certain ones any two
+/// could be.
+const CERTAIN_RADIUS: f64 = 3e-3;
 /// A factor: how much larger the mean distance from a surface may be that two pieces share, because noise alone makes
 /// it a little larger.
 const SHARED_FACTOR: f64 = 1.3;
@@ -110,11 +116,13 @@ impl Found {
     }
 
     /// All relations that there may be.
-    pub fn claims(&self, map: &Map<'_>, graph: &Graph) -> Vec<Claim> {
+    pub fn claims(&self, map: &Map<'_>, graph: &Graph, snap: bool) -> Vec<Claim> {
         let mut all = along_borders(map, graph, self);
         all.extend(at_corners(map, graph, self));
-        if map.is_noisy() {
+        if snap {
             all.extend(directions(&self.bodies));
+            all.extend(axes(&self.bodies));
+            all.extend(radii(&self.bodies));
         }
         all
     }
@@ -234,6 +242,59 @@ fn directions(all: &[Body]) -> Vec<Claim> {
         let square = first.iter().filter(|f| f.1.dot(d).abs() <= bound(f.2));
         out.extend(square.map(|f| Claim { relation: Relation::Perpendicular([f.0, k]), bound: bound(f.2) }));
         first.push((k, d, deviation));
+    }
+    out
+}
+
+/// Parallel axes that are on the line of a surer one.
+fn axes(all: &[Body]) -> Vec<Claim> {
+    let across = |body: &Body| {
+        let (_, d) = axis(&body.primitive)?;
+        let (covariance, (x, y)) = (body.covariance()?, d.any_orthonormal_pair());
+        let of = |e: DVec3| Body::deviation(&covariance, &body.carried(body.middle(), e));
+        Some((of(x).hypot(of(y)), body.turn_deviation()))
+    };
+    let mut known: Vec<(u32, f64, f64)> =
+        (0u32..).zip(all).filter_map(|(k, body)| across(body).map(|(shift, turn)| (k, shift, turn))).collect();
+    known.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    let mut first: Vec<(u32, f64, f64)> = Vec::new();
+    let mut out = Vec::new();
+    for (k, shift, turn) in known {
+        let claim = |f: &(u32, f64, f64)| {
+            let [a, b] = [f.0, k].map(|k| &all[k as usize]);
+            let (d, e) = (direction(&a.primitive)?, direction(&b.primitive)?);
+            let arm = a.middle().distance(b.middle());
+            let bound = SAME_DEVIATIONS * shift.hypot(f.1).hypot(arm * f.2);
+            let relation = Relation::Coaxial([f.0, k]);
+            let is_parallel = d.cross(e).length() <= (SAME_DEVIATIONS * turn.hypot(f.2)).min(MOST_TURNED);
+            let is_one = is_parallel && bound <= MOST_SHIFTED && relation.off(all) <= bound;
+            is_one.then_some(Claim { relation, bound })
+        };
+        match first.iter().find_map(claim) {
+            Some(claim) => out.push(claim),
+            None => first.push((k, shift, turn)),
+        }
+    }
+    out
+}
+
+/// Cylinders and spheres with the radius of a surer one.
+fn radii(all: &[Body]) -> Vec<Claim> {
+    let known = |(k, body): (u32, &Body)| {
+        let radius = Radius::Only.of(&body.primitive)?;
+        let deviation = Body::deviation(&body.covariance()?, &Radius::Only.row(1.0));
+        (deviation <= CERTAIN_RADIUS * radius).then_some((k, radius, deviation))
+    };
+    let mut known: Vec<(u32, f64, f64)> = (0u32..).zip(all).filter_map(known).collect();
+    known.sort_by(|a, b| a.2.total_cmp(&b.2).then(a.0.cmp(&b.0)));
+    let mut first: Vec<(u32, f64, f64)> = Vec::new();
+    let mut out = Vec::new();
+    for (k, radius, deviation) in known {
+        let bound = |f: &(u32, f64, f64)| SAME_DEVIATIONS * deviation.hypot(f.2);
+        match first.iter().find(|f| (f.1 - radius).abs() <= bound(f)) {
+            Some(f) => out.push(Claim { relation: Relation::SameRadius([f.0, k]), bound: bound(f) }),
+            None => first.push((k, radius, deviation)),
+        }
     }
     out
 }

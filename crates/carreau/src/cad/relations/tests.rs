@@ -1,6 +1,7 @@
 //! Surfaces that miss each other by the noise of their fits, and what they are after the adjustment.
 
-use super::conditions::{concurring, parallel, perpendicular, touching};
+use super::conditions::{Radius, apart, coaxial, concurring, parallel, perpendicular, radius, same_radius, touching};
+use super::values::round_values;
 use super::*;
 use crate::geometry::primitive::Primitive;
 use glam::DVec3;
@@ -41,6 +42,21 @@ fn corner(off: [f64; 6]) -> Vec<Body> {
             patch(|u, v| DVec3::new(0.1 + 0.5 * u, 0.1 + 0.5 * v, 0.0)),
             1e-4,
         ),
+        // The fillet goes on behind a gap, and the first plane has another one opposite.
+        Body::new(
+            Primitive::Cylinder {
+                origin: DVec3::new(0.1 + off[0], 0.1, 0.8),
+                axis: unit(DVec3::new(off[1], -off[3], 1.0)),
+                radius: 0.1 + off[2],
+            },
+            patch(|u, v| arc(quarter * u) + DVec3::Z * (0.8 + 0.5 * v)),
+            1e-3,
+        ),
+        Body::new(
+            Primitive::Plane { origin: DVec3::Y * (0.7 + off[4]), normal: unit(DVec3::new(off[5], 1.0, off[0])) },
+            patch(|u, v| DVec3::new(0.1 + 0.5 * u, 0.7, 0.5 * v)),
+            1e-4,
+        ),
     ]
 }
 
@@ -52,6 +68,12 @@ fn relations() -> Vec<Relation> {
         Relation::Parallel([2, 3]),
         Relation::Perpendicular([0, 1]),
         Relation::Perpendicular([0, 3]),
+        Relation::Coaxial([2, 4]),
+        Relation::Parallel([2, 4]),
+        Relation::SameRadius([2, 4]),
+        Relation::Radius { body: [4], which: Radius::Only, value: 0.1 },
+        Relation::Parallel([0, 5]),
+        Relation::Apart { bodies: [0, 5], value: -0.7 },
     ]
 }
 
@@ -70,6 +92,28 @@ proptest! {
         // The points say where the surfaces are: nothing else is known of them.
         prop_assert!((radius - 0.1).abs() < 1e-6, "{radius}");
         prop_assert!(bodies.iter().all(|b| b.residuals()[1] < 1e-6));
+        prop_assert!(held.iter().all(|r| r.off(&bodies) < 1e-9));
+        // One line, one radius, a round distance.
+        let (Primitive::Cylinder { origin: p, radius: other, .. }, Primitive::Plane { origin: q, .. }) =
+            (bodies[4].primitive, bodies[5].primitive) else { unreachable!() };
+        prop_assert!((p - o).reject_from(axis).length() < 1e-9 && (other - 0.1).abs() < 1e-11);
+        prop_assert!((normal.dot(q - origin).abs() - 0.7).abs() < 1e-11);
+    }
+
+    #[test]
+    fn values_that_are_round_are_found_in_noise(off in prop::array::uniform6(-2e-4f64..2e-4)) {
+        // A length of one is 10 in the file: the radius is 1, the planes are 7 apart.
+        let mut bodies = corner(off);
+        bodies[2].sigma = 1e-3;
+        let parallel = Claim { relation: Relation::Parallel([0, 5]), bound: 1e-2 };
+        let values = round_values(&bodies, &[parallel], 10.0);
+        for claim in values {
+            match claim.relation {
+                Relation::Radius { value, .. } => prop_assert!((value - 0.1).abs() < 1e-12),
+                Relation::Apart { value, .. } => prop_assert!((value + 0.7).abs() < 1e-12),
+                other => prop_assert!(false, "{other:?}"),
+            }
+        }
     }
 
     #[test]
@@ -83,6 +127,10 @@ proptest! {
             ];
             out.extend(parallel(b, [2, 3]));
             out.extend(perpendicular(b, [0, 1]));
+            out.extend(coaxial(b, [2, 4]));
+            out.extend(same_radius(b, [2, 4]));
+            out.push(radius(b, (4, Radius::Only), 0.1));
+            out.extend(apart(b, [0, 5], -0.7));
             out
         };
         let before = all(&bodies);
