@@ -73,12 +73,12 @@ class CarreauExport(Run, bpy.types.Operator, ExportHelper):
         scale = context.scene.unit_settings.scale_length * 1000 if self.scene_units else 1.0
         points = (source.points @ matrix[:3, :3].T + matrix[:3, 3]) * scale
         triangles = source.corners[source.triangles]
+        if np.linalg.det(matrix[:3, :3]) < 0:  # A mirror turns surfaces inside out.
+            triangles = triangles[:, ::-1]
         child = child_of(self.method, {"unit": "mm"})
         # Bodies in the file are named after it.
         given = f"{bpy.path.clean_name(obj.name)}.ply"
-        ply.write(
-            child.path(given), points.tolist(), (triangles[:, ::-1] if source.frame.mirrors else triangles).tolist()
-        )
+        ply.write(child.path(given), points.tolist(), triangles.tolist())
         return child, given, f"result{extension}"
 
     def end(self, context: Any, record: dict[str, Any], path: str) -> None:

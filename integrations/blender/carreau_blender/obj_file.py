@@ -25,19 +25,18 @@ class Result:
 
 
 def write(path: str, source: Source) -> None:
-    """Writes a mesh as it is seen, but for its place; ids are those of the mesh."""
+    """Writes a mesh as it is stretched; ids are those of the mesh."""
     points = source.frame.out(source.points)
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
     if source.uv is not None:
         lines += [f"vt {u!r} {v!r}" for u, v in source.uv.tolist()]
     corners, starts, materials = source.corners.tolist(), source.starts.tolist(), source.materials.tolist()
-    step = -1 if source.frame.mirrors else 1
     current = None
     for face, material in enumerate(materials):
         if material != current:
             lines.append(f"usemtl m{material}")
             current = material
-        around = range(starts[face], starts[face + 1])[::step]
+        around = range(starts[face], starts[face + 1])
         if source.uv is None:
             lines.append("f " + " ".join(str(corners[c] + 1) for c in around))
         else:
@@ -52,8 +51,8 @@ def write_edges(path: str, edges: np.ndarray) -> None:
         file.writelines(f"{a} {b}\n" for a, b in edges.tolist())
 
 
-def read(path: str, mirrors: bool) -> Result:
-    """Reads what carreau wrote, turned back where the object turns surfaces inside out."""
+def read(path: str) -> Result:
+    """Reads what carreau wrote."""
     points, texture, corners, of_texture, starts, materials, edges = [], [], [], [], [0], [], []
     material = 0
     with open(path, encoding="utf-8") as file:
@@ -64,8 +63,7 @@ def read(path: str, mirrors: bool) -> Result:
             elif word == "vt":
                 texture.append([float(x) for x in rest.split()[:2]])
             elif word == "f":
-                around = [corner.split("/") for corner in rest.split()]
-                for parts in reversed(around) if mirrors else around:
+                for parts in (corner.split("/") for corner in rest.split()):
                     corners.append(int(parts[0]) - 1)
                     of_texture.append(int(parts[1]) - 1 if len(parts) > 1 and parts[1] else -1)
                 starts.append(len(corners))

@@ -206,7 +206,7 @@ class _NewMesh(Run):
         obj = bpy.data.objects.get(source.name)
         if obj is None or obj.type != "MESH":
             raise Failure(f"{source.name} is gone", remedy="undo what removed it, and run again", code=3)
-        result = obj_file.read(path, source.frame.mirrors)
+        result = obj_file.read(path)
         mesh = new_mesh(
             f"{obj.data.name} {self.suffix}", source.frame.back(result.points), result.corners, result.starts
         )
@@ -331,11 +331,7 @@ class CarreauSegment(Run, bpy.types.Operator):
             raise Failure(f"{source.name} has no faces", remedy="select a mesh that has some", code=3)
         triangles = source.corners[source.triangles]
         child = child_of("segment", {"regions": self.regions or None})
-        ply.write(
-            child.path("source.ply"),
-            source.frame.out(source.points).tolist(),
-            (triangles[:, ::-1] if source.frame.mirrors else triangles).tolist(),
-        )
+        ply.write(child.path("source.ply"), source.frame.out(source.points).tolist(), triangles.tolist())
         return child, "source.ply", "result.ply"
 
     def end(self, context: Any, record: dict[str, Any], path: str) -> None:

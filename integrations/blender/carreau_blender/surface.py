@@ -16,7 +16,7 @@ __all__ = ["Frame", "Source", "new_mesh"]
 
 @dataclass(frozen=True)
 class Frame:
-    """The linear part of an object's placement: sizes are those that are seen, positions stay near the origin."""
+    """How an object is stretched: sizes are those that are seen; axes and the origin are the object's own."""
 
     linear: np.ndarray
     inverse: np.ndarray
@@ -30,12 +30,10 @@ class Frame:
             or abs(np.linalg.det(linear)) < 1e-12 * max(np.abs(linear).max(), 1e-30) ** 3
         ):
             linear = np.eye(3)
-        return cls(linear, np.linalg.inv(linear))
-
-    @property
-    def mirrors(self) -> bool:
-        """Whether it turns surfaces inside out."""
-        return bool(np.linalg.det(self.linear) < 0)
+        # Without the turn and the mirror of it: what is left of a placement that is a turn times a stretch.
+        _, sizes, axes = np.linalg.svd(linear)
+        stretch = axes.T @ np.diag(sizes) @ axes
+        return cls(stretch, np.linalg.inv(stretch))
 
     def out(self, points: np.ndarray) -> np.ndarray:
         return points @ self.linear.T

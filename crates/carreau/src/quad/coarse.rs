@@ -34,7 +34,7 @@ const HELD_TAG: i32 = 2;
 const ON_FEATURE: f64 = 1e-5;
 /// Weight of the directions of curvature in the field: little beside the smoothness, so that they turn the field along limbs and
 /// make no singularities.
-const CURVATURE: f64 = 0.1;
+const CURVATURE: f64 = 0.03;
 /// The name of a vertex property: how long edges are to be.
 const SIZE: &str = "size";
 
