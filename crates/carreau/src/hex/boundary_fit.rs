@@ -9,6 +9,7 @@
 
 use super::boundary::{SWELL, Shape, Skin};
 use super::optimise::{self, Optimiser, Spring, Ties, polish};
+use super::ridges;
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;
@@ -108,6 +109,8 @@ pub struct Sliding<'a> {
     at_closest: Vec<bool>,
     /// Vertices that belong to one place, and the normal there.
     pinned: FxHashMap<u32, (DVec3, DVec3)>,
+    /// Where each vertex was, and the directions in which it is held there; empty where all are free.
+    held: Vec<(DVec3, [DVec3; 2])>,
 }
 
 impl<'a> Sliding<'a> {
@@ -125,7 +128,14 @@ impl<'a> Sliding<'a> {
             under,
             at_closest: vec![false; points.len()],
             pinned: FxHashMap::default(),
+            held: Vec::new(),
         }
+    }
+
+    /// Vertices on ridges slide along these only.
+    fn on_ridges(self, points: &[DVec3]) -> Self {
+        let held = points.iter().copied().zip(ridges::bends(points, self.skin)).collect();
+        Sliding { held, ..self }
     }
 
     /// Vertices that are not `free` are on the surface, and some belong to one place, which has a normal.
@@ -163,7 +173,13 @@ impl Ties for Sliding<'_> {
             return vec![Spring { vertex, to, normal, along: SLIDING[0], across: SLIDING[0] }];
         }
         let (to, normal) = self.place(v, at);
-        springs_to(self.target, self.skin.parts[v], vertex, to, normal, SLIDING[0], SLIDING[1]).collect()
+        let mut springs: Vec<Spring> =
+            springs_to(self.target, self.skin.parts[v], vertex, to, normal, SLIDING[0], SLIDING[1]).collect();
+        if let Some(&(to, bends)) = self.held.get(v) {
+            let holds = |normal| Spring { vertex, to, normal, along: SLIDING[0], across: 0.0 };
+            springs.extend(bends.into_iter().filter(|d| *d != DVec3::ZERO).map(holds));
+        }
+        springs
     }
 
     /// What could not be put onto the surface stays as near as it is.
@@ -183,7 +199,7 @@ impl Ties for Sliding<'_> {
     }
 }
 
-/// Lets boundary vertices slide where cells are poor. `free` are those that are inside or could not be put onto the surface.
+/// Lets boundary vertices slide where cells are poor, those on ridges along these. `free` are those that are inside or could not be put onto the surface.
 pub fn slide(
     points: &mut [DVec3],
     hexes: &[[u32; 8]],
@@ -192,7 +208,7 @@ pub fn slide(
     free: &[bool],
     context: &Context,
 ) -> Result<()> {
-    let sliding = Sliding::pinning(points, skin, target, free, FxHashMap::default());
+    let sliding = Sliding::pinning(points, skin, target, free, FxHashMap::default()).on_ridges(points);
     polish(points, hexes, &sliding, context)
 }
 

@@ -9,6 +9,8 @@
 //!       ╲       ╱                 ╲ ╲   ╱╱
 //!        ╰──p──╯                   ╰──v──╯
 //! ```
+//!
+//! And the other way round: a corner of a face whose middle is far from the surface goes to the place that is nearest to the middle.
 
 use super::boundary::Skin;
 use super::boundary_fit::Sliding;
@@ -17,10 +19,15 @@ use super::target::{Part, Seen, Target};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Most rounds of reaching.
 const REACHING_ROUNDS: usize = 40;
+/// Rounds in a row in which nothing is gained, after which no more are tried.
+const FRUITLESS_ROUNDS: usize = 4;
+/// The farthest place must come nearer by this share for a round to have gained something, if no vertex went all of the way.
+const NEARER: f64 = 0.05;
 /// Vertices that are moved in each round: they are far from each other.
 const AT_ONCE: usize = 64;
 /// Scaled Jacobian below which no cell may fall.
@@ -44,6 +51,7 @@ pub fn reach(
     let mut pinned: FxHashMap<u32, (DVec3, DVec3)> = FxHashMap::default();
     let mut part_of_the_way: Vec<u32> = Vec::new();
     let mut in_vain: FxHashSet<u32> = FxHashSet::default();
+    let (mut best, mut fruitless) = ((f64::INFINITY, 0), 0);
     for round in 0..REACHING_ROUNDS {
         context.check()?;
         let is_free = |v: u32| {
@@ -53,6 +61,11 @@ pub fn reach(
         let mut open = far_places(points, skin, target, limit, is_free);
         let Some(farthest) = open.first() else { break };
         tracing::debug!(round, places = open.len(), pinned = pinned.len(), far = farthest.far, "far places");
+        fruitless = if farthest.far < (1.0 - NEARER) * best.0 || pinned.len() > best.1 { 0 } else { fruitless + 1 };
+        if fruitless > FRUITLESS_ROUNDS {
+            break;
+        }
+        best = (best.0.min(farthest.far), pinned.len());
         let count = open.len();
         for share in WAYS {
             let to = |place: &Far| match share < 1.0 {
@@ -117,6 +130,7 @@ fn far_places(
         Some(Far { vertex, to: seen.place, normal: seen.normal, far: seen.distance })
     };
     let mut all = target.looking_at(points, &skin.quads, usize::MAX, far);
+    all.extend(spanning(points, skin, target, limit, &is_free));
     all.sort_by(|a, b| b.far.total_cmp(&a.far));
     let mut kept: Vec<Far> = Vec::new();
     for place in all {
@@ -126,6 +140,27 @@ fn far_places(
         }
     }
     kept
+}
+
+/// The faces of the wall whose middles are far from the surface, and where the nearest of their corners is to go.
+fn spanning(
+    points: &[DVec3],
+    skin: &Skin,
+    target: &Target,
+    limit: f64,
+    is_free: impl Fn(u32) -> bool + Sync,
+) -> Vec<Far> {
+    let of_face = |q: &[u32; 4]| {
+        let middle = q.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 4.0;
+        let (to, normal) = target.closest_wall(middle)?;
+        let distance = |v: u32| points[v as usize].distance_squared(to);
+        let near = |a: &u32, b: &u32| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b));
+        let vertex = q.iter().copied().filter(|&v| is_free(v)).min_by(near)?;
+        let far = to.distance(middle);
+        (far > limit).then_some(Far { vertex, to, normal, far })
+    };
+    let is_wall = |q: &&[u32; 4]| !q.iter().any(|&v| matches!(skin.parts[v as usize], Part::Lid(_)));
+    skin.quads.par_iter().filter(is_wall).filter_map(of_face).collect()
 }
 
 #[cfg(test)]
@@ -161,5 +196,20 @@ mod tests {
         assert!(farthest(&points) < 0.6 * before, "{before} {}", farthest(&points));
         assert!(uncertified(&points, &hexes).is_empty());
         assert!((0..points.len()).filter(|&v| skin.has(v)).all(|v| target.distance(points[v]) < 1e-9));
+    }
+
+    /// One cell in a ball: each of its faces spans what is hollow from there, and a corner goes to the nearest place.
+    #[test]
+    fn a_face_far_from_the_surface_is_seen() {
+        let (mut points, hexes) = bricks([1; 3]);
+        points.iter_mut().for_each(|p| *p = (2.0 * *p - DVec3::ONE).normalize());
+        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
+        let (skin, target) = (Skin::new(&hexes, &[0; 8], &[]), Target::new(&closed));
+        let found = |limit: f64, v: u32| spanning(&points, &skin, &target, limit, |w| w != v);
+        assert_eq!(found(0.5, 8).len(), 0);
+        let all = found(0.3, 8);
+        assert_eq!(all.len(), 6);
+        assert!(all.iter().all(|f| (f.far - 0.42).abs() < 0.02 && f.to.abs().max_element() > 0.98));
+        assert!(found(0.3, 7).iter().all(|f| f.vertex != 7));
     }
 }

@@ -25,7 +25,7 @@
 //! | untangling, smoothing, certificate | | `optimise` |
 //! | **fit** to the surface: sections flattened; segments halved where the surface is far | | `flat_sections`, `adapt` |
 //! | the surface, the boundary of the mesh, and how the one is pulled to the other | | `target`, `boundary`, `boundary_fit` |
-//! | vertices sent to where the surface is far | | `far_surface` |
+//! | vertices sent to where the surface is far; ridges of the boundary stay | | `far_surface`, `ridges` |
 //! | **delivery**: boundary, tags, certificate | | `deliver` |
 //! | boundary layers, straight pieces at the ends, cells of second order | | `layers`, `extend`, `second_order` |
 //! | distance and overlap are judged; figures | | `judge`, `figures` |
@@ -59,6 +59,7 @@ mod options;
 mod refine;
 mod resample;
 mod result;
+mod ridges;
 mod ring_room;
 mod second_order;
 mod size;

@@ -401,6 +401,18 @@ fn short_steps_before_a_flat_end_have_the_radius_of_the_tube() {
     }
 }
 
+/// A tube with a waist that has no room for the layers: they are thin there, and as asked elsewhere.
+#[test]
+fn layers_are_thin_only_where_there_is_no_room() {
+    let places = [0.0, 3.0, 4.0, 6.0, 7.0, 10.0].map(|x| DVec3::X * x).to_vec();
+    let net = CurveNet::new(places, vec![1.0, 1.0, 0.4, 0.4, 1.0, 1.0], (1..6).map(|k| [k - 1, k]).collect());
+    let layers = Some(Layers { count: 2, first: 0.2, growth: 1.5 });
+    let made = from_net(&net, &HexOptions { layers, ..HexOptions::default() }, &Context::new()).unwrap();
+    let figures = made.figures.layers.as_ref().unwrap();
+    assert!(made.figures.quality.certified && (0.3..0.8).contains(&figures.least), "{figures:?}");
+    assert!(figures.as_asked > 0.6 && (figures.least_at[0] - 5.0).abs() < 2.0, "{figures:?}");
+}
+
 /// Five layers on a straight tube and on a fork: as thick as asked for along the wall's normal, in proportion, and certified.
 #[test]
 fn layers_have_the_thickness_asked_for() {

@@ -1,6 +1,6 @@
 //! The wall of a mesh: the thickness of the layers on it, and their cells.
 
-use super::{LayerFigures, Layers, THINNING_ROUNDS};
+use super::{LayerFigures, Layers};
 use crate::error::{Error, Result};
 use crate::geometry::hexes::is_certified;
 use crate::geometry::search_tree::TriangleTree;
@@ -13,6 +13,8 @@ use rustc_hash::FxHashMap;
 const MOST_OF_WAY: f64 = 0.35;
 /// The thickness changes by at most this share of the way along the wall.
 const SLOPE: f64 = 0.5;
+/// Rounds in which a thin place thins those around it, by a ring of vertices each.
+const EVENING_ROUNDS: usize = 16;
 /// Share of their thickness to which layers are thinned around weak cells, round by round.
 const THINNED: f64 = 0.75;
 /// Where normals of faces at a vertex differ much the way is not made longer than this for the thickness to hold.
@@ -72,7 +74,7 @@ impl Wall {
             .filter_map(|[a, b]| Some((self.place(a)?, self.place(b)?, SLOPE * at(a).distance(at(b)))))
             .collect();
         // Every side is met in both senses, and the reach of a thin place ends after some rings.
-        for _ in 0..THINNING_ROUNDS {
+        for _ in 0..EVENING_ROUNDS {
             let mut any = false;
             for &(a, b, step) in &sides {
                 let (ta, tb) = (self.thickness[a], self.thickness[b]);

@@ -41,10 +41,12 @@ pub(super) const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, 
 const FIRST: Rise = Rise { strength: [0.05, 100.0], rounds: 9, power: 1, iterations: 30 };
 /// The same after each halving.
 const NEXT: Rise = Rise { strength: [1.0, 100.0], rounds: 3, power: 2, iterations: 30 };
+/// The same after the last one: what follows is stiff, and brings the boundary there, too.
+const FINEST: Rise = Rise { rounds: 1, ..NEXT };
 /// The same for vertices that are left off the surface.
 const AGAIN: Rise = Rise { strength: [100.0, 1000.0], rounds: 2, power: 4, iterations: 25 };
 /// The same at last.
-const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterations: 25 };
+const LAST: Rise = Rise { strength: [30.0, 1000.0], rounds: 4, power: 4, iterations: 20 };
 
 /// The skeleton made ready, and the coarsest cells about it, drawn to the surface.
 pub(super) struct Coarse {
@@ -140,7 +142,7 @@ impl Coarse {
                 }
             }
             if level > 0 {
-                pull(tube, lid_of, target, &NEXT, context)?;
+                pull(tube, lid_of, target, if level == levels { &FINEST } else { &NEXT }, context)?;
             }
             // Finer cells than the coarsest show where these are too long, and do not cost much yet.
             let followings = if level == FOLLOWED.min(levels) && *freely { FOLLOWINGS } else { 0 };

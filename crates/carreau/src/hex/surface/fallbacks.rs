@@ -7,6 +7,7 @@ use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::compare;
 use crate::hex::cells::least_scaled_jacobian;
+use crate::hex::judge::MAX_DISTANCE;
 use crate::hex::refine::TubeMesh;
 use crate::hex::target::Target;
 use crate::mesh::boundary_faces;
@@ -14,8 +15,14 @@ use crate::skeleton::Closed;
 use std::cell::OnceCell;
 
 /// A result is good where the surface is this near to the boundary at most, and on average, and the boundary to the
-/// surface, as shares of the diagonal, and no vertex is off the surface.
-const WANTED: [f64; 3] = [0.015, 0.0015, 0.03];
+/// surface, as shares of the diagonal, and no vertex is off the surface. Few samples tell it here: more of them find farther places,
+/// and farther than [`MAX_DISTANCE`] is refused.
+const WANTED: [f64; 3] = [0.0145, 0.001, 0.018];
+/// Nothing that is good is refused.
+const _: () = assert!(WANTED[0] < MAX_DISTANCE && WANTED[2] < MAX_DISTANCE);
+/// Score of cells whose segments are not halved for their length, over that of those whose segments are, up to which the first are
+/// taken: halved segments have flat cells, which may be in each other's way.
+const NEARLY_AS_NEAR: f64 = 1.1;
 /// Least scaled Jacobian of a good result.
 const POOR_RESULT: f64 = 0.4;
 /// Where short cells are poor no segment becomes shorter than this, in radii.
@@ -34,10 +41,10 @@ pub fn best(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Cont
     let by_facing = OnceCell::new();
     let mut tried = tried.into_iter();
     let Some(mut first) = tried.next() else { return Err(Error::Numeric("no cells were made".into())) };
-    let (ready, score) = (first.ready.clone(), first.score());
+    let score = first.score();
     let mut uneven = None;
     if first.is_even {
-        let mut other = Coarse::new(Ready { evenly: false, ..ready.clone() }, target, context)?;
+        let mut other = Coarse::new(Ready { evenly: false, ..first.ready.clone() }, target, context)?;
         tracing::debug!(
             left = first.left,
             mean = first.mean,
@@ -45,12 +52,12 @@ pub fn best(tried: Vec<Coarse>, closed: &Closed, target: &Target, context: &Cont
             uneven_mean = other.mean,
             "uneven cells"
         );
-        // Halved segments have flat cells, which may be in each other's way.
-        if first.left > 0 && other.left <= first.left {
+        if other.score() < NEARLY_AS_NEAR * first.score() {
             std::mem::swap(&mut first, &mut other);
         }
         uneven = Some(other);
     }
+    let ready = first.ready.clone();
     let mut coarsely_left = first.left;
     let mut best = Fitted::new(first, target, context)?;
     let mut cells = best.cells.tube.hexes.len();
@@ -143,12 +150,12 @@ impl<'a> Fitted<'a> {
     }
 
     /// The same with its poor cells improved, and vertices that are off the surface put onto it.
-    fn improved(mut self, context: &Context) -> Result<Self> {
+    fn improved(self, context: &Context) -> Result<Self> {
         if self.is_improved || self.cells.is_hopeless {
             return Ok(self);
         }
-        self.cells.slide(self.target, context)?;
-        let improved = Fitted::measured(self.cells, self.target, context)?.complete(context)?;
+        let target = self.target;
+        let improved = self.changed(|cells| cells.slide(target, context), context)?.complete(context)?;
         Ok(Fitted { is_improved: true, ..improved })
     }
 
@@ -176,10 +183,11 @@ impl<'a> Fitted<'a> {
         Ok(fitted)
     }
 
-    /// The same where the boundary reaches what of the surface is far from it, if there is any and that is better.
+    /// The same where the boundary reaches what of the surface is far from it, and its faces do not span what is hollow, if that is
+    /// better.
     fn reaching(self, context: &Context) -> Result<Self> {
         // Of a size asked for cells are as coarse as that.
-        if self.far[0] <= WANTED[0] || !self.cells.ready.freely {
+        if self.far[0] <= WANTED[0] && self.far[2] <= WANTED[2] || !self.cells.ready.freely {
             return Ok(self);
         }
         let target = self.target;
