@@ -307,6 +307,11 @@ fn smoothed_parts_keep_their_faces() {
 
 /// The mesh with smooth noise on its vertices, some 14 mean edges long, of a deviation in mean edges along every axis.
 fn with_waves(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
+    with_long_waves(mesh, share, 14.0)
+}
+
+/// The same, of any length in mean edges.
+fn with_long_waves(mesh: &SurfaceMesh, share: f64, length: f64) -> SurfaceMesh {
     const WAVES: u32 = 6;
     let edge = (mesh_area(mesh) / mesh.face_count() as f64 * 4.0 / 3f64.sqrt()).sqrt();
     // A sine has a root mean square of 1/√2, and each of the waves goes one way, so a third of it along every axis.
@@ -316,7 +321,7 @@ fn with_waves(mesh: &SurfaceMesh, share: f64) -> SurfaceMesh {
             let x = f64::from(j);
             let along = DVec3::new((1.0 + 3.7 * x).sin(), (2.0 + 2.3 * x).cos(), (5.0 * x + 0.5).sin()).normalize();
             let way = DVec3::new((1.3 * x).cos(), (2.9 * x + 1.0).sin(), (4.1 * x + 2.0).cos()).normalize();
-            way * height * (std::f64::consts::TAU * p.dot(along) / (14.0 * edge) + 1.7 * x).sin()
+            way * height * (std::f64::consts::TAU * p.dot(along) / (length * edge) + 1.7 * x).sin()
         };
         p + (0..WAVES).map(wave).sum::<DVec3>()
     })
@@ -336,6 +341,45 @@ fn parts_with_waves_keep_their_faces() {
             assert_eq!(kinds(&found), kinds(&exact), "{share}");
         }
     }
+}
+
+#[test]
+fn waves_that_are_flat_or_round_in_places_are_no_exact_surfaces() {
+    let mesh = model("wedge");
+    let exact = default(&mesh);
+    for length in [20.0, 28.0] {
+        let found = default(&with_long_waves(&mesh, 0.05, length));
+        assert_eq!(kinds(&found), kinds(&exact), "{length}");
+        assert_eq!(covered(&found.labels, &exact.labels, 0.9), exact.regions.len(), "{length}");
+    }
+}
+
+#[test]
+fn parts_that_are_nearly_exact_keep_their_faces() {
+    // Vertices some 1e-5 of the size off: just more than careless kernels are.
+    for name in ["wedge", "bracket"] {
+        let mesh = model(name);
+        let exact = default(&mesh);
+        let found = default(&with_noise(&mesh, 5e-4));
+        assert_eq!(kinds(&found), kinds(&exact), "{name}");
+        assert_eq!(covered(&found.labels, &exact.labels, 0.9), exact.regions.len(), "{name}");
+    }
+}
+
+#[test]
+fn a_freeform_face_beside_exact_ones_stays_whole() {
+    let cube = (0..5).fold(cube(DVec3::ZERO, 2.0).triangulated().unwrap(), |mesh, _| subdivided(&mesh));
+    // The top swells; its rim stays.
+    let top = cube.points().iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    let (low, high) = cube.bounds();
+    let swollen = moved(&cube, |p| {
+        let q = (p - low) / (high - low);
+        let bump =
+            (std::f64::consts::PI * q.x).sin() * (std::f64::consts::PI * q.y).sin() * (1.0 + 0.4 * (5.0 * q.x).sin());
+        if p.z == top { p + DVec3::Z * 0.1 * bump } else { p }
+    });
+    let found = default(&swollen);
+    assert_eq!(kinds(&found), BTreeMap::from([(Some(Kind::Plane), 5), (None, 1)]));
 }
 
 #[test]

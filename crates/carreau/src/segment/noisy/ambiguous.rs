@@ -11,11 +11,14 @@ use super::expand::Energy;
 use crate::mesh::NONE;
 use crate::segment::regions::Groups;
 
-/// A share of the area of a group of surfaces: it is freeform where neighbours hold as much of it too, because a face
-/// of a part has one surface.
+/// A share of the area of a surface: it is ambiguous where neighbours hold as much of it too, because a face of a part
+/// has one surface.
 const COMMON_SHARE: f64 = 0.35;
 /// The same where pieces that a wave may part were merged before, because they have less in common then.
 const SHARE_WITHIN_WAVES: f64 = 0.25;
+/// A share of the area of a chain: it is freeform where more is on ambiguous surfaces, because the fillets of a part are
+/// ambiguous, the faces between them are not.
+const AMBIGUOUS_SHARE: f64 = 0.5;
 /// A count: fewer surfaces are no chain of pieces, because a blend and the faces beside it have something in common
 /// too.
 const CHAIN_SURFACES: usize = 4;
@@ -63,20 +66,23 @@ pub fn free(energy: &Energy<'_>, label: &mut [u32], held: u32) {
             }
         }
     }
-    let (mut area, mut common) = (vec![0.0; groups.len()], vec![0.0; groups.len()]);
-    let mut size = vec![0usize; groups.len()];
-    for l in held..groups.len() as u32 {
-        let r = root(&home, l) as usize;
-        size[r] += usize::from(!groups.of(l).is_empty());
-        for &k in groups.of(l) {
-            area[r] += energy.surface.areas[k as usize];
-            common[r] += if shared[k as usize] { energy.surface.areas[k as usize] } else { 0.0 };
-        }
-    }
     let share = if energy.noise.has_waves() { SHARE_WITHIN_WAVES } else { COMMON_SHARE };
+    let (mut area, mut ambiguous) = (vec![0.0; groups.len()], vec![0.0; groups.len()]);
+    let mut size = vec![0; groups.len()];
     for l in held..groups.len() as u32 {
         let r = root(&home, l) as usize;
-        if size[r] >= CHAIN_SURFACES && common[r] > share * area[r] {
+        let (mut own, mut common) = (0.0, 0.0);
+        for &k in groups.of(l) {
+            own += energy.surface.areas[k as usize];
+            common += if shared[k as usize] { energy.surface.areas[k as usize] } else { 0.0 };
+        }
+        size[r] += usize::from(!groups.of(l).is_empty());
+        area[r] += own;
+        ambiguous[r] += if common > share * own { own } else { 0.0 };
+    }
+    for l in held..groups.len() as u32 {
+        let r = root(&home, l) as usize;
+        if size[r] >= CHAIN_SURFACES && ambiguous[r] > AMBIGUOUS_SHARE * area[r] {
             groups.of(l).iter().for_each(|&k| label[k as usize] = NONE);
         }
     }

@@ -26,8 +26,19 @@ const DOUBTFUL_SHARE: f64 = 0.1;
 /// where it does not reach.
 pub const TWIN_FACTOR: f64 = 4.0;
 
-/// The exact surfaces of a mesh that are held, per surface.
-pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
+/// How sure it is that an exact surface is no chance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hold {
+    /// It may be: its triangles are divided like all others.
+    None,
+    /// It is held.
+    Sure,
+    /// It is held, and as exact as careful files are: no waves are that flat, or that round.
+    Exact,
+}
+
+/// Which of the exact surfaces of a mesh are held, per surface.
+pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<Hold> {
     let t = surface.triangles;
     let count = exact.primitives.len();
     // The only surface around every vertex.
@@ -68,7 +79,12 @@ pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<bool> {
     let doubtful: f64 = free + (0..count).filter(|&l| is_plane(l) && !sure(l)).map(|l| area[l]).sum::<f64>();
     // The strips of a coarse tessellation have no vertex inside either: beside other exact surfaces they are no chance.
     let clean = doubtful <= DOUBTFUL_SHARE * surface.total_area;
-    (0..count).map(|l| sure(l) || clean && !is_plane(l)).collect()
+    let hold = |l: usize| match sure(l) || clean && !is_plane(l) {
+        true if off[l] <= exact.close => Hold::Exact,
+        true => Hold::Sure,
+        false => Hold::None,
+    };
+    (0..count).map(hold).collect()
 }
 
 /// For every held surface the first, larger one that is the same: pieces of one face that what lies between has parted.
