@@ -313,7 +313,7 @@ fn free_wrong(energy: &Energy<'_>, label: &mut [u32]) {
 }
 
 /// Gives crumbs to their neighbours; larger pieces without a surface are faces of their own.
-fn without_crumbs(energy: &Energy<'_>, label: &mut Vec<u32>, order: &[u32], context: &Context) -> Result<()> {
+fn without_crumbs(energy: &Energy<'_>, label: &mut [u32], order: &[u32], context: &Context) -> Result<()> {
     let (surface, models) = (energy.surface, energy.models.len() as u32);
     let next = count(label) as u32;
     let part = connected(surface, label, order);
