@@ -11,15 +11,14 @@
 
 use super::dual::Dual;
 use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::triangle_area_vector;
 use crate::numeric::sparse::Complex;
 use glam::{DMat3, DVec3};
 
 /// Weight of a guide: well above that of the smoothness, because a guide is what somebody has drawn.
 const GUIDE_WEIGHT: f64 = 20.0;
-/// A share of the mean edge: two places of a guide are no farther apart, so that no triangle below is left out.
+/// A share of an edge: two places of a guide are no farther apart, so that no triangle below is left out.
 const GUIDE_STEP: f64 = 0.3;
-/// A count of mean edges: a guide says nothing of a surface that is farther from it.
+/// A count of edges: a guide says nothing of a surface that is farther from it.
 const GUIDE_REACH: f64 = 2.0;
 /// A count: rings of triangles whose edges say how the surface bends, because a single one is as rough as the triangles.
 const CURVATURE_RINGS: usize = 2;
@@ -27,16 +26,12 @@ const CURVATURE_RINGS: usize = 2;
 const MOST_CURVATURE: f64 = 1.0;
 
 /// The triangles below guides, segments near a surface, with where these lead there; one comes as often as a place is above it.
-pub fn below_guides(points: &[DVec3], triangles: &[[u32; 3]], guides: &[[DVec3; 2]]) -> Vec<(u32, DVec3)> {
+/// `edge`: how long an edge is on which guides are to tell.
+pub fn below_guides(points: &[DVec3], triangles: &[[u32; 3]], guides: &[[DVec3; 2]], edge: f64) -> Vec<(u32, DVec3)> {
     if guides.is_empty() {
         return Vec::new();
     }
     let tree = TriangleTree::new(points, triangles);
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| points[v as usize]);
-        triangle_area_vector(a, b, c).length()
-    };
-    let edge = (2.0 * triangles.iter().map(area).sum::<f64>() / triangles.len().max(1) as f64).sqrt();
     let mut found = Vec::new();
     for ends in guides {
         let along = ends[1] - ends[0];
@@ -53,7 +48,8 @@ pub fn to_guides(dual: &mut Dual<'_>, guides: &[[DVec3; 2]]) {
     let t = dual.triangles;
     let corners: Vec<[u32; 3]> = (0..t.len() as u32).map(|i| t.triangle(i)).collect();
     let mut asked = vec![Complex::new(0.0, 0.0); t.len()];
-    for (i, along) in below_guides(t.points(), &corners, guides) {
+    let edge = (2.0 * dual.areas.iter().sum::<f64>() / t.len().max(1) as f64).sqrt();
+    for (i, along) in below_guides(t.points(), &corners, guides, edge) {
         let i = i as usize;
         asked[i] += of_angle(along.dot(dual.y[i]).atan2(along.dot(dual.x[i])), along.length());
     }

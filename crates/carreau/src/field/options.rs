@@ -37,7 +37,7 @@ pub enum Propagation {
     Global,
 }
 
-/// Options of [`field`].
+/// Options of [`field`](super::field()).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FieldOptions {

@@ -6,7 +6,8 @@ use super::sizes::Sizes;
 use super::source::Source;
 use super::symmetry::MirrorPlane;
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::field::below_guides;
 use crate::mesh::SurfaceMesh;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -39,6 +40,14 @@ impl Guidance {
             None if options.adaptive => Sizes::of_curvature(source, length, context)?,
             None => None,
         };
+        let corners: Vec<[u32; 3]> =
+            source.surface.mesh.faces().corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        let guides = &options.guides;
+        if !guides.is_empty() && below_guides(source.surface.mesh.points(), &corners, guides, length).is_empty() {
+            return Err(Error::Options(
+                "guides: no place of them is within two edges of the quads from the surface".into(),
+            ));
+        }
         Ok(Guidance { sizes: sizes.map(Arc::new), guides: options.guides.clone(), ..Guidance::default() })
     }
 }

@@ -279,7 +279,7 @@ impl QuadOptions {
     /// Refuses values out of range.
     ///
     /// # Errors
-    /// [`Error::Options`](crate::Error::Options).
+    /// [`Error::Options`].
     pub fn validate(&self) -> Result<()> {
         self.features.validate()?;
         check_size(self.quads, self.edge_length)?;

@@ -115,6 +115,8 @@ fn wrong_options_are_refused() {
     assert!(wrong(QuadOptions { quads: 0, ..QuadOptions::default() }));
     assert!(wrong(QuadOptions { rung: 5, ..QuadOptions::default() }));
     assert!(wrong(QuadOptions { edge_length: Some(f64::NAN), ..QuadOptions::default() }));
+    assert!(wrong(QuadOptions { guides: vec![[DVec3::splat(9.0), DVec3::splat(10.0)]], ..QuadOptions::default() }));
+    assert!(wrong(QuadOptions { adaptive: true, sizes: Some("size".into()), ..QuadOptions::default() }));
     let few = QuadOptions { quads: 200, max_quads: Some(10), ..QuadOptions::default() };
     assert!(matches!(quads(&mesh, &few, &Context::new()), Err(Error::Numeric(why)) if why.contains("at most 10")));
     let empty = triangles(&[DVec3::ZERO], &[]);

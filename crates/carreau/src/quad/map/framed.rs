@@ -158,7 +158,8 @@ impl Framed {
             let middle = |t: &[u32; 3]| t.iter().map(|&v| self.points[v as usize]).sum::<DVec3>() / 3.0;
             self.size = self.triangles.iter().map(|t| sizes.at(middle(t))).collect();
         }
-        for (t, _) in below_guides(&self.points, &self.triangles, &guidance.guides) {
+        let edge = (2.0 * self.area.iter().sum::<f64>() / self.area.len().max(1) as f64).sqrt();
+        for (t, _) in below_guides(&self.points, &self.triangles, &guidance.guides, edge) {
             self.weight[t as usize] = GUIDED_WEIGHT;
         }
         self
