@@ -16,7 +16,7 @@ use tempfile::TempDir;
 
 /// Files that the pages begin with: name, model, resolution.
 const MODELS: &[(&str, &str, &str)] = &[
-    ("scan.ply", "noisy-torus", "16"),
+    ("scan.ply", "noisy-torus", "24"),
     ("scan.stl", "noisy-torus", "16"),
     ("scan.obj", "noisy-torus", "16"),
     ("soup.obj", "noisy-torus", "16"),

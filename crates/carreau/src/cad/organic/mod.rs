@@ -51,6 +51,9 @@ use tracks::Walls;
 /// A count: quads of a body between which the blocks are drawn, because with fewer, quads of thin parts get worse, and
 /// with more, tracks meet less often. The second number is for scans with which the first makes no valid model.
 const QUADS_A_BODY: [usize; 2] = [800, 1600];
+/// A count: quads for every vertex of the scan at most, because between these nothing is known; more where these make no valid model,
+/// or a coarse scan would be tried twice with the same quads.
+const QUADS_A_VERTEX: [usize; 2] = [1, 4];
 /// A count: quads in any case, because fewer have irregular vertices next to each other.
 const LEAST_QUADS: usize = 200;
 /// A count: bodies for which there are as many quads, because a scan with more has scraps among them, and time grows
@@ -136,9 +139,8 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let tolerance = options.tolerance.unwrap_or(ORGANIC_TOLERANCE * mesh.diagonal());
     let bodies = bodies(mesh).min(MOST_BODIES);
     let mut last = None;
-    for count in QUADS_A_BODY {
-        // No more than the scan has vertices: between these nothing is known.
-        let count = (bodies * count).min(mesh.vertex_count().max(LEAST_QUADS));
+    for (count, per_vertex) in QUADS_A_BODY.into_iter().zip(QUADS_A_VERTEX) {
+        let count = (bodies * count).min((per_vertex * mesh.vertex_count()).max(LEAST_QUADS));
         match attempt(mesh, tolerance, &quad_options(count, options.style), context) {
             Err(Error::Numeric(reason)) => last = Some(reason),
             done => return done,
