@@ -602,6 +602,7 @@ def quad(
     sizes: str | None = None,
     symmetry: Literal["off", "x", "y", "z", "auto"] | None = None,
     guides: File | None = None,
+    curvature: float | None = None,
     max_quads: int | None = None,
     feature_angle: float | None = None,
     features: ArrayLike | File | None = None,
@@ -628,6 +629,8 @@ def quad(
         Make the quads of one half and mirror them: across an axis, or across all planes of symmetry ("off").
     guides : path, optional
         A file of polylines on the surface that rows of quads follow.
+    curvature : float, optional
+        Weight of the directions of curvature in the field; 0 gives fewer irregular vertices (0.03).
     max_quads : int, optional
         More quads are refused.
     feature_angle : float, optional

@@ -52,6 +52,10 @@ pub struct Quad {
     /// A file of polylines on the surface that rows of quads follow, such as an OBJ with l lines
     #[arg(long, value_name = "FILE")]
     guides: Option<PathBuf>,
+    /// Weight of the directions of curvature in the field; 0 gives fewer irregular vertices, larger ones run along limbs more
+    /// strictly [default: 0.03]
+    #[arg(long, value_name = "WEIGHT")]
+    curvature: Option<f64>,
     /// Refuses meshes with more quads than this
     #[arg(long, value_name = "N")]
     max_quads: Option<usize>,
@@ -108,6 +112,7 @@ impl Quad {
         all.quad.adaptive |= self.adaptive;
         all.quad.sizes = if self.adaptive { None } else { self.sizes.clone().or(all.quad.sizes) };
         all.quad.symmetry = self.symmetry.unwrap_or(all.quad.symmetry);
+        all.quad.curvature = self.curvature.unwrap_or(all.quad.curvature);
         all.quad.max_quads = self.max_quads.or(all.quad.max_quads);
         all.guides = self.guides.clone().or(all.guides);
         all.features = self.features.over(all.features);

@@ -43,6 +43,7 @@ use relax::Relaxed;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use target::Spread;
 
+pub(crate) use options::MOST_CURVATURE_WEIGHT;
 pub use options::{FieldOptions, Pin, Propagation};
 
 /// A fan of triangles around a vertex, between two features or all around.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// A weight: directions of curvature do not count more, because nothing but them would.
-const MOST_CURVATURE_WEIGHT: f64 = 1e3;
+pub(crate) const MOST_CURVATURE_WEIGHT: f64 = 1e3;
 
 /// Which corners are pinned to one quad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -32,9 +32,6 @@ const PATH_SHARE: f64 = 0.8;
 const HELD_TAG: i32 = 2;
 /// A share of the diagonal: vertices on features are so near, because they are put back to them but for rounding.
 const ON_FEATURE: f64 = 1e-5;
-/// Weight of the directions of curvature in the field: little beside the smoothness, so that they turn the field along limbs and
-/// make no singularities.
-const CURVATURE: f64 = 0.03;
 /// The name of a vertex property: how long edges are to be.
 const SIZE: &str = "size";
 
@@ -268,7 +265,11 @@ fn most(path: &[u32], found: &[([u32; 2], u32)], points: &[DVec3]) -> Option<u32
 /// The frame field of the coarse triangles, as quads are to run.
 pub fn field_of(coarse: &Coarse, source: &Source, context: &Context) -> Result<Field> {
     let guides = source.guidance.guides.clone();
-    field_with(coarse, FieldOptions { curvature: CURVATURE, guides, ..FieldOptions::default() }, context)
+    field_with(
+        coarse,
+        FieldOptions { curvature: source.guidance.curvature, guides, ..FieldOptions::default() },
+        context,
+    )
 }
 
 /// The smoothest frame field of the coarse triangles.

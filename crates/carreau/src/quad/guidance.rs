@@ -22,6 +22,8 @@ pub struct Guidance {
     pub cut_places: FxHashSet<EdgePlace>,
     /// How long edges are to be, where they are not to be even.
     pub sizes: Option<Arc<Sizes>>,
+    /// Weight of the directions of curvature in the field.
+    pub curvature: f64,
     /// Segments that rows of quads follow.
     pub guides: Vec<[DVec3; 2]>,
 }
@@ -48,6 +50,11 @@ impl Guidance {
                 "guides: no place of them is within two edges of the quads from the surface".into(),
             ));
         }
-        Ok(Guidance { sizes: sizes.map(Arc::new), guides: options.guides.clone(), ..Guidance::default() })
+        Ok(Guidance {
+            sizes: sizes.map(Arc::new),
+            curvature: options.curvature,
+            guides: guides.clone(),
+            ..Guidance::default()
+        })
     }
 }

@@ -67,6 +67,7 @@ pub use symmetry::{MirrorPlane, Symmetry};
 use crate::bounds::{positive, within};
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::field::MOST_CURVATURE_WEIGHT;
 use crate::geometry::features::{FeatureOptions, FoundFeatures};
 use crate::mesh::{Column, Polygons, SurfaceMesh, UnitScale, VertexId, divided};
 use glam::DVec3;
@@ -100,6 +101,9 @@ pub struct QuadOptions {
     /// Name of a vertex property that says how long the edges are to be, relative to each other; where it is a colour, red makes
     /// quads smaller.
     pub sizes: Option<String>,
+    /// Weight of the directions of curvature in the field, see [`FieldOptions`](crate::field::FieldOptions::curvature): quads run along limbs
+    /// with it, and have fewer irregular vertices without.
+    pub curvature: f64,
     /// More quads are refused.
     pub max_quads: Option<usize>,
     /// Segments on the surface that rows of quads follow.
@@ -117,6 +121,7 @@ impl Default for QuadOptions {
             symmetry: Symmetry::Off,
             adaptive: false,
             sizes: None,
+            curvature: CURVATURE,
             max_quads: None,
             guides: Vec::new(),
         }
@@ -160,6 +165,9 @@ impl Quads {
     }
 }
 
+/// Weight of the directions of curvature in the field: little beside the smoothness, so that they turn the field along limbs and
+/// make no singularities.
+const CURVATURE: f64 = 0.03;
 /// A share of the number: quads that are wanted are met within it, because features need what they need.
 const NUMBER_WITHIN: f64 = 0.1;
 /// A count: rounds in which quads that are no good go back to where they were, because each may spoil those beside it.
@@ -283,6 +291,7 @@ impl QuadOptions {
     pub fn validate(&self) -> Result<()> {
         self.features.validate()?;
         check_size(self.quads, self.edge_length)?;
+        within("curvature", self.curvature, 0.0..=MOST_CURVATURE_WEIGHT, "")?;
         if self.adaptive && self.sizes.is_some() {
             return Err(Error::Options("sizes: either adaptive or by a property, not both".into()));
         }

@@ -169,7 +169,8 @@ fn quad_options(quads: usize, style: Style) -> QuadOptions {
         Style::Organic => FeatureOptions { angle_deg: None, ..FeatureOptions::default() },
         Style::Auto | Style::Mechanical => FeatureOptions::auto(),
     };
-    QuadOptions { features, quads, ..QuadOptions::default() }
+    // Every irregular vertex costs faces.
+    QuadOptions { features, quads, curvature: 0.0, ..QuadOptions::default() }
 }
 
 fn attempt(mesh: &SurfaceMesh, tolerance: f64, wanted: &QuadOptions, context: &Context) -> Result<CadModel> {
