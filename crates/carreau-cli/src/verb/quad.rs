@@ -26,7 +26,7 @@ use std::path::PathBuf;
     carreau quad part.stl -o quads.obj\n  \
     carreau quad part.obj -o quads.mesh --quads 2000 --json quads.json --picture quads.png\n  \
     carreau quad scan.ply -o quads.vtu --edge-length 2% --feature-angle 180\n  \
-    carreau quad head.obj -o quads.obj --symmetry auto --adaptive")]
+    carreau quad scan.ply -o quads.obj --symmetry auto --adaptive")]
 pub struct Quad {
     /// The surface; polygons are cut into triangles
     input: PathBuf,
