@@ -41,11 +41,25 @@ pub struct Made {
 }
 
 /// The best quads, with the surface whose features they keep.
-pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<(Source, Made)> {
+pub fn best(
+    mut source: Source,
+    mesh: &SurfaceMesh,
+    options: &QuadOptions,
+    context: &Context,
+) -> Result<(Source, Made)> {
     if let Some(made) = sewn_and_cut(&source, options, context)? {
         return Ok((source, made));
     }
-    let map = of_map(&source, options, context)?;
+    let mut map = of_map(&source, options, context)?;
+    if options.rung == 1 && !map.will_do() && source.guidance.curvature > 0.0 {
+        // The smoothest field has fewer singularities.
+        source.guidance.curvature = 0.0;
+        let smoothest = of_map(&source, options, context)?;
+        let cost = |of: &OfMap| of.best.as_ref().map_or((true, None), |b| (b.loses, Some(b.cost)));
+        if smoothest.will_do() || map.best.is_none() || smoothest.best.is_some() && cost(&smoothest) < cost(&map) {
+            map = smoothest;
+        }
+    }
     let may_leave_out = options.rung == 1 && source.is_noisy && options.features.creases == Creases::Auto;
     if may_leave_out
         && !map.will_do()
