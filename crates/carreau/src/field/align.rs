@@ -11,6 +11,7 @@
 
 use super::dual::Dual;
 use crate::geometry::search_tree::TriangleTree;
+use crate::numeric::eigen3::outer;
 use crate::numeric::sparse::Complex;
 use glam::{DMat3, DVec3};
 
@@ -100,8 +101,7 @@ fn bend(dual: &Dual<'_>, e: usize) -> DMat3 {
     let Some(way) = along.try_normalize() else { return DMat3::ZERO };
     let angle = i.cross(j).dot(way).atan2(i.dot(j));
     let across = way.cross(i + j).normalize_or_zero();
-    let outer = DMat3::from_cols(across * across.x, across * across.y, across * across.z);
-    outer * (angle * along.length())
+    outer(across) * (angle * along.length())
 }
 
 fn of_angle(angle: f64, weight: f64) -> Complex {
