@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -57,15 +58,20 @@ def commit():
     return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "--untracked-files=no") else "")
 
 
-def write_between(page, name, text):
-    """Puts text between the page's markers of that name; other text stays. Both must be there."""
+def around(page, name):
+    """The text of a page before, between and after the markers of that name; both must be there."""
     begin, end = f"<!-- generated: {name} -->", f"<!-- end: {name} -->"
-    old = Path(page).read_text()
-    before, found, rest = old.partition(begin)
-    _, closed, after = rest.partition(end)
+    before, found, rest = Path(page).read_text().partition(begin)
+    between, closed, after = rest.partition(end)
     if not found or not closed:
         raise SystemExit(f"{page}: the markers {begin} and {end} are missing")
-    Path(page).write_text(f"{before}{begin}\n\n{text.strip()}\n\n{end}{after}")
+    return before + begin, between, end + after
+
+
+def write_between(page, name, text):
+    """Puts text between the page's markers of that name; other text stays."""
+    before, _, after = around(page, name)
+    Path(page).write_text(f"{before}\n\n{text.strip()}\n\n{after}")
 
 
 # A child's peak memory begins at its parent's, so a small process in between starts and measures it.
@@ -124,6 +130,22 @@ def libigl_seconds(source, radius):
     """CPU seconds of libigl's principal_curvature alone, in a process of its own: adjacency included, reading not."""
     out = subprocess.run([sys.executable, __file__, source, str(radius)], capture_output=True, text=True)
     return float(out.stdout) if out.returncode == 0 and out.stdout else None
+
+
+def beside_libigl(a, verbs):
+    """Prints a table of CPU seconds: verbs of carreau by the names of their rows, and libigl's principal_curvature."""
+    print("CPU seconds on one thread, medians; carreau: the process but for reading, libigl: the call alone\n")
+    print("| file | tool | triangles | CPU s |\n|---|---|---|---|")
+    for source in a.files:
+        seconds = {name: [] for name in (*verbs, "libigl")}
+        for _ in range(a.runs):  # alternating, so that a busy machine is busy for all
+            for name, verb in verbs.items():
+                seconds[name].append(carreau_seconds(a.carreau, verb[0], source, *verb[1:]))
+            seconds["libigl"].append(libigl_seconds(source, a.radius))
+        triangles = len(read_obj(source)[1])
+        for name, found in seconds.items():
+            median = "failed" if None in found else f"{statistics.median(found):.3f}"
+            print(f"| {os.path.basename(source)} | {name} | {triangles} | {median} |", flush=True)
 
 
 if __name__ == "__main__":
