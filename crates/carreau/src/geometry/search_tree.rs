@@ -262,8 +262,11 @@ impl TriangleTree {
     /// Calls `visit` for every triangle that the ray meets up to `t_max`, in no particular but always the same order.
     ///
     /// A ray through an edge or a vertex meets at least one of the triangles there. Triangles that it only grazes, lying
-    /// in their plane, are not met.
+    /// in their plane, are not met. Without a direction there is no ray, and nothing is met.
     pub fn along_ray(&self, origin: DVec3, direction: DVec3, t_max: f64, mut visit: impl FnMut(Hit)) {
+        if !(direction.abs().max_element() > 0.0) {
+            return;
+        }
         let ray = Ray::new(origin, direction);
         // Triangles that were met in another slice.
         let mut met = Vec::new();
@@ -647,11 +650,14 @@ mod tests {
             let mesh = sphere(2);
             let tree = tree_of(&mesh);
             let vertex = mesh.points()[(toward.x.abs() * 160.0) as usize];
-            let first = tree.first_hit(origin * 0.9 / 1.8, vertex - origin * 0.9 / 1.8).unwrap();
+            let inside = origin * 0.9 / 1.8;
+            let first = tree.first_hit(inside, vertex - inside).unwrap();
             prop_assert!((first.t - 1.0).abs() < 1e-9 && !first.front);
             let outside = origin.normalize_or(DVec3::X) * 3.0;
             prop_assert!(tree.first_hit(outside, toward * 0.4 - outside).unwrap().front);
             prop_assert!(tree.first_hit(outside, outside).is_none());
+            // Without a direction there is nothing along it, wherever it begins.
+            prop_assert!([inside, outside].into_iter().all(|p| tree.first_hit(p, DVec3::ZERO).is_none()));
         }
 
         #[test]
