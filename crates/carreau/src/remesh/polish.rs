@@ -20,7 +20,7 @@ const POOR: f64 = 0.9;
 /// Sweeps over the poor triangles.
 const POLISHING_SWEEPS: usize = 6;
 /// Judgements for every triangle of the mesh before the worst are left as they are.
-const EFFORT: usize = 500;
+const EFFORT: usize = 150;
 /// Places that a vertex tries at most.
 const PLACES: usize = 40;
 /// Neighbours that are moved for the sake of one triangle.
