@@ -40,7 +40,7 @@ impl Guidance {
         let sizes = match &options.sizes {
             Some(name) => Some(Sizes::of_property(mesh, name, length)?),
             None if options.adaptive => Sizes::of_curvature(source, length, context)?,
-            None => None,
+            None => Sizes::of_limbs(source, length, context)?,
         };
         let corners: Vec<[u32; 3]> =
             source.surface.mesh.faces().corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();

@@ -40,6 +40,7 @@ mod halve;
 mod judged;
 mod junction;
 mod lift;
+mod limbs;
 mod map;
 mod mapped;
 mod methods;

@@ -10,6 +10,7 @@
 //! Lengths stay within a range, change by little from one quad to the next, and leave the number of quads what it is.
 
 use super::coarse::{Follow, coarse};
+use super::limbs;
 use super::map::{WORKING_EDGES, WORKING_SMALLEST};
 use super::source::Source;
 use crate::context::Context;
@@ -24,6 +25,8 @@ use glam::DVec3;
 const CURVATURE_RANGE: [f64; 2] = [0.5, 2.0];
 /// Factors of the even length: the same for a property, which is what somebody wants.
 const PROPERTY_RANGE: [f64; 2] = [0.25, 4.0];
+/// Factors of the even length: edges are no shorter on limbs, because these would take too many of the quads.
+const LIMB_RANGE: [f64; 2] = [0.3, 1.5];
 /// A share: edges become no longer than this from one to the next, because quads beside each other are to look alike.
 const GROWTH: f64 = 0.2;
 /// A count: sweeps over the edges in which that is seen to, because lengths spread from edge to edge.
@@ -50,6 +53,13 @@ impl Sizes {
         let of = curvature(triangles, &found.is_feature, &CurvatureOptions::default(), context)?;
         let wanted = of.kmin.iter().zip(&of.kmax).map(|(a, b)| a.abs().max(b.abs()).sqrt().recip()).collect();
         Ok(Some(Self::new(triangles, wanted, CURVATURE_RANGE, length)))
+    }
+
+    /// Shorter on limbs that even quads have no room around; `None` where there are none.
+    pub fn of_limbs(source: &Source, length: f64, context: &Context) -> Result<Option<Self>> {
+        let Some(triangles) = Triangles::of(&source.surface.mesh) else { return Ok(None) };
+        let wanted = limbs::lengths(source, triangles, length, context)?;
+        Ok(wanted.map(|wanted| Self::new(triangles, wanted, LIMB_RANGE, length)))
     }
 
     /// As a vertex property says: a number is a relative length, a colour makes quads smaller where it is red, and larger where it
