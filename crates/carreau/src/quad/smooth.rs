@@ -217,8 +217,9 @@ fn relax(work: &mut Work, around: &Around, source: &Source, v: u32) -> bool {
     let ring = Ring::new(work, around, v);
     let least = ring.now.min(GOOD_SHAPE);
     let up = ring.up();
-    let mut places =
-        WAY_SHARES.iter().filter_map(|share| work.put_back_facing(source, v, from + (mean - from) * share, up));
+    // Along the surface alone: across it, vertices of a thin part would slip from its rim to its sides.
+    let step = (mean - from).reject_from_normalized(up.normalize_or(DVec3::ZERO));
+    let mut places = WAY_SHARES.iter().filter_map(|share| work.put_back_facing(source, v, from + step * share, up));
     let Some(to) = places.find(|&to| ring.holds(to, least)) else { return false };
     work.points[v as usize] = to;
     to.distance_squared(from) > 1e-4 * mean.distance_squared(work.points[neighbours[0] as usize])
@@ -347,6 +348,17 @@ mod tests {
         // On their curves still, in order.
         assert!((0..10).all(|k| (0..2).all(|j| work.points[2 * k + 2 + j].x - work.points[2 * k + j].x > 0.4)));
         assert!(work.points.iter().enumerate().all(|(v, p)| p.y == (v % 2) as f64));
+    }
+
+    #[test]
+    fn the_rim_of_a_thin_part_stays_covered() {
+        let context = Context::new();
+        let ball = crate::sample::make("icosphere", Some(40), &context).unwrap();
+        let lens = crate::mesh::test_models::moved(&ball, |p| p * DVec3::new(1.0, 1.0, 0.1));
+        let options = crate::quad::QuadOptions { quads: 400, ..Default::default() };
+        let made = crate::quad::quads(&lens, &options, &context).unwrap();
+        // An edge is 4.5 % of the diagonal.
+        assert!(made.quality.distance_found.unwrap() < 0.02, "{:?}", made.quality);
     }
 
     #[test]
