@@ -262,14 +262,10 @@ fn most(path: &[u32], found: &[([u32; 2], u32)], points: &[DVec3]) -> Option<u32
     (*most.1 >= PATH_SHARE * lengths.values().sum::<f64>()).then_some(*most.0)
 }
 
-/// The frame field of the coarse triangles, as quads are to run.
-pub fn field_of(coarse: &Coarse, source: &Source, context: &Context) -> Result<Field> {
+/// The frame field of the coarse triangles, as quads are to run. `curvature`: the weight of its directions.
+pub fn field_of(coarse: &Coarse, source: &Source, curvature: f64, context: &Context) -> Result<Field> {
     let guides = source.guidance.guides.clone();
-    field_with(
-        coarse,
-        FieldOptions { curvature: source.guidance.curvature, guides, ..FieldOptions::default() },
-        context,
-    )
+    field_with(coarse, FieldOptions { curvature, guides, ..FieldOptions::default() }, context)
 }
 
 /// The smoothest frame field of the coarse triangles.

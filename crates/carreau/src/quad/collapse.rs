@@ -42,14 +42,13 @@ const SMOOTHED_RINGS: usize = 3;
 pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<bool> {
     let mut best: Option<(usize, usize, bool, Work)> = None;
     for round in 0..COLLAPSE_ROUNDS {
-        let no_good: Vec<u32> = faults(work, source).map(|(q, _)| q as u32).collect();
-        let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < COLLAPSED_SHAPE).map(|(_, q)| q);
-        let bad: Vec<u32> = no_good.iter().copied().chain(poor).collect();
-        let count = no_good.len() * work.faces.len() + bad.len();
-        tracing::debug!(target: "carreau::quad", round, no_good = no_good.len(), bad = bad.len(), "to be collapsed");
+        let wrong = faults(work, source).count();
+        let bad = no_good(work, source);
+        let count = wrong * work.faces.len() + bad.len();
+        tracing::debug!(target: "carreau::quad", round, wrong, bad = bad.len(), "to be collapsed");
         let is_best = best.as_ref().is_none_or(|b| count < b.0);
         if is_best {
-            best = Some((count, round, no_good.is_empty(), work.clone()));
+            best = Some((count, round, wrong == 0, work.clone()));
         }
         let since = best.as_ref().map_or(0, |b| round - b.1);
         if bad.is_empty() || since > COLLAPSE_PATIENCE || bad.len() as f64 > MOST_COLLAPSED * work.faces.len() as f64 {
@@ -60,13 +59,24 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<b
         if near.is_empty() {
             break;
         }
-        let around = Around::new(work);
-        let near = rings(work, &around, near);
-        smooth_near(work, &around, source, &near, context)?;
+        smooth_around(work, source, near, context)?;
     }
     let Some((_, _, is_good, found)) = best else { return Ok(false) };
     *work = found;
     Ok(is_good)
+}
+
+/// Quads that look the wrong way, are inverted, or are all but: some of them twice.
+pub fn no_good(work: &Work, source: &Source) -> Vec<u32> {
+    let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < COLLAPSED_SHAPE).map(|(_, q)| q);
+    faults(work, source).map(|(q, _)| q as u32).chain(poor).collect()
+}
+
+/// Smooths the vertices around some.
+pub fn smooth_around(work: &mut Work, source: &Source, vertices: Vec<u32>, context: &Context) -> Result<()> {
+    let around = Around::new(work);
+    let near = rings(work, &around, vertices);
+    smooth_near(work, &around, source, &near, context)
 }
 
 /// The vertices within some rings of quads around others.

@@ -66,6 +66,11 @@ impl Judged {
         self.is_useful() || self.meets_number && !self.loses && !self.is_flat
     }
 
+    /// What orders quads, the best first: what keeps all features goes before what loses some.
+    pub fn worth(&self) -> (bool, Cost) {
+        (self.loses, self.cost)
+    }
+
     /// `gap`: how far the quads are from the surface; `quads`: how many are wanted.
     pub fn new(work: Work, source: &Source, gap: f64, quads: Option<usize>, context: &Context) -> Result<Self> {
         let grade = |beyond: f64, size: f64| (beyond / size).ceil().max(0.0) as u32;

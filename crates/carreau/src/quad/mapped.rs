@@ -1,9 +1,11 @@
 //! Rung 1: quads by global parametrisation, put onto the surface, smoothed and looked at.
 
-use super::collapse::collapse;
+use super::coarse::Coarse;
+use super::collapse::{collapse, no_good, smooth_around};
 use super::judged::{Judged, USELESS_STRAYING};
 use super::lift::{far_vertices, quads_beyond};
-use super::map::{QuadMap, WORKING_EDGES, Wish};
+use super::map::{QuadMap, WORKING_EDGES, Wish, working_mesh};
+use super::release::release;
 use super::smooth::Smoothing;
 use super::source::Source;
 use super::work::Work;
@@ -26,6 +28,9 @@ const FAULTS_LEFT: f64 = 0.9;
 /// where it stays so.
 const TURNED_FAULTS: usize = 10;
 
+/// A count: how often creases are let go at most, because the quads beside those that went may be in the way of others.
+const RELEASES: usize = 3;
+
 /// What a stage gives, or why it gives nothing.
 type OrWhy<T> = std::result::Result<T, String>;
 
@@ -41,9 +46,36 @@ impl OfMap {
     pub fn will_do(&self) -> bool {
         self.best.as_ref().is_some_and(Judged::will_do)
     }
+
+    /// Field after field of a working mesh, until the quads of one will do.
+    fn add_fields(
+        &mut self,
+        source: &Source,
+        coarse: &Coarse,
+        wish: &Wish,
+        left: &mut usize,
+        context: &Context,
+    ) -> Result<()> {
+        let asked = source.guidance.curvature;
+        for curvature in [asked, 0.0].into_iter().take(if asked > 0.0 { 2 } else { 1 }) {
+            match of_field(source, coarse, curvature, wish, left, context)? {
+                Ok(found) if self.best.as_ref().is_none_or(|b| found.worth() < b.worth()) => self.best = Some(found),
+                Ok(_) => {}
+                Err(why) => {
+                    tracing::debug!(target: "carreau::quad", working = wish.working, curvature, why, "no map");
+                    self.refused = why;
+                }
+            }
+            if self.will_do() {
+                break;
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Working mesh after working mesh, until the quads of one are useful.
+/// Working mesh after working mesh, until the quads of one are useful. Each has two fields where the directions of curvature
+/// are to draw them: the smoothest one, which has fewer singularities, is the second.
 pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Result<OfMap> {
     let (length, quads) = match options.edge_length {
         Some(length) => (length, None),
@@ -55,15 +87,9 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
     let meshes = if source.is_noisy { ENOUGH_MESHES } else { WORKING_EDGES.len() };
     for (mesh, working) in WORKING_EDGES.into_iter().take(meshes).enumerate() {
         let wish = Wish { length, quads, working, feature_deg };
-        match of_working_mesh(source, &wish, &mut left, context)? {
-            Ok(found) if of_map.best.as_ref().is_none_or(|b| (found.loses, found.cost) < (b.loses, b.cost)) => {
-                of_map.best = Some(found);
-            }
-            Ok(_) => {}
-            Err(why) => {
-                tracing::debug!(target: "carreau::quad", working, why, "no map");
-                of_map.refused = why;
-            }
+        match or_why(working_mesh(source, &wish, context))? {
+            Ok(coarse) => of_map.add_fields(source, &coarse, &wish, &mut left, context)?,
+            Err(why) => of_map.refused = why,
         }
         let is_met = of_map.best.as_ref().is_some_and(|b| b.is_useful() && b.meets_number);
         if is_met || mesh + 1 >= ENOUGH_MESHES && of_map.will_do() {
@@ -76,8 +102,15 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
     Ok(of_map)
 }
 
-fn of_working_mesh(source: &Source, wish: &Wish, left: &mut usize, context: &Context) -> Result<OrWhy<Judged>> {
-    let mut map = match or_why(QuadMap::new(source, wish, context))? {
+fn of_field(
+    source: &Source,
+    coarse: &Coarse,
+    curvature: f64,
+    wish: &Wish,
+    left: &mut usize,
+    context: &Context,
+) -> Result<OrWhy<Judged>> {
+    let mut map = match or_why(QuadMap::new(source, coarse, curvature, wish, context))? {
         Ok(map) => map,
         Err(why) => return Ok(Err(why)),
     };
@@ -123,6 +156,7 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, left: &mut usize, con
             return Ok(Err(why.into()));
         }
         Smoothing::new(&mut work, source).run(&mut work, source, context)?;
+        let_go(&mut work, source, context)?;
         let mut bad: BTreeSet<usize> = validate::faults(&work, source).map(|(q, _)| q).collect();
         let (no_good, lost) = (bad.len(), lost_curves(&work, source));
         bad.extend(quads_beyond(&work, source, USELESS_STRAYING * wish.length));
@@ -143,13 +177,24 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, left: &mut usize, con
     Ok(best.map(|b| b.1))
 }
 
-/// Curves that are not kept as a whole. Creases of a scan may be too short, or bend too much, for an edge of the quads.
-fn lost_curves(work: &Work, source: &Source) -> Vec<usize> {
-    if source.is_noisy {
-        return Vec::new();
+/// Lets creases go that leave no room for good quads, and smooths around them.
+fn let_go(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
+    for _ in 0..RELEASES {
+        let bad = no_good(work, source);
+        let free = release(work, source, &bad);
+        if free.is_empty() {
+            break;
+        }
+        tracing::debug!(target: "carreau::quad", bad = bad.len(), free = free.len(), "creases let go");
+        smooth_around(work, source, free, context)?;
     }
+    Ok(())
+}
+
+/// Curves that ask for edges and are not kept as a whole.
+fn lost_curves(work: &Work, source: &Source) -> Vec<usize> {
     let lost = validate::lost(work, source);
-    (0..lost.len()).filter(|&curve| lost[curve].length > 0.0).collect()
+    (0..lost.len()).filter(|&curve| lost[curve].length > 0.0 && source.asks_for_edges(curve)).collect()
 }
 
 /// Takes quads that are too far from the surface nearer to it, as long as none is turned over for it.

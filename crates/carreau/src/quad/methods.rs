@@ -41,25 +41,11 @@ pub struct Made {
 }
 
 /// The best quads, with the surface whose features they keep.
-pub fn best(
-    mut source: Source,
-    mesh: &SurfaceMesh,
-    options: &QuadOptions,
-    context: &Context,
-) -> Result<(Source, Made)> {
+pub fn best(source: Source, mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<(Source, Made)> {
     if let Some(made) = sewn_and_cut(&source, options, context)? {
         return Ok((source, made));
     }
-    let mut map = of_map(&source, options, context)?;
-    if options.rung == 1 && !map.will_do() && source.guidance.curvature > 0.0 {
-        // The smoothest field has fewer singularities.
-        source.guidance.curvature = 0.0;
-        let smoothest = of_map(&source, options, context)?;
-        let cost = |of: &OfMap| of.best.as_ref().map_or((true, None), |b| (b.loses, Some(b.cost)));
-        if smoothest.will_do() || map.best.is_none() || smoothest.best.is_some() && cost(&smoothest) < cost(&map) {
-            map = smoothest;
-        }
-    }
+    let map = of_map(&source, options, context)?;
     let may_leave_out = options.rung == 1 && source.is_noisy && options.features.creases == Creases::Auto;
     if may_leave_out
         && !map.will_do()
@@ -106,7 +92,7 @@ fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context
     let pairs = if map.will_do() { None } else { paired::quads(source, options, &mut warnings, context)? };
     let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     // What keeps all features of a part goes before what loses some, however many quads that takes.
-    let best = candidates.min_by(|a, b| (a.0.loses, a.0.cost).cmp(&(b.0.loses, b.0.cost)));
+    let best = candidates.min_by_key(|of| of.0.worth());
     if options.rung == 1 && best.as_ref().is_none_or(|b| b.1 != Method::Map) {
         warnings.push(format!("no map of the surface gave quads: {}", map.refused));
     }

@@ -48,6 +48,7 @@ mod nearer;
 mod pair;
 mod paired;
 mod quality;
+mod release;
 mod scraps;
 mod sew;
 mod sizes;

@@ -119,7 +119,7 @@ fn cost(t: Triangles<'_>, c: u32, frames: &[[DVec3; 2]]) -> Option<f64> {
 
 /// The frames of the coarse triangles.
 fn frames(coarse: &Coarse, source: &Source, context: &Context) -> Result<Vec<[DVec3; 2]>> {
-    let field = field_of(coarse, source, context)?;
+    let field = field_of(coarse, source, source.guidance.curvature, context)?;
     let mut frames = vec![[DVec3::ZERO; 2]; coarse.mesh.face_count()];
     // Parts of a triangle come in any order: the last one decides.
     for (k, &t) in field.source.iter().enumerate() {

@@ -68,6 +68,8 @@ pub struct Source {
     pub is_cut: Vec<bool>,
     /// Sharp edges are noise to a part: what features are left fades out and is as rough as its scan.
     pub is_noisy: bool,
+    /// None of these is asked for by name: what leaves no room for quads may go.
+    pub may_lose_creases: bool,
 }
 
 impl Source {
@@ -78,14 +80,14 @@ impl Source {
             let repaired = surface.repaired.into_iter().chain(what).chain(again.repaired).collect();
             surface = FeaturedSurface { repaired, missing: surface.missing, found: surface.found, ..again };
         }
+        let is_marked = !options.edges.is_empty() || options.tags && !mesh.tagged_edges.is_empty();
+        let may_lose_creases = surface.found.noise.is_high() && !is_marked && options.creases != Creases::Every;
         if let Creases::AtSize(length) = options.creases
-            && surface.found.noise.is_high()
-            && options.edges.is_empty()
-            && (!options.tags || mesh.tagged_edges.is_empty())
+            && may_lose_creases
         {
             drop_around_scraps(&mut surface, length);
         }
-        Self::of(surface, &FxHashSet::default(), context)
+        Ok(Source { may_lose_creases, ..Self::of(surface, &FxHashSet::default(), context)? })
     }
 
     /// The same with the borders sewn that lie on others; `None` where there are none. Regions keep their numbers, curves do
@@ -206,6 +208,7 @@ impl Source {
             is_kept,
             sewn_places: sewn_places.clone(),
             is_held: false,
+            may_lose_creases: false,
             guidance: Guidance::default(),
             is_cut: vec![false; curve_count],
             at_corner,
@@ -219,6 +222,12 @@ impl Source {
     pub fn is_seam(&self, curve: u32) -> bool {
         let [a, b] = self.sides[curve as usize];
         a == b
+    }
+
+    /// Whether a curve is to have the edges that keep it. Creases of a scan, unlike its borders, are as rough as it is, and may be too
+    /// short, or bend too much, for an edge of the quads.
+    pub fn asks_for_edges(&self, curve: usize) -> bool {
+        !self.is_cut[curve] && (!self.is_noisy || self.sides[curve].contains(&NONE))
     }
 
     /// Whether curves end at a point: to the bit.

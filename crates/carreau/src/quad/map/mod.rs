@@ -33,7 +33,7 @@ mod strips;
 mod tuning;
 mod untangle;
 
-use super::coarse::{Follow, coarse, field_of};
+use super::coarse::{Coarse, Follow, coarse, field_of};
 use super::curve::Curve;
 use super::source::Source;
 use super::work::Work;
@@ -82,27 +82,36 @@ pub struct QuadMap {
     corners: Vec<[u32; 3]>,
 }
 
+/// The working mesh of a surface; or why there is none.
+pub fn working_mesh(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Coarse, String>> {
+    if source.area / wish.length.powi(2) > MOST_MAPPED_QUADS {
+        return Ok(Err("so many quads are too many for a map".into()));
+    }
+    let _stage = context.stage("working mesh");
+    let edges = wish.working * wish.length;
+    let found = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)?;
+    Ok(found.ok_or("its features were not found again".into()))
+}
+
 impl QuadMap {
-    /// The map of a surface; or why there is none.
-    pub fn new(source: &Source, wish: &Wish, context: &Context) -> Result<std::result::Result<Self, String>> {
-        let about = source.area / wish.length.powi(2);
-        if about > MOST_MAPPED_QUADS {
-            return Ok(Err("so many quads are too many for a map".into()));
-        }
-        let _stage = context.stage("working mesh");
-        let edges = wish.working * wish.length;
-        let Some(coarse) = coarse(source, edges, Follow::even(WORKING_SMALLEST), wish.feature_deg, context)? else {
-            return Ok(Err("its features were not found again".into()));
-        };
-        let field = field_of(&coarse, source, context)?;
+    /// The map of a surface by the field of its working mesh, in which the directions of curvature have a weight; or why there is
+    /// none.
+    pub fn new(
+        source: &Source,
+        coarse: &Coarse,
+        curvature: f64,
+        wish: &Wish,
+        context: &Context,
+    ) -> Result<std::result::Result<Self, String>> {
+        let field = field_of(coarse, source, curvature, context)?;
         if !field.repaired.is_empty() {
             return Ok(Err("its working mesh is not sound".into()));
         }
         tracing::debug!(target: "carreau::quad", triangles = field.mesh.face_count(), singular = field.singularities(), "working mesh");
-        if field.singularities() as f64 * QUADS_EACH_SINGULARITY > about {
+        if field.singularities() as f64 * QUADS_EACH_SINGULARITY > source.area / wish.length.powi(2) {
             return Ok(Err("the field has too many singularities for so few quads".into()));
         }
-        match Framed::new(&coarse, &field) {
+        match Framed::new(coarse, &field) {
             Ok(framed) => Self::of_frames(framed.led(&source.guidance), fewest(source), wish, context),
             Err(why) => Ok(Err(why)),
         }
@@ -239,11 +248,10 @@ fn growth(before: Option<[f64; 2]>, now: [f64; 2]) -> f64 {
     measured.filter(|m| m.is_finite()).map_or(EVEN_GROWTH, |m| m.clamp(LEAST_GROWTH, EVEN_GROWTH))
 }
 
-/// The fewest edges that keep every curve of a surface; none where one does, or no number. Creases of a scan are as rough as
-/// it is: they ask for nothing.
+/// The fewest edges that keep every curve of a surface; none where one does, or no number.
 fn fewest(source: &Source) -> Vec<usize> {
-    let of = |curve: &Curve| curve.fewest(source, MOST_CURVE_EDGES).filter(|&n| n > 1 && !source.is_noisy).unwrap_or(0);
-    source.paths.iter().zip(&source.is_cut).map(|(path, &is_cut)| if is_cut { 0 } else { of(path) }).collect()
+    let of = |curve: &Curve| curve.fewest(source, MOST_CURVE_EDGES).filter(|&n| n > 1).unwrap_or(0);
+    source.paths.iter().enumerate().map(|(k, curve)| if source.asks_for_edges(k) { of(curve) } else { 0 }).collect()
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ fn source(name: &str, context: &Context) -> Source {
 fn framed(source: &Source, context: &Context) -> (Framed, f64) {
     let length = (source.area / QUADS as f64).sqrt();
     let coarse = coarse(source, 0.9 * length, Follow::even(0.5), 35.0, context).unwrap().unwrap();
-    (Framed::new(&coarse, &field_of(&coarse, source, context).unwrap()).unwrap(), length)
+    (Framed::new(&coarse, &field_of(&coarse, source, 0.0, context).unwrap()).unwrap(), length)
 }
 
 fn mapped(name: &str, context: &Context) -> (Source, Framed, Map) {
