@@ -13,14 +13,17 @@ const NEAR_PLANE: f64 = 0.02;
 /// A share of the diagonal: no vertex is moved by more into the plane.
 const MOST_MOVED: f64 = 1e-4;
 
-/// The half above, with what is left of its tagged edges and of a list of edges; `None` where nothing is above, or below.
-#[allow(clippy::type_complexity)]
-pub fn half(
-    mesh: &SurfaceMesh,
-    edges: &[[VertexId; 2]],
-    plane: &MirrorPlane,
-) -> Result<Option<(SurfaceMesh, Vec<[VertexId; 2]>)>> {
-    let mesh = divided(mesh)?;
+/// A part of a surface.
+pub struct Part {
+    /// Edges that were tagged or listed are tagged.
+    pub mesh: SurfaceMesh,
+    /// All its features.
+    pub features: Vec<[VertexId; 2]>,
+}
+
+/// The half above, with what is left of its tagged edges and of its features; `None` where nothing is above, or below.
+pub fn half(part: &Part, plane: &MirrorPlane) -> Result<Option<Part>> {
+    let mesh = divided(&part.mesh)?;
     let height = heights(&mesh, plane);
     if !height.iter().any(|&h| h > 0.0) || !height.iter().any(|&h| h < 0.0) {
         return Ok(None);
@@ -42,10 +45,10 @@ pub fn half(
         .iter()
         .filter_map(|e| Some(TaggedEdge { ends: cut.edge_above(e.ends)?, tag: e.tag }))
         .collect();
-    let edges = edges.iter().filter_map(|&ends| cut.edge_above(ends)).collect();
+    let features = part.features.iter().filter_map(|&ends| cut.edge_above(ends)).collect();
     let mut above = SurfaceMesh::from_triangles(cut.points, &triangles)?;
     above.tagged_edges = tagged;
-    Ok(Some((above, edges)))
+    Ok(Some(Part { mesh: above, features }))
 }
 
 /// Of every vertex above the plane; zero in it.
@@ -164,8 +167,9 @@ mod tests {
             let offset = normal.dot((low + high) / 2.0) + share * mesh.diagonal();
             let above = MirrorPlane { normal, offset, asymmetry: 0.0 };
             let below = MirrorPlane { normal: -normal, offset: -offset, asymmetry: 0.0 };
-            let halves = [above, below].map(|plane| half(&mesh, &[], &plane).unwrap());
-            let [Some((a, _)), Some((b, _))] = halves else { return Ok(()) };
+            let whole = Part { mesh: mesh.clone(), features: Vec::new() };
+            let halves = [above, below].map(|plane| half(&whole, &plane).unwrap());
+            let [Some(Part { mesh: a, .. }), Some(Part { mesh: b, .. })] = halves else { return Ok(()) };
             prop_assert!((area(&a) + area(&b) - area(&mesh)).abs() < 1e-3 * area(&mesh));
             for (part, plane) in [(&a, above), (&b, below)] {
                 prop_assert!(part.points().iter().all(|&p| plane.height(p) > -1e-12 * mesh.diagonal()));
@@ -183,9 +187,10 @@ mod tests {
         let faces = mesh.faces();
         let all: Vec<[VertexId; 2]> =
             faces.iter().flat_map(|f| (0..3).map(move |k| [f[k], f[(k + 1) % 3]].map(VertexId))).collect();
-        let (above, edges) = half(&mesh, &all, &plane).unwrap().unwrap();
-        assert!(!edges.is_empty() && edges.len() < all.len());
-        let half_edges = above.half_edges();
-        assert!(edges.iter().all(|e| half_edges.find(e[0].0, e[1].0).is_some()));
+        let count = all.len();
+        let above = half(&Part { mesh, features: all }, &plane).unwrap().unwrap();
+        assert!(!above.features.is_empty() && above.features.len() < count);
+        let half_edges = above.mesh.half_edges();
+        assert!(above.features.iter().all(|e| half_edges.find(e[0].0, e[1].0).is_some()));
     }
 }

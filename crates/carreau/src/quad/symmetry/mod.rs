@@ -33,7 +33,7 @@ use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, length_of_squares};
 use crate::mesh::{CornerId, SurfaceMesh, TaggedEdge, UnitScale, VertexId};
 use glam::DVec3;
-use half::half;
+use half::{Part, half};
 use mirror::{mirrored, on_source};
 use planes::Found;
 use rustc_hash::FxHashSet;
@@ -142,7 +142,7 @@ fn of_planes(
 ) -> Result<std::result::Result<Symmetric, String>> {
     let features = sized(&options.features, mesh, options.quads, options.edge_length);
     let source = guided(Source::new(mesh, &features, context)?, mesh, options, context)?;
-    let Some((part, edges)) = part(&source, &options.features, mesh, &planes)? else {
+    let Some(Part { mesh: part, features: edges }) = part(&source, &options.features, mesh, &planes)? else {
         return Ok(Err("a plane of symmetry has nothing on one side".into()));
     };
     let tags_alone = FeatureOptions { edges: Vec::new(), tags: true, ..options.features.clone() };
@@ -167,13 +167,7 @@ fn of_planes(
 
 /// The part of a surface above all planes, and its features; those that were tagged or listed are its tagged edges. `None` where
 /// there is none.
-#[allow(clippy::type_complexity)]
-fn part(
-    source: &Source,
-    wanted: &FeatureOptions,
-    mesh: &SurfaceMesh,
-    planes: &[MirrorPlane],
-) -> Result<Option<(SurfaceMesh, Vec<[VertexId; 2]>)>> {
+fn part(source: &Source, wanted: &FeatureOptions, mesh: &SurfaceMesh, planes: &[MirrorPlane]) -> Result<Option<Part>> {
     let mut part = source.surface.mesh.clone();
     part.attributes = Default::default();
     // Listed edges have the numbers of the input, which repairs change.
@@ -182,12 +176,13 @@ fn part(
         part.tagged_edges.clear();
     }
     part.tagged_edges.extend(listed.iter().map(|&ends| TaggedEdge { ends, tag: 1 }));
-    let mut edges: Vec<[VertexId; 2]> = source.edges.iter().map(|ends| ends.map(VertexId)).collect();
+    let features = source.edges.iter().map(|ends| ends.map(VertexId)).collect();
+    let mut part = Part { mesh: part, features };
     for plane in planes {
-        let Some(half) = half(&part, &edges, plane)? else { return Ok(None) };
-        (part, edges) = half;
+        let Some(above) = half(&part, plane)? else { return Ok(None) };
+        part = above;
     }
-    Ok(Some((part, edges)))
+    Ok(Some(part))
 }
 
 /// Borders of a part where the whole surface has no feature.
