@@ -89,6 +89,14 @@ OPERATIONS: dict[str, Operation] = {
             Option("quads", _noop("Number of quads"), 3000, _noop("Met within 10 % where the sharp edges allow it")),
             _ANGLE,
             Option(
+                "symmetry",
+                _noop("Symmetry"),
+                "off",
+                _noop("x, y, z: across that axis; auto: across the planes of symmetry that the mesh has"),
+                ("off", "x", "y", "z", "auto"),
+            ),
+            Option("adaptive", _noop("Adaptive sizes"), False, _noop("Smaller quads where the surface bends")),
+            Option(
                 "as_triangles",
                 _noop("As a mesh of triangles"),
                 False,

@@ -41,6 +41,17 @@ def test_quads_as_triangles_are_a_closed_mesh(put):
     assert same_place(made.Placement, mesh.Placement)
 
 
+def test_quads_are_mirrored_across_an_axis(put):
+    mesh = put("torus")
+    (made,) = cf.quads(mesh, quads=400, symmetry="x", adaptive=True)
+    back = made.Placement.inverse()
+    places = [back.multVec(p) for p in made.FemMesh.Nodes.values()]
+    # The middle of the torus is the origin of the mesh.
+    mirrored = [App.Vector(-p.x, p.y, p.z) for p in places]
+    off = max(min(p.distanceToPoint(q) for q in places) for p in mirrored)
+    assert off < 1e-5 * mesh.Mesh.BoundBox.DiagonalLength, off
+
+
 def test_remesh_meets_the_number_of_triangles(put):
     mesh = put("torus")
     (made,) = cf.remesh(mesh, triangles=1000)

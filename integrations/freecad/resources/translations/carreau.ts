@@ -92,6 +92,22 @@
         <translation type="unfinished"></translation>
     </message>
     <message>
+        <source>Symmetry</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>x, y, z: across that axis; auto: across the planes of symmetry that the mesh has</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Adaptive sizes</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <source>Smaller quads where the surface bends</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <source>As a mesh of triangles</source>
         <translation type="unfinished"></translation>
     </message>

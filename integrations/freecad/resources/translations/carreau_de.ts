@@ -92,6 +92,22 @@
         <translation>Auf 10 % genau, wo die scharfen Kanten es zulassen</translation>
     </message>
     <message>
+        <source>Symmetry</source>
+        <translation>Symmetrie</translation>
+    </message>
+    <message>
+        <source>x, y, z: across that axis; auto: across the planes of symmetry that the mesh has</source>
+        <translation>x, y, z: über diese Achse; auto: über die Symmetrieebenen, die das Netz hat</translation>
+    </message>
+    <message>
+        <source>Adaptive sizes</source>
+        <translation>Angepasste Größen</translation>
+    </message>
+    <message>
+        <source>Smaller quads where the surface bends</source>
+        <translation>Kleinere Vierecke, wo sich die Fläche krümmt</translation>
+    </message>
+    <message>
         <source>As a mesh of triangles</source>
         <translation>Als Netz aus Dreiecken</translation>
     </message>
