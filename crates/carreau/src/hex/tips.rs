@@ -42,7 +42,7 @@ pub fn ready(net: &mut CurveNet, target: &Target) -> Vec<u32> {
             let lid = &target.lids()[*k];
             let off = (lid.centre - from).dot(lid.normal);
             lid.centre.distance(from) < off.abs() + LID_REACH * lid.radius.max(radius)
-                && lid.normal.dot(direction) > 0.3
+                && lid.ends(from, direction, radius)
                 || lid.centre.distance(from) < lid.radius
         };
         let free = (0..taken.len()).filter(|&k| !taken[k]).filter(near);

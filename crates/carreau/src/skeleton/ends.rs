@@ -12,7 +12,7 @@
 //!
 //! Round ends have no such place: their branches end where the paper's do.
 
-use super::lids::Lid;
+use super::lids::{LEAST_WIDTH, Lid};
 use super::limbs::{room, section};
 use super::tidy::{Body, middle_of_section};
 use crate::mesh::{CurveNet, Incidence};
@@ -129,12 +129,14 @@ fn known_end(net: &CurveNet, nodes: &[u32], lids: &[Lid], body: &Body) -> Option
     let point = |v: u32| net.points[v as usize];
     let (tip, inner) = (point(nodes[0]), point(nodes[nodes.len() - 1]));
     let heading = (tip - inner).try_normalize()?;
+    let widest = nodes.iter().map(|&v| net.radii[v as usize]).fold(0.0, f64::max);
     let is_before = |lid: &&Lid| {
         let to = lid.centre - tip;
         let ahead = to.dot(lid.normal);
         (0.0..AHEAD * lid.radius).contains(&ahead)
             && (to - lid.normal * ahead).length() < ASIDE * lid.radius
             && heading.dot(lid.normal) > FACES
+            && lid.radius > LEAST_WIDTH * widest
     };
     let far = |lid: &Lid| lid.centre.distance_squared(tip);
     let lid = lids.iter().filter(is_before).min_by(|a, b| far(a).total_cmp(&far(b)))?;

@@ -7,6 +7,14 @@ use glam::DVec3;
 /// A border is far from a plane when it leaves its plane by more than this share of its radius.
 pub const BENT: f64 = 0.35;
 
+/// A lid closes an end of a branch where it is at least this wide, in the branch's radii: a hole in a wall is narrower, and a
+/// vessel is hardly cut where it is half as wide as a radius before.
+pub const LEAST_WIDTH: f64 = 0.5;
+/// The axis of a branch that ends in a lid meets the lid's plane within this many of the lid's radii of its middle.
+const AIMED: f64 = 1.25;
+/// Least cosine between the axis and the lid's normal: ends may be cut at a slant, but a side is none.
+const LEAST_FACING: f64 = 0.3;
+
 /// A surface without open ends.
 #[derive(Debug, Clone)]
 pub struct Closed {
@@ -35,6 +43,26 @@ pub struct Lid {
     pub triangles: std::ops::Range<u32>,
     /// Whether it closes an open end; else it is a flat piece of the surface itself.
     pub is_open: bool,
+}
+
+impl Lid {
+    /// Whether a branch of this radius that heads somewhere from a place ends in the lid: it is as wide as the branch, or nearly, and
+    /// the axis of the branch goes through it.
+    ///
+    /// ```text
+    ///          hole
+    ///   ───────╴ ╶──────╮
+    ///      •───→        │ lid      the branch ends in the lid, and beside the hole
+    ///   ────────────────╯
+    /// ```
+    pub(crate) fn ends(&self, from: DVec3, heading: DVec3, radius: f64) -> bool {
+        let facing = self.normal.dot(heading);
+        if facing < LEAST_FACING || self.radius < LEAST_WIDTH * radius {
+            return false;
+        }
+        let meets = from + heading * ((self.centre - from).dot(self.normal) / facing);
+        meets.distance(self.centre) < AIMED * self.radius
+    }
 }
 
 impl Closed {
@@ -106,4 +134,29 @@ fn loops(mesh: &SurfaceMesh) -> Vec<Vec<u32>> {
         }
     }
     loops
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The open end of a tube along x, a narrow hole in its round tip, a wide one in its wall.
+    #[test]
+    fn a_branch_ends_in_an_open_end_and_in_no_hole() {
+        let lid = |centre: DVec3, normal: DVec3, radius: f64| Lid {
+            centre,
+            normal,
+            radius,
+            flatness: 0.0,
+            border: Vec::new(),
+            triangles: 0..0,
+            is_open: true,
+        };
+        let ends = |lid: Lid| lid.ends(DVec3::ZERO, DVec3::X, 1.0);
+        assert!(ends(lid(DVec3::X, DVec3::X, 0.9)));
+        assert!(ends(lid(DVec3::new(2.0, 0.5, 0.0), DVec3::new(1.0, 1.0, 0.0).normalize(), 0.8)));
+        assert!(!ends(lid(DVec3::X, DVec3::X, 0.3)));
+        assert!(!ends(lid(DVec3::Y, DVec3::Y, 0.7)));
+        assert!(!ends(lid(DVec3::new(-0.5, 0.9, 0.0), DVec3::new(0.5, 0.87, 0.0), 0.6)));
+    }
 }

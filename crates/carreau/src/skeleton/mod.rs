@@ -9,10 +9,12 @@
 //! | open ends get lids | `lids` |
 //! | plane pieces of the surface that may be ends (used by `hex`) | `flat_ends` |
 //! | surfaces with a wall (pipes with an inside) are refused | `wall` |
+//! | small cavities are filled | `cavities` |
 //! | long edges are divided | `divide` |
 //! | poles: the centres of the largest inner balls | `poles` |
 //! | the flow, with its collapses and splits | `flow` |
 //! | the thin surface becomes curves | `curves` |
+//! | the axis of a thick tube is straight where a thin one leaves it | `mouths` |
 //! | limbs that the flow has lost get branches | `limbs` |
 //! | stubs are dropped, radii measured, nodes outside brought in | `tidy` |
 //! | branches are extended to flat ends | `ends` |
@@ -24,6 +26,7 @@
 //! - The result is checked: as many cycles as the surface has handles, and every node inside. If the number of cycles is
 //!   wrong, the flow is repeated at a finer scale.
 
+mod cavities;
 mod curves;
 mod divide;
 mod ends;
@@ -31,6 +34,7 @@ pub(crate) mod flat_ends;
 mod flow;
 mod lids;
 mod limbs;
+mod mouths;
 mod poles;
 #[cfg(test)]
 mod tests;
@@ -49,6 +53,8 @@ use crate::geometry::normals::face_normals;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
+use crate::words::counted;
+
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
 
@@ -279,8 +285,21 @@ fn close_and_check(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, usi
              (a segmentation tells the faces apart)",
         ));
     }
-    let genus = topology.genus.unwrap_or(0);
-    Ok((closed, genus, topology.components, warnings))
+    let (closed, topology) = without_cavities(closed, topology, &mut warnings)?;
+    Ok((closed, topology.genus.unwrap_or(0), topology.components, warnings))
+}
+
+/// The surface with its cavities filled, and what it is then.
+fn without_cavities(closed: Closed, topology: Topology, warnings: &mut Vec<String>) -> Result<(Closed, Topology)> {
+    if topology.components < 2 {
+        return Ok((closed, topology));
+    }
+    let Some(filled) = cavities::filled(&closed)? else { return Ok((closed, topology)) };
+    let cavities = counted(filled.count, "cavity was", "cavities were");
+    let share = 100.0 * filled.share;
+    warnings.push(format!("{cavities} filled ({share:.2} % of the volume), because they are flaws of a tube"));
+    let topology = Topology::of(&filled.closed.mesh);
+    Ok((filled.closed, topology))
 }
 
 impl SkeletonFigures {

@@ -3,6 +3,7 @@
 
 use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};
+use super::mouths;
 use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
@@ -55,6 +56,7 @@ pub fn tidy(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known
     centre(net, body.tree, body.inside);
     let radii = |net: &CurveNet| net.points.par_iter().map(|&p| body.tree.distance(p)).collect();
     net.radii = radii(net);
+    mouths::straighten(net, body);
     let grown = regrow(net, preimage, body, known);
     if grown > 0 {
         centre(net, body.tree, body.inside);
