@@ -21,7 +21,7 @@ use glam::{DMat3, DVec3};
 /// Number of branches from which on they meet in the point that their lines aim at.
 const MANY: usize = 4;
 /// Distance from the branching, in its radii, from which the nodes of a branch make its line.
-const FROM: f64 = 4.0;
+pub const FROM: f64 = 4.0;
 /// Distance, in radii, up to which they do. A branch that ends before [`FROM`] says nothing.
 const TO: f64 = 8.0;
 /// Weight of the place where the branching is, against that of a branch's line.
@@ -39,7 +39,7 @@ pub fn meet(net: &mut CurveNet, target: &Target) {
         let from = net.points[v as usize];
         let room = target.distance(from);
         let ways: Vec<Vec<u32>> = all.iter().flat_map(|b| leaving(b, v)).collect();
-        let lines: Vec<(DVec3, DVec3)> = ways.iter().filter_map(|w| line(net, w, room)).collect();
+        let lines: Vec<(DVec3, DVec3)> = ways.iter().filter_map(|w| line(net, w, from, room)).collect();
         if lines.len() < MANY {
             continue;
         }
@@ -70,7 +70,7 @@ pub fn straighten_in_balls(net: &mut CurveNet, target: &Target) {
 }
 
 /// The nodes of a branch as seen from a node, once for each end that is there.
-fn leaving(branch: &Branch, v: u32) -> Vec<Vec<u32>> {
+pub fn leaving(branch: &Branch, v: u32) -> Vec<Vec<u32>> {
     let mut ways = Vec::new();
     if branch.nodes.first() == Some(&v) {
         ways.push(branch.nodes.clone());
@@ -81,9 +81,8 @@ fn leaving(branch: &Branch, v: u32) -> Vec<Vec<u32>> {
     ways
 }
 
-/// A point and the direction of the line of a branch where it has left the branching.
-fn line(net: &CurveNet, way: &[u32], room: f64) -> Option<(DVec3, DVec3)> {
-    let from = net.points[way[0] as usize];
+/// A point and the direction of the line of a branch where it has left the branching at a place.
+pub fn line(net: &CurveNet, way: &[u32], from: DVec3, room: f64) -> Option<(DVec3, DVec3)> {
     let points = way[1..].iter().map(|&v| net.points[v as usize]);
     let part: Vec<DVec3> =
         points.skip_while(|p| p.distance(from) < FROM * room).take_while(|p| p.distance(from) < TO * room).collect();
@@ -94,7 +93,7 @@ fn line(net: &CurveNet, way: &[u32], room: f64) -> Option<(DVec3, DVec3)> {
 }
 
 /// The point with the least sum of squared distances from lines.
-fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
+pub fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
     let mut matrix = DMat3::IDENTITY * STAY;
     let mut right = stay * STAY;
     for &(p, d) in lines {

@@ -15,7 +15,7 @@
 //! | check that the result still represents the input: every input node lies inside | | `coverage` |
 //! | **surfaces**: the driver, and its fallbacks | | `surface`, `surface::fallbacks` |
 //! | flat ends of closed tubes | | `ends` |
-//! | the skeleton is prepared: extremities, webs, meeting points of many branches | | `surface::prepared`, `tips`, `webs`, `junction_centres` |
+//! | the skeleton is prepared: extremities, webs, hubs, meeting points of many branches | | `surface::prepared`, `tips`, `webs`, `hubs`, `junction_centres` |
 //! | **cells**, the same for both from here on | | `cells` |
 //! | connection surfaces of the branchings; cubic junctions at right angles | 3.2 | `connection`, `cubic` |
 //! | frames along the branches | 3.1 | `frames` |
@@ -50,6 +50,7 @@ mod figures;
 mod flat_sections;
 mod fork_trunks;
 mod frames;
+mod hubs;
 mod insert;
 mod judge;
 mod junction_centres;

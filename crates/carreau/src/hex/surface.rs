@@ -7,17 +7,22 @@ mod prepared;
 use super::target::Target;
 use super::{HexOptions, HexResult, Stage, deliver, ends, fork_trunks, judge};
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, SurfaceMesh, UnitScale};
 use coarse::Coarse;
-use prepared::{Ready, skeleton_of};
+use prepared::{Known, Ready, is_of_shape, skeletons_of};
 
 /// Number of cells, in all attempts together, after which no other skeleton is tried.
 const MANY_TRIED: usize = 150_000;
-/// Branchings closer than this share of the sum of their radii become one: shares tried in turn, until the coarsest cells
-/// can be put onto the surface. Tubes that leave a ball side by side part far from its centre, and branchings on the way
-/// have no room for cells; but those of a tree do.
-const MERGES: [f64; 4] = [1.0, 0.6, 1.4, 0.3];
+/// Ways to join branchings, tried in turn until the coarsest cells can be put onto the surface. Tubes that leave a ball side by
+/// side part far from its centre, and branchings on the way have no room for cells; but those of a tree do.
+const JOININGS: [Joining; 5] = [
+    Joining { within: 1.0, hubs: false },
+    Joining { within: 1.0, hubs: true },
+    Joining { within: 0.6, hubs: false },
+    Joining { within: 1.4, hubs: false },
+    Joining { within: 0.3, hubs: false },
+];
 /// Directions closer than this get a trunk, in degrees: both are tried with every share. Cells in wider forks have better
 /// shapes, but limbs beside each other on a body are none.
 const NARROW: [f64; 2] = [fork_trunks::CLOSE_DEGREES, fork_trunks::NARROW_DEGREES];
@@ -41,6 +46,15 @@ pub fn from_surface(
     Ok(result)
 }
 
+/// Which branchings become one.
+#[derive(Debug, Clone, Copy)]
+struct Joining {
+    /// Those closer than this share of the sum of their radii.
+    within: f64,
+    /// Before that, those whose branches all aim at one point.
+    hubs: bool,
+}
+
 /// The mesh, not yet judged.
 fn meshed(
     mesh: &SurfaceMesh,
@@ -55,42 +69,16 @@ fn meshed(
         let made = meshed(&mesh, skeleton.as_ref(), &options.in_scale(scale), context)?;
         return Ok(made.in_scale(scale.back()));
     }
-    let (closed, net, mut warnings) = skeleton_of(mesh, skeleton, context)?;
-    let closed = ends::told_apart(closed, &net)?;
+    let (closed, nets) = skeletons_of(mesh, skeleton, context)?;
+    let Some((first, _)) = nets.first() else { return Err(Error::Numeric("no skeleton was found".into())) };
+    let closed = ends::told_apart(closed, first)?;
     let target = Target::new(&closed);
-    let mut tried: Vec<Coarse> = Vec::new();
-    let (mut known, mut made): (Vec<CurveNet>, usize) = (Vec::new(), 0);
-    for (merge, narrow) in MERGES.into_iter().flat_map(|merge| NARROW.map(|narrow| (merge, narrow))) {
-        let ready = Ready::new(&net, [merge, narrow], &target, options, context)?;
-        if known.contains(&ready.net) {
-            continue;
-        }
-        known.push(ready.net.clone());
-        let Some(cells) = Coarse::found(ready, &target, tried.iter().any(Coarse::is_valid), context)? else {
-            continue;
-        };
-        tracing::debug!(
-            merge,
-            narrow,
-            left = cells.left,
-            off = cells.off,
-            mean = cells.mean,
-            segments = cells.ready.net.edges.len(),
-            "coarse cells"
-        );
-        let fits = cells.left == 0 && cells.off < WELL * closed.mesh.diagonal();
-        made += cells.tube.hexes.len();
-        tried.push(cells);
-        if fits || options.stage == Stage::Base || made > MANY_TRIED {
-            break;
-        }
-    }
-    tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let tried = coarse_cells(&nets, &target, options, context)?;
     let coarse = fallbacks::best(tried, &closed, &target, context)?;
     let left = coarse.left;
     let Ready { net, options, lid_of, .. } = coarse.ready;
     let mut tube = coarse.tube;
-    warnings.extend(coarse.ready.warnings.into_iter().chain(coarse.warnings));
+    let mut warnings: Vec<String> = coarse.ready.warnings.into_iter().chain(coarse.warnings).collect();
     if left > 0 {
         warnings.push(format!("{left} boundary vertices could not be put onto the surface without folding a cell"));
     }
@@ -105,4 +93,49 @@ fn meshed(
     result.flat_caps = numbered.filter(|(_, lid)| !lid.is_open).map(|(tag, _)| tag).collect();
     deliver::finish(&mut result, &options, Some(&target), context)?;
     Ok(result)
+}
+
+/// The coarsest cells about every skeleton, the nearest first.
+fn coarse_cells(nets: &[Known], target: &Target, options: &HexOptions, context: &Context) -> Result<Vec<Coarse>> {
+    let mut tried: Vec<Coarse> = Vec::new();
+    for (net, said) in nets {
+        match about(net, said, target, options, &mut tried, context) {
+            Err(e) if tried.is_empty() || !is_of_shape(&e) => return Err(e),
+            _ => {}
+        }
+    }
+    tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    Ok(tried)
+}
+
+/// The coarsest cells about one skeleton, of which `said` is to be said, in one way after the other until they fit.
+fn about(
+    net: &CurveNet,
+    said: &[String],
+    target: &Target,
+    options: &HexOptions,
+    tried: &mut Vec<Coarse>,
+    context: &Context,
+) -> Result<()> {
+    let (mut known, mut made): (Vec<CurveNet>, usize) = (Vec::new(), 0);
+    for (joining, narrow) in JOININGS.into_iter().flat_map(|joining| NARROW.map(|narrow| (joining, narrow))) {
+        let mut ready = Ready::new(net, joining, narrow, target, options, context)?;
+        if known.contains(&ready.net) {
+            continue;
+        }
+        known.push(ready.net.clone());
+        ready.warnings.splice(0..0, said.iter().cloned());
+        let Some(cells) = Coarse::found(ready, target, tried.iter().any(Coarse::is_valid), context)? else {
+            continue;
+        };
+        let segments = cells.ready.net.edges.len();
+        tracing::debug!(?joining, narrow, cells.left, cells.off, cells.mean, segments, "coarse cells");
+        let fits = cells.left == 0 && cells.off < WELL * target.surface().diagonal();
+        made += cells.tube.hexes.len();
+        tried.push(cells);
+        if fits || options.stage == Stage::Base || made > MANY_TRIED {
+            break;
+        }
+    }
+    Ok(())
 }

@@ -102,7 +102,7 @@ pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: 
 }
 
 /// Distance of every point from the net, over the radius of the net there, and that radius.
-fn distances(net: &CurveNet, points: &[DVec3]) -> Vec<(f64, f64)> {
+pub fn distances(net: &CurveNet, points: &[DVec3]) -> Vec<(f64, f64)> {
     let segments = TriangleTree::of_segments(&net.points, net.edges.iter().copied());
     let of = |p: &DVec3| {
         let Some(near) = segments.closest(*p) else { return (0.0, 0.0) };

@@ -10,6 +10,7 @@
 //! | plane pieces of the surface that may be ends (used by `hex`) | `flat_ends` |
 //! | surfaces with a wall (pipes with an inside) are refused | `wall` |
 //! | small cavities are filled | `cavities` |
+//! | straight tubes from one point: the axes of their flat ends; all that follows is for other shapes | `straight` |
 //! | long edges are divided | `divide` |
 //! | poles: the centres of the largest inner balls | `poles` |
 //! | the flow, with its collapses and splits | `flow` |
@@ -36,6 +37,7 @@ mod lids;
 mod limbs;
 mod mouths;
 mod poles;
+mod straight;
 #[cfg(test)]
 mod tests;
 mod tidy;
@@ -181,6 +183,14 @@ pub(crate) fn extract_with(
     }
     context.install(|| {
         let (closed, genus, components, mut warnings) = close_and_check(mesh, context)?;
+        let sharp = flat_ends::sharp(&closed);
+        if reach == Reach::All
+            && let Some(net) = straight_net(&closed)
+        {
+            let preimage = nearest_nodes(&closed.mesh, &net);
+            let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), 0, 0);
+            return Ok(Skeleton { net, preimage, closed, figures, warnings });
+        }
         let divided = divide::divided(&closed.mesh, context)?;
         let surface = divided.as_ref().unwrap_or(&closed.mesh);
         let triangles = surface.faces().fan().0;
@@ -205,7 +215,6 @@ pub(crate) fn extract_with(
             let (mut net, mut preimage) = (curves.net, curves.preimage);
             let inside = WindingTree::new(&tree);
             let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
-            let sharp = flat_ends::sharp(&closed);
             let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
             let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
             if brought_in > 0 {
@@ -230,6 +239,25 @@ pub(crate) fn extract_with(
              refine the surface, or look for tunnels in it"
         )))
     })
+}
+
+/// The skeleton of straight tubes from one point, if the surface is one of such.
+pub(crate) fn straight_net(closed: &Closed) -> Option<CurveNet> {
+    let topology = Topology::of(&closed.mesh);
+    if (topology.genus, topology.components) != (Some(0), 1) {
+        return None;
+    }
+    let tree = TriangleTree::new(closed.mesh.points(), &closed.mesh.faces().fan().0);
+    let (normals, inside) = (face_normals(&closed.mesh), WindingTree::new(&tree));
+    let body = Body { surface: &closed.mesh, poles: &[], tree: &tree, normals: &normals, inside: &inside };
+    straight::straight(closed, &flat_ends::sharp(closed), &body)
+}
+
+/// The node nearest to every vertex.
+fn nearest_nodes(surface: &SurfaceMesh, net: &CurveNet) -> Vec<u32> {
+    let nodes: Vec<[u32; 3]> = (0..net.points.len() as u32).map(|v| [v; 3]).collect();
+    let tree = TriangleTree::new(&net.points, &nodes);
+    surface.points().iter().map(|&p| tree.closest(p).map_or(0, |near| near.triangle)).collect()
 }
 
 /// What is thinner than this share of the diagonal is a sheet, flat or folded onto itself, but for rounding to single precision.

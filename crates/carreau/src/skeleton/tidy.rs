@@ -168,6 +168,18 @@ pub fn middle_of_section(p: DVec3, along: DVec3, tree: &TriangleTree) -> DVec3 {
     p
 }
 
+/// Whether the section across a direction is round about a point.
+pub fn is_round(p: DVec3, along: DVec3, tree: &TriangleTree) -> bool {
+    let (u, v) = along.any_orthonormal_pair();
+    let (mut least, mut most) = (f64::INFINITY, 0f64);
+    for k in 0..MIDDLE_RAYS {
+        let (sin, cos) = (k as f64 * std::f64::consts::TAU / MIDDLE_RAYS as f64).sin_cos();
+        let far = tree.first_hit(p, u * cos + v * sin).map_or(f64::INFINITY, |hit| hit.t);
+        (least, most) = (least.min(far), most.max(far));
+    }
+    most < ROUND_SECTION * least
+}
+
 /// An articulation farther from the surface, across the direction of its branch; a branching in any direction, but not
 /// farther than the surface was away: the tubes that meet there share a ball larger than theirs.
 fn centred(net: &CurveNet, around: &Incidence, v: usize, tree: &TriangleTree) -> DVec3 {

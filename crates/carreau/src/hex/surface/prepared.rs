@@ -1,13 +1,14 @@
 //! Prepares the skeleton of a surface for meshing: extracted or given, cleaned up, led to the ends, resampled for the
 //! size asked for.
 
+use super::Joining;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::hex::options::{HexOptions, Stage, check_size, check_steps};
 use crate::hex::resample::{self, Step};
 use crate::hex::size::finest;
 use crate::hex::target::Target;
-use crate::hex::{fork_trunks, junction_centres, ring_room, tips, webs};
+use crate::hex::{fork_trunks, hubs, junction_centres, ring_room, tips, webs};
 use crate::mesh::{CurveNet, SurfaceMesh};
 use crate::skeleton::{self, Closed, Reach, SkeletonOptions};
 use glam::DVec3;
@@ -50,7 +51,8 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn new(
         net: &CurveNet,
-        forks: [f64; 2],
+        joining: Joining,
+        narrow: f64,
         target: &Target,
         options: &HexOptions,
         context: &Context,
@@ -58,39 +60,50 @@ impl Ready {
         let _stage = context.stage("skeleton");
         let (mut net, mut options, mut warnings) = (net.clone(), options.clone(), Vec::new());
         let freely = options.hexes.is_none() && options.edge_length.is_none() && options.stage == Stage::Full;
-        let lid_of_node = clean_up_for_surface(&mut net, forks, target, &mut options, &mut warnings)?;
+        let lid_of_node = clean_up_for_surface(&mut net, joining, narrow, target, &mut options, &mut warnings)?;
         check_size(&net, &options)?;
         let lid_of = net.incidence().tips().map(|v| lid_of_node(&net, v)).collect();
         Ok(Ready { net, options, lid_of, freely, evenly: freely, shortest: SHORTEST, warnings })
     }
 }
 
-/// The surface closed, and a skeleton.
-pub(super) fn skeleton_of(
+/// A skeleton of the surface, and what is to be said of it and of the surface.
+pub(super) type Known = (CurveNet, Vec<String>);
+
+/// The surface closed, and its skeletons: the given one; or that of the flow, which knows any tubes, and the axes of straight ones, where
+/// these are short.
+pub(super) fn skeletons_of(
     mesh: &SurfaceMesh,
     given: Option<&CurveNet>,
     context: &Context,
-) -> Result<(Closed, CurveNet, Vec<String>)> {
-    match given {
-        None => {
-            // Round and open ends are met by the cells themselves.
-            let found = skeleton::extract_with(mesh, &SkeletonOptions::default(), Reach::Sharp, context)?;
-            Ok((found.closed, found.net, found.warnings))
-        }
-        Some(net) => {
-            let (closed, mut warnings) = skeleton::prepared(mesh, context)?;
-            let repaired = net.repaired(None)?;
-            warnings.extend(repaired.warnings);
-            Ok((closed, repaired.net, warnings))
-        }
+) -> Result<(Closed, Vec<Known>)> {
+    let (closed, mut warnings) = skeleton::prepared(mesh, context)?;
+    if let Some(net) = given {
+        let repaired = net.repaired(None)?;
+        warnings.extend(repaired.warnings);
+        return Ok((closed, vec![(repaired.net, warnings)]));
     }
+    let mut all: Vec<Known> = skeleton::straight_net(&closed).map(|net| (net, warnings)).into_iter().collect();
+    // Round and open ends are met by the cells themselves.
+    match skeleton::extract_with(mesh, &SkeletonOptions::default(), Reach::Sharp, context) {
+        Ok(found) => all.push((found.net, found.warnings)),
+        Err(e) if all.is_empty() || !is_of_shape(&e) => return Err(e),
+        Err(_) => {}
+    }
+    Ok((closed, all))
 }
 
-/// Clean-up with the shares of branchings that become one and the angle of forks that get a trunk, resampling and the size
+/// Whether an error says that a shape cannot be worked on in one way, so that another one may do.
+pub(super) fn is_of_shape(error: &Error) -> bool {
+    matches!(error, Error::Input { .. } | Error::Numeric(_))
+}
+
+/// Clean-up with the branchings that become one and the angle of forks that get a trunk, resampling and the size
 /// asked for; the answer says in which lid (from 1) a node lies, zero for none.
 fn clean_up_for_surface(
     net: &mut CurveNet,
-    [merge, narrow]: [f64; 2],
+    joining: Joining,
+    narrow: f64,
     target: &Target,
     options: &mut HexOptions,
     warnings: &mut Vec<String>,
@@ -98,7 +111,10 @@ fn clean_up_for_surface(
     net.radii = net.points.iter().map(|&p| target.distance(p)).collect();
     if options.stage == Stage::Full {
         resample::prune(net, &FxHashSet::default());
-        net.merge_branchings(|[a, b]| merge * (a + b));
+        if joining.hubs {
+            hubs::gather(net, target);
+        }
+        net.merge_branchings(|[a, b]| joining.within * (a + b));
         webs::merge_webs(net, target);
     }
     let lids = tips::ready(net, target);
