@@ -33,8 +33,6 @@ const FEW_STUCK: f64 = 0.05;
 const STUCK: f64 = 1.5;
 /// Shares of its quality that a cell keeps when its vertices are put onto the surface, in attempt after attempt.
 const KEPT_WHEN_SEATED: [f64; 2] = [0.4, 0.2];
-/// Where the surface is farther than wanted the boundary reaches what is farther than this.
-const REACHED: f64 = 0.01;
 /// How the boundary of the coarsest cells is compared with the surface.
 pub(super) const COARSELY: DistanceOptions = DistanceOptions { samples: 10_000, refinements: 0, normals: false };
 /// How the springs to the surface become stiff for the coarsest cells.
@@ -221,12 +219,12 @@ impl Coarse {
         boundary_fit::swell(points, hexes, &skin, target, &self.free);
     }
 
-    /// Boundary vertices go to where the surface is far.
-    pub(super) fn reach(&mut self, target: &Target, context: &Context) -> Result<()> {
+    /// Boundary vertices go to where the surface is farther than a share of the diagonal.
+    pub(super) fn reach(&mut self, target: &Target, farther: f64, context: &Context) -> Result<()> {
         let _stage = context.stage("fit");
         let TubeMesh { points, hexes, caps, .. } = &mut self.tube;
         let skin = Skin::new(hexes, caps, &self.ready.lid_of);
-        let limit = REACHED * target.surface().diagonal();
+        let limit = farther * target.surface().diagonal();
         reach(points, hexes, &skin, target, &self.free, limit, context)
     }
 }

@@ -18,6 +18,14 @@ use std::cell::OnceCell;
 /// surface, as shares of the diagonal, and no vertex is off the surface. Few samples tell it here: more of them find farther places,
 /// and farther than [`MAX_DISTANCE`] is refused.
 const WANTED: [f64; 3] = [0.0145, 0.001, 0.018];
+/// Distance, both ways, as a share of the diagonal, from which the boundary reaches for the surface in what is good, too: it
+/// costs little, and tubes of CAD are within 1 % then.
+const NEAR_ENOUGH: f64 = 0.008;
+/// Where the surface is farther than wanted the boundary reaches what is farther than this share of the diagonal; more would be
+/// ragged.
+const REACHED: f64 = 0.01;
+/// The same in what is good.
+const REACHED_IN_GOOD: f64 = 0.006;
 /// Nothing that is good is refused.
 const _: () = assert!(WANTED[0] < MAX_DISTANCE && WANTED[2] < MAX_DISTANCE);
 /// Score of cells whose segments are not halved for their length, over that of those whose segments are, up to which the first are
@@ -184,23 +192,31 @@ impl<'a> Fitted<'a> {
     }
 
     /// The same where the boundary reaches what of the surface is far from it, and its faces do not span what is hollow, if that is
-    /// better.
+    /// better: where distances miss what is wanted, and then in what is good as far as CAD tubes need.
     fn reaching(self, context: &Context) -> Result<Self> {
         // Of a size asked for cells are as coarse as that.
-        if self.far[0] <= WANTED[0] && self.far[2] <= WANTED[2] || !self.cells.ready.freely {
+        if !self.cells.ready.freely {
             return Ok(self);
         }
         let target = self.target;
-        self.changed(|cells| cells.reach(target, context), context)
+        let is_far = self.far[0] > WANTED[0] || self.far[2] > WANTED[2];
+        let reached = match is_far {
+            true => self.changed(|cells| cells.reach(target, REACHED, context), context)?,
+            false => self,
+        };
+        if reached.lacks() > 0.0 || reached.farthest() <= NEAR_ENOUGH {
+            return Ok(reached);
+        }
+        reached.changed(|cells| cells.reach(target, REACHED_IN_GOOD, context), context)
     }
 
     /// The same after a change, if that is better.
     fn changed(mut self, change: impl FnOnce(&mut Coarse) -> Result<()>, context: &Context) -> Result<Self> {
-        let (before, far, least) = (self.lacks(), self.far, self.least);
+        let (before, far, least) = (self.rank(), self.far, self.least);
         let (points, free, left) = (self.cells.tube.points.clone(), self.cells.free.clone(), self.cells.left);
         change(&mut self.cells)?;
         let mut changed = Fitted::measured(self.cells, self.target, context)?;
-        if changed.lacks() >= before {
+        if changed.rank() >= before {
             (changed.far, changed.least) = (far, least);
             (changed.cells.tube.points, changed.cells.free, changed.cells.left) = (points, free, left);
         }
@@ -210,6 +226,16 @@ impl<'a> Fitted<'a> {
     /// Whether cells have poor shapes, or would have them with all vertices on the surface; finer ones may be the reason.
     fn is_poor(&self) -> bool {
         self.cells.ready.freely && (self.least < POOR_RESULT || self.cells.left > 0)
+    }
+
+    /// The larger of both distances.
+    fn farthest(&self) -> f64 {
+        self.far[0].max(self.far[2])
+    }
+
+    /// Less is better: what misses as little is the better the nearer it is.
+    fn rank(&self) -> [f64; 2] {
+        [self.lacks(), self.farthest()]
     }
 
     /// By how much distances miss what is wanted, zero for not at all: each counts by the share that is too much.
