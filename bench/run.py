@@ -44,8 +44,8 @@ ROOMS = {
 # Which tools do the same work; all of a table where nothing is said.
 BESIDE = {
     # Patches are made by none; the shapes of pairs compare at the same share of triangles.
-    "patch": {"carreau default": [], "carreau matching": ["meshlab fewest"], "carreau cardinality": ["meshlab fewest"],
-              "carreau at the share of gmsh blossom": ["gmsh simple", "gmsh blossom"],
+    "patch": {"carreau default": [], "carreau matching": ["meshlab fewest"], "carreau cardinality": [],
+              "carreau at the share of gmsh blossom": ["gmsh blossom"],
               "carreau at the share of meshlab shape": ["meshlab shape"]},
     "remesh": {"carreau": ["mmgs"], "carreau --anisotropic": ["mmgs -A"], "carreau --geometric": ["MeshLab quadrics"]},
     # Even triangles, and triangles where the surface bends.
