@@ -15,11 +15,11 @@
 //! | stages of rung 1 | file |
 //! |---|---|
 //! | the surface: its regions and feature curves; borders that lie on each other are sewn while quads are made | `source`, `curve`, `junction`; `scraps`; `sew` |
-//! | what quads are led by besides: sizes, guides, planes that the surface was cut at | `guidance`; `sizes` |
+//! | what quads are led by besides: sizes, thin limbs, guides, planes that the surface was cut at | `guidance`; `sizes`, `limbs` |
 //! | working mesh, field, map, whole numbers, quads | `coarse`; `map` |
 //! | vertices go to where features bend, and where the surface comes to a point | `bends`, `apices` |
 //! | smoothing; quads that are turned over | `smooth`, `straighten`, `around`, `ceiling`; `untangle` |
-//! | where quads are no good: smaller ones, by other whole numbers; the last few are taken out | `mapped`; `collapse` |
+//! | where quads are no good: creases of a scan are let go; smaller quads, by other whole numbers; the last few are taken out | `mapped`; `release`; `collapse` |
 //! | vertices where the surface bends, and off it where quads would be too far from it | `fit`, `gaps`, `lift`, `nearer` |
 //! | the validator; figures | `validate`; `quality` |
 //!
