@@ -1,6 +1,20 @@
-//! The point of a triangle that is closest to another.
+//! The point of a triangle that is closest to another, and the point that is closest to lines.
 
-use glam::DVec3;
+use crate::numeric::eigen3::outer;
+use glam::{DMat3, DVec3};
+
+/// The point with the least sum of squared distances from lines, each by a point and a unit direction. `stay` draws it with a
+/// weight beside that of a line: a little keeps it where the lines leave it free.
+pub fn closest_to_lines(lines: impl IntoIterator<Item = (DVec3, DVec3)>, stay: DVec3, weight: f64) -> Option<DVec3> {
+    let (mut matrix, mut right) = (DMat3::IDENTITY * weight, stay * weight);
+    for (p, d) in lines {
+        let across = DMat3::IDENTITY - outer(d);
+        matrix += across;
+        right += across * p;
+    }
+    let point = matrix.inverse() * right;
+    point.is_finite().then_some(point)
+}
 
 /// The point of a triangle that is closest to `p`. Needles are treated as their edges: with a height of 1e-8 of the length that
 /// is wrong by no more than the weights of the corners are, by rounding.

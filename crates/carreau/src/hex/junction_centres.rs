@@ -14,9 +14,9 @@
 //! ```
 
 use super::target::Target;
+use crate::geometry::closest::closest_to_lines;
 use crate::mesh::{Branch, CurveNet, branches};
-use crate::numeric::eigen3::outer;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Number of branches from which on they meet in the point that their lines aim at.
 const MANY: usize = 4;
@@ -94,15 +94,7 @@ pub fn line(net: &CurveNet, way: &[u32], from: DVec3, room: f64) -> Option<(DVec
 
 /// The point with the least sum of squared distances from lines.
 pub fn nearest_to(lines: &[(DVec3, DVec3)], stay: DVec3) -> Option<DVec3> {
-    let mut matrix = DMat3::IDENTITY * STAY;
-    let mut right = stay * STAY;
-    for &(p, d) in lines {
-        let across = DMat3::IDENTITY - outer(d);
-        matrix += across;
-        right += across * p;
-    }
-    let point = matrix.inverse() * right;
-    point.is_finite().then_some(point)
+    closest_to_lines(lines.iter().copied(), stay, STAY)
 }
 
 /// Where on a way its nodes are farther than a distance from the first for the first time.

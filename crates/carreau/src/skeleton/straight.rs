@@ -13,9 +13,9 @@
 use super::lids::{BENT, Closed, Lid};
 use super::limbs::{distances, section};
 use super::tidy::{Body, is_round};
+use crate::geometry::closest::closest_to_lines;
 use crate::mesh::CurveNet;
-use crate::numeric::eigen3::outer;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// The axis of an end passes the common point within this share of the end's radius.
 const OFF_POINT: f64 = 0.05;
@@ -63,18 +63,12 @@ pub fn straight(closed: &Closed, ends: &[Lid], body: &Body) -> Option<CurveNet> 
 /// The point nearest to the axes of all ends, if it is near each.
 fn common_point(ends: &[Lid]) -> Option<DVec3> {
     let middle = ends.iter().map(|end| end.centre).sum::<DVec3>() / ends.len() as f64;
-    let (mut matrix, mut right) = (DMat3::IDENTITY * WEAK, middle * WEAK);
-    for end in ends {
-        let across = DMat3::IDENTITY - outer(end.normal);
-        matrix += across;
-        right += across * end.centre;
-    }
-    let point = matrix.inverse() * right;
+    let point = closest_to_lines(ends.iter().map(|end| (end.centre, end.normal)), middle, WEAK)?;
     let is_near = |end: &Lid| {
         let to = end.centre - point;
         to.dot(end.normal) > 0.0 && to.reject_from_normalized(end.normal).length() < OFF_POINT * end.radius
     };
-    (point.is_finite() && ends.iter().all(is_near)).then_some(point)
+    ends.iter().all(is_near).then_some(point)
 }
 
 /// Whether a straight round tube leads from a point to an end.
