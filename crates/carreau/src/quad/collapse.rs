@@ -42,8 +42,7 @@ const SMOOTHED_RINGS: usize = 3;
 pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<bool> {
     let mut best: Option<(usize, usize, bool, Work)> = None;
     for round in 0..COLLAPSE_ROUNDS {
-        let wrong = faults(work, source).count();
-        let bad = no_good(work, source);
+        let (bad, wrong) = no_good(work, source);
         let count = wrong * work.faces.len() + bad.len();
         tracing::debug!(target: "carreau::quad", round, wrong, bad = bad.len(), "to be collapsed");
         let is_best = best.as_ref().is_none_or(|b| count < b.0);
@@ -66,10 +65,12 @@ pub fn collapse(work: &mut Work, source: &Source, context: &Context) -> Result<b
     Ok(is_good)
 }
 
-/// Quads that look the wrong way, are inverted, or are all but: some of them twice.
-pub fn no_good(work: &Work, source: &Source) -> Vec<u32> {
-    let poor = worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < COLLAPSED_SHAPE).map(|(_, q)| q);
-    faults(work, source).map(|(q, _)| q as u32).chain(poor).collect()
+/// Quads that look the wrong way or are inverted, then those that are all but, some of them twice; and how many the first are.
+pub fn no_good(work: &Work, source: &Source) -> (Vec<u32>, usize) {
+    let mut bad: Vec<u32> = faults(work, source).map(|(q, _)| q as u32).collect();
+    let wrong = bad.len();
+    bad.extend(worst_shapes(work).zip(0u32..).filter(|&(shape, _)| shape < COLLAPSED_SHAPE).map(|(_, q)| q));
+    (bad, wrong)
 }
 
 /// Smooths the vertices around some.

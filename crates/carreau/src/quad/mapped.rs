@@ -179,8 +179,9 @@ fn placed(source: &Source, map: &mut QuadMap, wish: &Wish, left: &mut usize, con
 
 /// Lets creases go that leave no room for good quads, and smooths around them.
 fn let_go(work: &mut Work, source: &Source, context: &Context) -> Result<()> {
-    for _ in 0..RELEASES {
-        let bad = no_good(work, source);
+    // Of parts nothing may go: their quads are not looked at for it.
+    for _ in 0..if source.may_lose_creases { RELEASES } else { 0 } {
+        let (bad, _) = no_good(work, source);
         let free = release(work, source, &bad);
         if free.is_empty() {
             break;
