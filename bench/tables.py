@@ -16,7 +16,7 @@ LESS_IS_BETTER = {
 ALWAYS_COMPARED = ("CPU s",)
 # How much better a peer must be to be told: less is within the digits of the table.
 TOLD_FROM = 1.02
-# How much worse than before a row must be to be told (the share that issue and README name).
+# How much worse than before a row must be to be told (the share that README.md names).
 WORSE_FROM = 1.10
 OURS = "carreau"
 
@@ -47,12 +47,16 @@ def number(cell):
     return float(found[0]) if found else None
 
 
+def cells_of(line):
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
 def rows_of(text):
     """(head, rows) of the first table in a text."""
     lines = [line for line in text.splitlines() if line.startswith("|")]
     if len(lines) < 2:
         return [], []
-    cells = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in lines]
+    cells = [cells_of(line) for line in lines]
     head, rows, group, seen = cells[0], [], 0, (None, set())
     tool = next((k for k, name in enumerate(head) if name in TOOL), None)
     if tool is None:
@@ -94,7 +98,7 @@ def compared(text, beside):
             lines.append(line)
         elif line.startswith("|---"):
             lines.append(line + "---|---|")
-        elif [cell.strip() for cell in line.strip().strip("|").split("|")] == head:
+        elif cells_of(line) == head:
             lines.append(line + " time / peer | behind |")
         else:
             row = next(told)
