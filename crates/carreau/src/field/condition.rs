@@ -40,7 +40,7 @@ struct Division {
 
 /// Splits what has to be split.
 pub fn condition(mesh: &SurfaceMesh, features: &Features) -> Result<Conditioned> {
-    let triangles: Vec<[u32; 3]> = mesh.faces().corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let triangles = mesh.faces().fan().0;
     let ends = |c: usize| {
         let c = CornerId::new(c);
         key(mesh.vertex(c).0, mesh.vertex(mesh.next(c)).0)

@@ -42,10 +42,9 @@ impl Guidance {
             None if options.adaptive => Sizes::of_curvature(source, length, context)?,
             None => Sizes::of_limbs(source, length, context)?,
         };
-        let corners: Vec<[u32; 3]> =
-            source.surface.mesh.faces().corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-        let guides = &options.guides;
-        if !guides.is_empty() && below_guides(source.surface.mesh.points(), &corners, guides, length).is_empty() {
+        let (guides, surface) = (&options.guides, &source.surface.mesh);
+        let is_near = || !below_guides(surface.points(), &surface.faces().fan().0, guides, length).is_empty();
+        if !guides.is_empty() && !is_near() {
             return Err(Error::Options(
                 "guides: no place of them is within two edges of the quads from the surface".into(),
             ));

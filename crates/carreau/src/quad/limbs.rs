@@ -12,9 +12,9 @@
 use super::source::Source;
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::normals::{face_normals, vertex_normals};
+use crate::geometry::normals::vertex_normals;
 use crate::geometry::search_tree::TriangleTree;
-use crate::mesh::{NONE, Triangles};
+use crate::mesh::NONE;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -28,11 +28,10 @@ const OPPOSITE: f64 = -0.3;
 const LINES: usize = 4;
 
 /// The relative length of edges at every vertex of the source: one, and less on limbs; `None` where there are none.
-pub fn lengths(source: &Source, triangles: Triangles<'_>, length: f64, context: &Context) -> Result<Option<Vec<f64>>> {
-    let corners: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|t| triangles.triangle(t)).collect();
+pub fn lengths(source: &Source, length: f64, context: &Context) -> Result<Option<Vec<f64>>> {
     let mesh = &source.surface.mesh;
-    let faces = face_normals(mesh);
-    let normals = vertex_normals(mesh, &faces);
+    let corners = mesh.faces().fan().0;
+    let normals = vertex_normals(mesh, &source.normals);
     let tree = TriangleTree::new(mesh.points(), &corners);
     // The section of a flat limb is about twice as wide as what goes around it.
     let reach = QUADS_AROUND * length / 2.0;
@@ -47,7 +46,7 @@ pub fn lengths(source: &Source, triangles: Triangles<'_>, length: f64, context: 
         tree.along_ray(p, -up, reach, |hit| {
             let is_own = corners[hit.triangle as usize].contains(&(v as u32));
             let is_opposite = source.region[hit.triangle as usize] == region[v];
-            if is_opposite && !is_own && faces[hit.triangle as usize].dot(up) < OPPOSITE {
+            if is_opposite && !is_own && source.normal(hit.triangle).dot(up) < OPPOSITE {
                 across = across.min(hit.t);
             }
         });
@@ -97,8 +96,7 @@ mod tests {
         let ball: SurfaceMesh = moved(&sample::make("icosphere", Some(40), &context).unwrap(), |p| p * stretch);
         let options = FeatureOptions { angle_deg: None, ..FeatureOptions::default() };
         let source = Source::new(&ball, &options, &context).unwrap();
-        let triangles = Triangles::of(&source.surface.mesh).unwrap();
-        let lengths = lengths(&source, triangles, length, &context).unwrap();
+        let lengths = lengths(&source, length, &context).unwrap();
         let is_inside = |v: &usize| source.surface.mesh.points()[*v].truncate().length() < 0.8;
         lengths.map_or(1.0, |all| (0..all.len()).filter(is_inside).map(|v| all[v]).fold(1.0, f64::min))
     }

@@ -58,7 +58,7 @@ impl Sizes {
     /// Shorter on limbs that even quads have no room around; `None` where there are none.
     pub fn of_limbs(source: &Source, length: f64, context: &Context) -> Result<Option<Self>> {
         let Some(triangles) = Triangles::of(&source.surface.mesh) else { return Ok(None) };
-        let wanted = limbs::lengths(source, triangles, length, context)?;
+        let wanted = limbs::lengths(source, length, context)?;
         Ok(wanted.map(|wanted| Self::new(triangles, wanted, LIMB_RANGE, length)))
     }
 

@@ -34,7 +34,8 @@ pub struct Source {
     /// Region of every triangle.
     pub region: Vec<u32>,
     pub regions: usize,
-    normals: Vec<DVec3>,
+    /// Unit normals of the triangles.
+    pub normals: Vec<DVec3>,
     /// For every region its triangles, and the tree over them.
     trees: Vec<(Vec<u32>, TriangleTree)>,
     /// The feature edges, by their ends, and the curve of each.

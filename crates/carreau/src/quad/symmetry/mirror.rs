@@ -70,8 +70,7 @@ fn regions(work: &Work, source: &Source) -> Vec<u32> {
     }
     let (piece, count) = sets.labels();
     let mesh = &source.surface.mesh;
-    let corners: Vec<[u32; 3]> = mesh.faces().corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    let tree = TriangleTree::new(mesh.points(), &corners);
+    let tree = TriangleTree::new(mesh.points(), &mesh.faces().fan().0);
     let region_at = |p: DVec3| tree.closest(p).map_or(0, |found| source.region[found.triangle as usize]);
     let mut votes = vec![BTreeMap::<u32, usize>::new(); count];
     for (face, &piece) in work.faces.iter().zip(&piece) {

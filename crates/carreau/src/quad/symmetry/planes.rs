@@ -78,8 +78,7 @@ struct Surface {
 
 impl Surface {
     fn new(mesh: &SurfaceMesh) -> Self {
-        let corners = mesh.faces().corners();
-        let triangles: Vec<[u32; 3]> = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+        let triangles = mesh.faces().fan().0;
         let middle = |t: &[u32; 3]| t.iter().map(|&v| mesh.points()[v as usize]).sum::<DVec3>() / 3.0;
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| mesh.points()[v as usize]);
@@ -96,6 +95,7 @@ impl Surface {
         let moments = triangles.iter().map(of).fold(DMat3::ZERO, |a, b| a + b);
         let (low, high) = mesh.bounds();
         let spread = |count: usize| (0..count).step_by(count.div_ceil(PLACES / 2).max(1));
+        let corners = mesh.faces().corners();
         let vertices = spread(corners.len()).map(|c| mesh.points()[corners[c] as usize]);
         let places = vertices.chain(spread(triangles.len()).map(|t| middle(&triangles[t]))).collect();
         let tree = TriangleTree::new(mesh.points(), &triangles);
