@@ -1,7 +1,7 @@
 //! How a surface is prepared before a verb's room sees it: the flags, and what is told about it.
 
+use crate::defects::defect_lines;
 use crate::session::Session;
-use crate::verb::defect_lines;
 use carreau::mesh::{
     KeepPieces, PrepareOptions, Prepared, RawMesh, SurfaceMesh, Takes, Topology, VertexId, prepare, prepare_fans,
 };

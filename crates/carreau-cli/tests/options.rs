@@ -106,3 +106,34 @@ fn threads_are_capped() {
     let warnings = found["warnings"].to_string();
     assert!(warnings.contains("100000 threads"), "{warnings}");
 }
+
+#[test]
+fn every_verb_takes_its_options_from_a_file() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (options, model, page, json) = (at("options.json"), at("torus.ply"), at("torus.html"), at("record.json"));
+    let ran = |arguments: &[&str], given: &str| {
+        fs::write(&options, given).unwrap();
+        let run = carreau().args(arguments).args(["--options", text(&options), "--json", text(&json)]).output().unwrap();
+        (run.status.code(), fs::read_to_string(&json).unwrap_or_default())
+    };
+    let sample = ["sample", "torus", "-o", text(&model)];
+    let view = ["view", text(&model), "-o", text(&page)];
+    let (code, record) = ran(&sample, "{\"resolution\": 12, \"threads\": 2}");
+    assert_eq!(code, Some(0));
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!((&record["options"]["resolution"], &record["options"]["threads"]), (&12.into(), &2.into()));
+    assert_eq!(record["options"]["name"], "torus");
+    let (code, record) = ran(&view, "{\"curvature\": false}");
+    assert_eq!(code, Some(0));
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!(record["options"]["curvature"], false);
+    // A file that does not fit is refused by all of them.
+    let demo = at("demo");
+    for arguments in [&sample[..], &view[..], &["demo", "-o", text(&demo)]] {
+        for wrong in ["{\"no_such_option\": 1}", "{\"deadline\": -1}", "no JSON"] {
+            assert_eq!(ran(arguments, wrong).0, Some(2), "{arguments:?} {wrong}");
+        }
+    }
+    assert!(!demo.exists());
+}

@@ -1,13 +1,13 @@
 //! `cad`: a mesh becomes a CAD model with the faces that the part really has.
 
-use super::segment::read_labels;
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::Common;
 use crate::host::Found;
+use crate::labels::read_labels;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::brep::tessellate::{Fineness, tessellate};
 use carreau::brep::{Brep, Surface, SurfaceKind};
 use carreau::cad::{self, CadModel, CadOptions, Snap, Style};
@@ -61,52 +61,57 @@ pub struct Cad {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     cad: CadOptions,
     labels: Option<String>,
     tolerance: Option<Length>,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Cad {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Cad {
+    const NAME: &'static str = "cad";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface);
         files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("cad", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.cad(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "cad", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.cad.style = self.style.unwrap_or(all.cad.style);
         all.cad.snap = self.snap.unwrap_or(all.cad.snap);
         all.cad.max_faces = self.max_faces.or(all.cad.max_faces);
-        all.labels = self.labels.clone().or(all.labels);
+        all.labels = self.labels.clone().or(all.labels.take());
         all.tolerance = self.tolerance.or(all.tolerance);
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
-        Ok(all)
+        Ok(())
     }
 
-    fn cad(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_fans(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();
@@ -127,16 +132,17 @@ impl Cad {
         })?;
         let Some(file) = &self.output else { return Ok(()) };
         if CAD_EXTENSIONS.contains(&extension(file).as_str()) {
-            self.write_cad(session, file, &model.brep, options)
+            self.write_cad(session, file, &model.brep)
         } else {
             session.write_mesh(file, &out, &WriteOptions::default())
         }
     }
+}
 
-    fn write_cad(&self, session: &mut Session, file: &Path, brep: &Brep, options: &Options) -> Result<(), Error> {
+impl Cad {
+    fn write_cad(&self, session: &mut Session, file: &Path, brep: &Brep) -> Result<(), Error> {
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let cad =
-            io::CadOptions { unit: options.common.unit, name, schema: StepSchema::Ap242, ..io::CadOptions::default() };
+        let cad = io::CadOptions { unit: session.unit, name, schema: StepSchema::Ap242, ..io::CadOptions::default() };
         let mut bytes = Vec::new();
         io::write_cad(file, brep, &cad, &mut bytes)?;
         session.write_bytes(file, &bytes)

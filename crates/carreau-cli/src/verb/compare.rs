@@ -1,11 +1,12 @@
 //! `compare`: how far two surfaces are apart.
 
-use super::{intersection_line, intersections};
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
+use crate::defects::{intersection_line, intersections};
+use crate::failure::named;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session, named};
+use crate::session::Session;
 use carreau::Error;
 use carreau::geometry::distance::{DistanceOptions, compare};
 use carreau::geometry::quality::SurfaceQuality;
@@ -31,70 +32,84 @@ pub struct Compare {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     distance: DistanceOptions,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Compare {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Compare {
+    const NAME: &'static str = "compare";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.a)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common).needs(Some(&self.a)).needs(Some(&self.b))
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let mut options = options_from(self.common.options.as_deref(), "compare", Options::default())?;
-        options.distance.samples = self.samples.unwrap_or(options.distance.samples);
-        options.prepare = self.prepare.over(options.prepare);
-        options.distance.validate()?;
-        options.common = self.common.over(options.common);
-        Session::run("compare", &self.common, &options.common, Some(&self.a), |session| {
-            session.record.set("options", &options);
-            // The record's `input` is the first file: it is read last, so that its counts stay.
-            let (b, prepared_b) = read(session, &self.b, &options.prepare)?;
-            let (a, prepared_a) = read(session, &self.a, &options.prepare)?;
-            session.record.set("prepared", json!({ "a": prepared_a, "b": prepared_b }));
-            session.show_equal(&[&self.a, &self.b]);
-            let mut crossed = Map::new();
-            let context = session.context.clone();
-            let found = context.install(|| {
-                let _stage = context.stage("distance");
-                compare(&a, &b, &options.distance, &context)
-            })?;
-            let (d, share) = (found.distance, found.relative);
-            session.say(format!("diagonal of the first: {}", found.diagonal));
-            session.say(format!("distance mean {:.6e} ({:.4} % of the diagonal)", d.mean, 100.0 * share.mean));
-            session.say(format!("distance rms  {:.6e} ({:.4} %)", d.rms, 100.0 * share.rms));
-            session.say(format!(
-                "distance max  {:.6e} ({:.4} %), certainly below {:.6e}",
-                d.max,
-                100.0 * share.max,
-                d.max_upper
-            ));
-            if let Some(angle) = &found.normal_deg {
-                session.say(format!("normals: mean {:.3}°, max {:.3}°", angle.mean, angle.max));
-            }
-            for (name, mesh) in [("a", &a), ("b", &b)] {
-                let crossings = intersections(session, mesh)?;
-                intersection_line(&crossings).into_iter().for_each(|line| session.say(format!("{name}: {line}")));
-                crossed.insert(name.into(), json!(crossings));
-            }
-            session.record.set("intersections", crossed);
-            session.record.set_all(&found);
-            session.draw(&a.clone().into())?;
-            session.record.set("quality", json!({ "a": SurfaceQuality::of(&a), "b": SurfaceQuality::of(&b) }));
-            Ok(())
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
+    }
+
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
+        all.distance.samples = self.samples.unwrap_or(all.distance.samples);
+        all.prepare = self.prepare.over(all.prepare);
+        all.distance.validate()?;
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        // The record's `input` is the first file: it is read last, so that its counts stay.
+        let (b, prepared_b) = read(session, &self.b, &options.prepare)?;
+        let (a, prepared_a) = read(session, &self.a, &options.prepare)?;
+        session.record.set("prepared", json!({ "a": prepared_a, "b": prepared_b }));
+        session.show_equal(&[&self.a, &self.b]);
+        let mut crossed = Map::new();
+        let context = session.context.clone();
+        let found = context.install(|| {
+            let _stage = context.stage("distance");
+            compare(&a, &b, &options.distance, &context)
+        })?;
+        let (d, share) = (found.distance, found.relative);
+        session.say(format!("diagonal of the first: {}", found.diagonal));
+        session.say(format!("distance mean {:.6e} ({:.4} % of the diagonal)", d.mean, 100.0 * share.mean));
+        session.say(format!("distance rms  {:.6e} ({:.4} %)", d.rms, 100.0 * share.rms));
+        session.say(format!(
+            "distance max  {:.6e} ({:.4} %), certainly below {:.6e}",
+            d.max,
+            100.0 * share.max,
+            d.max_upper
+        ));
+        if let Some(angle) = &found.normal_deg {
+            session.say(format!("normals: mean {:.3}°, max {:.3}°", angle.mean, angle.max));
+        }
+        for (name, mesh) in [("a", &a), ("b", &b)] {
+            let crossings = intersections(session, mesh)?;
+            intersection_line(&crossings).into_iter().for_each(|line| session.say(format!("{name}: {line}")));
+            crossed.insert(name.into(), json!(crossings));
+        }
+        session.record.set("intersections", crossed);
+        session.record.set_all(&found);
+        session.draw(&a.clone().into())?;
+        session.record.set("quality", json!({ "a": SurfaceQuality::of(&a), "b": SurfaceQuality::of(&b) }));
+        Ok(())
     }
 }
 

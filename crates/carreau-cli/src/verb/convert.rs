@@ -1,16 +1,15 @@
 //! `convert`: any readable format to any writable one.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
 use crate::outputs::Outputs;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::Error;
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::report::page::Scene;
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Converts a mesh file to another format, chosen by the extension
 #[derive(Args)]
@@ -38,34 +37,45 @@ pub struct Convert {
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     boundary: bool,
     ascii: bool,
     triangulate: bool,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Convert {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Convert {
+    const NAME: &'static str = "convert";
+    const IS_CALLABLE: bool = false;
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common).reads(&self.input, ResultKind::Any).writes(Some(&self.output), ResultKind::Any)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let mut options = options_from(self.common.options.as_deref(), "convert", Options::default())?;
-        options.boundary |= self.boundary;
-        options.ascii |= self.ascii;
-        options.triangulate |= self.triangulate;
-        options.common = self.common.over(options.common);
-        Session::run("convert", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.convert(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn convert(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
+        all.boundary |= self.boundary;
+        all.ascii |= self.ascii;
+        all.triangulate |= self.triangulate;
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mut mesh = session.read(&self.input)?;
         if options.boundary {
             mesh = mesh.boundary()?;

@@ -1,18 +1,17 @@
 //! `curvature`: principal curvatures and directions at every vertex.
 
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues, positive_length};
+use crate::common::{Common, positive_length};
 use crate::host::Found as Handed;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::bounds::angle;
 use carreau::geometry::curvature::{Curvature as Found, CurvatureOptions, Estimator, curvature};
 use carreau::geometry::features::{FeatureOptions, feature_edges};
 use carreau::geometry::summary::Summary;
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::mesh::{Column, PrepareOptions, RawMesh, SurfaceMesh, Triangles};
 use carreau::report::curvature_figure;
 use carreau::report::page::Scene;
@@ -20,7 +19,7 @@ use carreau::{DVec3, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measures principal curvatures and directions at every vertex
 ///
@@ -50,20 +49,18 @@ pub struct Curvature {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     estimator: Estimator,
     radius: Option<Length>,
     feature_angle: f64,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
 impl Default for Options {
@@ -72,37 +69,42 @@ impl Default for Options {
             estimator: Estimator::default(),
             radius: None,
             feature_angle: 25.0,
-            common: CommonValues::default(),
             prepare: PrepareOptions::default(),
         }
     }
 }
 
-impl Curvature {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Curvature {
+    const NAME: &'static str = "curvature";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common)
             .reads(&self.input, ResultKind::Surface)
             .writes(self.output.as_deref(), ResultKind::Surface)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("curvature", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.curvature(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    /// Options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "curvature", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.estimator = self.estimator.unwrap_or(all.estimator);
         all.radius = self.radius.or(all.radius);
         all.feature_angle = self.feature_angle.unwrap_or(all.feature_angle);
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         if all.radius.is_some() && all.estimator != Estimator::NormalCycleBall {
             return Err(Error::Options(
                 "--radius needs --estimator normal-cycle-ball; the other estimators have no radius".into(),
@@ -110,10 +112,10 @@ impl Curvature {
         }
         angle("feature-angle", all.feature_angle)?;
         positive_length("radius", all.radius)?;
-        Ok(all)
+        Ok(())
     }
 
-    fn curvature(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_surface(&self.input, &options.prepare)?.triangulated()?;
         let found = compute(session, &prepared.mesh, options)?;
         describe(session, &prepared.mesh, &found);

@@ -1,16 +1,15 @@
 //! `field`: a frame field along the features of a part.
 
-use super::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::Common;
+use crate::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
 use crate::host::Found;
 use crate::outputs::{Content, Outputs};
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::field::{self, FieldOptions, Pin, Propagation};
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::mesh::{Column, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::field_figure;
 use carreau::report::page::Scene;
@@ -18,7 +17,7 @@ use carreau::{DVec3, Error};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Computes a frame field along the features, with room for a quad in every corner
 ///
@@ -65,13 +64,13 @@ pub struct Field {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     field: FieldOptions,
     guides: Option<PathBuf>,
@@ -80,13 +79,25 @@ struct Options {
     classic: bool,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Field {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Field {
+    const NAME: &'static str = "field";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
         let files = files.needs(self.guides.as_deref());
         files.writes(self.output.as_deref(), ResultKind::Surface).also(
@@ -96,35 +107,27 @@ impl Field {
         )
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("field", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.field(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    /// Defaults, then options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "field", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         let o = &mut all.field;
         o.orthogonal |= self.orthogonal;
         o.pin = self.pin.unwrap_or(o.pin);
         o.propagation = self.propagation.unwrap_or(o.propagation);
         o.lean_deg = self.lean.unwrap_or(o.lean_deg);
         o.curvature = self.curvature.unwrap_or(o.curvature);
-        all.guides = self.guides.clone().or(all.guides);
-        all.features = self.features.over(all.features);
+        all.guides = self.guides.clone().or(all.guides.take());
+        all.features = self.features.over(std::mem::take(&mut all.features));
         all.classic |= self.classic;
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         all.features.validate()?;
         all.field.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn field(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_surface(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();
@@ -153,7 +156,9 @@ impl Field {
         }
         self.write(session, &prepared.mesh, found)
     }
+}
 
+impl Field {
     fn write(&self, session: &mut Session, source: &SurfaceMesh, found: field::Field) -> Result<(), Error> {
         let mut mesh = with_frames(&found);
         session.carry(source, &mut mesh)?;

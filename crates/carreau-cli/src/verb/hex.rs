@@ -1,15 +1,14 @@
 //! `hex`: a hexahedral mesh of a tubular surface or of a skeleton.
 
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::Common;
 use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
-use carreau::hex::{self, HexOptions, HexResult, Layers, Order, Padding, Stage};
-use carreau::io::WriteOptions;
-use carreau::io::{ResultKind, check_second_order};
+use crate::session::Session;
+use carreau::hex::{self, Figures, HexOptions, HexResult, Layers, Order, Padding, Stage};
+use carreau::io::{ResultKind, WriteOptions, check_second_order};
 use carreau::mesh::{Attributes, Column, CurveNet, HexMesh, PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::report::hex_figure;
 use carreau::report::page::Scene;
@@ -96,13 +95,13 @@ pub struct Hex {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// All options of a run.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     padding: Padding,
     skeleton: Option<PathBuf>,
     surface: Option<PathBuf>,
@@ -123,8 +122,6 @@ struct Options {
     allow_far: bool,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
 impl Options {
@@ -153,29 +150,37 @@ impl Options {
     }
 }
 
-impl Hex {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Hex {
+    const NAME: &'static str = "hex";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files = Outputs::of(&self.common).needs(Some(&self.input));
         let files = files.needs(self.skeleton.as_deref()).needs(self.surface.as_deref());
         files.writes(self.output.as_deref(), ResultKind::Hexes)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("hex", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.hex(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "hex", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.padding = self.padding.unwrap_or(all.padding);
         all.refine_across = self.refine_across.or(all.refine_across);
-        all.skeleton = self.skeleton.clone().or(all.skeleton);
-        all.surface = self.surface.clone().or(all.surface);
+        all.skeleton = self.skeleton.clone().or(all.skeleton.take());
+        all.surface = self.surface.clone().or(all.surface.take());
         all.refine_along = self.refine_along.unwrap_or(all.refine_along);
         all.hexes = self.hexes.or(all.hexes);
         all.edge_length = self.edge_length.or(all.edge_length);
@@ -194,7 +199,6 @@ impl Hex {
         all.max_distance = self.max_distance.or(all.max_distance);
         all.allow_far |= self.allow_far;
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         match (all.layers, all.first_layer, all.growth) {
             (Some(_), None, _) => {
                 return Err(Error::Options("--layers needs --first-layer, the thickness of the first one".into()));
@@ -206,10 +210,10 @@ impl Hex {
         }
         // Lengths above zero on a diagonal above zero.
         all.resolved(1.0).validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn hex(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let shape = self.read(session, options)?;
         let diagonal = shape.diagonal();
         let wanted = options.resolved(diagonal);
@@ -240,28 +244,7 @@ impl Hex {
         session.record.set_all(figures);
         session.record.set("quality", &figures.quality);
         session.record.set("output", json!({ "hexes": figures.hexes, "vertices": figures.vertices }));
-        let quality = &figures.quality;
-        session.say(format!(
-            "{} hexes on {} segments, scaled Jacobian {:.3} at least, {:.3} on average",
-            figures.hexes, figures.segments, quality.scaled_jacobian_min, quality.scaled_jacobian_mean
-        ));
-        session.say(match quality.uncertified.len() {
-            0 => "every cell is certified".into(),
-            n => format!("{n} cells are not certified"),
-        });
-        session.say(figures.verdict());
-        if let Some(straight) = &figures.straight_edges {
-            let edges = counted(straight.count, "edge stays", "edges stay");
-            session.say(format!("cells of second order, {edges} straight"));
-        }
-        if let Some(layers) = &figures.layers {
-            session.say(format!(
-                "{} layers, together {} thick on {:.1}% of the wall, within a tenth",
-                layers.asked.count,
-                rounded(layers.thickness, layers.thickness),
-                100.0 * layers.as_asked
-            ));
-        }
+        tell(session, figures);
         if let Some(file) = &self.output {
             let mut raw = found.raw();
             // A format without a place for names need not say that it leaves out those of tags that all files have.
@@ -272,7 +255,9 @@ impl Hex {
         session.keep(|| Found::Hexes(found));
         Ok(())
     }
+}
 
+impl Hex {
     /// What the files hold; a file of lines and faces is a surface.
     fn read(&self, session: &mut Session, options: &Options) -> Result<Shape, Error> {
         if !session.is_skeleton(&self.input) {
@@ -293,6 +278,32 @@ impl Hex {
             }
             None => Shape::Graph(net),
         })
+    }
+}
+
+/// The summary.
+fn tell(session: &mut Session, figures: &Figures) {
+    let quality = &figures.quality;
+    session.say(format!(
+        "{} hexes on {} segments, scaled Jacobian {:.3} at least, {:.3} on average",
+        figures.hexes, figures.segments, quality.scaled_jacobian_min, quality.scaled_jacobian_mean
+    ));
+    session.say(match quality.uncertified.len() {
+        0 => "every cell is certified".into(),
+        n => format!("{n} cells are not certified"),
+    });
+    session.say(figures.verdict());
+    if let Some(straight) = &figures.straight_edges {
+        let edges = counted(straight.count, "edge stays", "edges stay");
+        session.say(format!("cells of second order, {edges} straight"));
+    }
+    if let Some(layers) = &figures.layers {
+        session.say(format!(
+            "{} layers, together {} thick on {:.1}% of the wall, within a tenth",
+            layers.asked.count,
+            rounded(layers.thickness, layers.thickness),
+            100.0 * layers.as_asked
+        ));
     }
 }
 

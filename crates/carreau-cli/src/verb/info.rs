@@ -1,10 +1,10 @@
 //! `info`: what is in a file, and what is wrong with it.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
+use crate::defects::{defect_lines, intersection_line, intersections};
 use crate::outputs::Outputs;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
-use carreau::geometry::intersections::Intersections;
+use crate::session::Session;
 use carreau::geometry::quality::SurfaceQuality;
 use carreau::geometry::thickness::{Side, thin};
 use carreau::hex::Validity;
@@ -14,7 +14,7 @@ use carreau::{DVec3, Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Reports counts, topology, defects with their places, and quality of a mesh file
 #[derive(Args)]
@@ -31,45 +31,59 @@ pub struct Info {
     #[arg(long, value_name = "LENGTH")]
     gaps: Option<Length>,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
-impl Info {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Info {
+    const NAME: &'static str = "info";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common).needs(Some(&self.input))
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let mut options = options_from(self.common.options.as_deref(), "info", Options::default())?;
-        options.walls = self.walls.or(options.walls);
-        options.gaps = self.gaps.or(options.gaps);
-        options.common = self.common.over(options.common);
-        Session::run("info", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            let raw = session.read(&self.input)?;
-            describe_content(session, &raw);
-            describe_hexes(session, &raw)?;
-            // A volume mesh is looked at through its boundary.
-            let skin = if raw.cells.is_empty() { raw } else { raw.boundary()? };
-            session.draw(&skin)?;
-            let surface = skin.into_surface()?;
-            session.context.check()?;
-            describe_surface(session, &surface)?;
-            describe_thin(session, &surface, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
+    }
+
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
+        all.walls = self.walls.or(all.walls);
+        all.gaps = self.gaps.or(all.gaps);
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let raw = session.read(&self.input)?;
+        describe_content(session, &raw);
+        describe_hexes(session, &raw)?;
+        // A volume mesh is looked at through its boundary.
+        let skin = if raw.cells.is_empty() { raw } else { raw.boundary()? };
+        session.draw(&skin)?;
+        let surface = skin.into_surface()?;
+        session.context.check()?;
+        describe_surface(session, &surface)?;
+        describe_thin(session, &surface, options)
     }
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     walls: Option<Length>,
     gaps: Option<Length>,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
 /// Thin walls and narrow gaps, where they are asked for.
@@ -216,51 +230,6 @@ fn describe_surface(session: &mut Session, mesh: &SurfaceMesh) -> Result<(), Err
     session.record.set("topology", topology);
     session.record.set("quality", quality);
     Ok(())
-}
-
-/// One line per kind of defect that there is, with its first places; what is open or unused is no defect to a method.
-pub fn defect_lines(t: &Topology, all: bool) -> Vec<String> {
-    let places = serde_json::to_value(&t.places).unwrap_or_default();
-    let unused = [
-        ("boundary loop", "boundary loops", t.boundary_loops, "boundary_loops"),
-        ("boundary edge", "boundary edges", t.boundary_edges, "boundary_edges"),
-        ("unreferenced vertex", "unreferenced vertices", t.unreferenced_vertices, "unreferenced_vertices"),
-    ];
-    let defects = [
-        ("non-manifold edge", "non-manifold edges", t.nonmanifold_edges, "nonmanifold_edges"),
-        ("non-manifold vertex", "non-manifold vertices", t.nonmanifold_vertices, "nonmanifold_vertices"),
-        ("inconsistently oriented edge", "inconsistently oriented edges", t.inconsistent_edges, "inconsistent_edges"),
-        ("degenerate face", "degenerate faces", t.degenerate_faces, "degenerate_faces"),
-        ("duplicate face", "duplicate faces", t.duplicate_faces, "duplicate_faces"),
-        ("coincident vertex", "coincident vertices", t.coincident_vertices, "coincident_vertices"),
-        ("inverted component", "inverted components", t.inverted_components, "inverted_components"),
-    ];
-    let listed = unused.iter().filter(|_| all).chain(&defects).filter(|(_, _, count, _)| *count > 0);
-    let line = |(one, many, count, key): &(&str, &str, usize, &str)| {
-        let shown: Vec<String> = places[*key].as_array().into_iter().flatten().take(3).map(Value::to_string).collect();
-        let dots = if *count > shown.len() { ", …" } else { "" };
-        format!("{count} {}: {}{dots}", if *count == 1 { one } else { many }, shown.join(", "))
-    };
-    listed.map(line).collect()
-}
-
-/// The self-intersections of a surface.
-pub fn intersections(session: &Session, mesh: &SurfaceMesh) -> Result<Intersections, Error> {
-    let context = session.context.clone();
-    context.install(|| {
-        let _stage = context.stage("intersections");
-        Intersections::of(mesh, &context)
-    })
-}
-
-/// How many self-intersections there are, and where the first ones are.
-pub fn intersection_line(found: &Intersections) -> Option<String> {
-    let shown: Vec<String> = found.places.iter().take(3).map(|[a, b]| format!("[{a},{b}]")).collect();
-    let dots = if found.pairs > shown.len() { ", …" } else { "" };
-    let least = if found.more { "at least " } else { "" };
-    let pairs = if found.pairs == 1 { "pair of faces meets" } else { "pairs of faces meet" };
-    (found.pairs > 0)
-        .then(|| format!("{least}{} {pairs} (self-intersections): {}{dots}", found.pairs, shown.join(", ")))
 }
 
 /// What other verbs do before they begin.

@@ -1,36 +1,39 @@
-//! The verbs, one file each; `simplify` holds `enrich` as well, `features` the flags of feature edges.
+//! The verbs, one file each.
+//!
+//! A verb is a struct whose fields are its flags; [`contract::Verb`] says what it has to be able to do, and how a run goes. A new one takes a
+//! file here, a line in [`AnyVerb`] and one in `each`.
 
 mod cad;
 mod compare;
+mod completions;
+mod contract;
 mod convert;
 mod curvature;
 mod demo;
-mod features;
+mod enrich;
 mod field;
 mod hex;
 mod info;
+mod man;
 mod motorcycle;
 mod patch;
 mod quad;
 mod repair;
 mod sample;
 mod segment;
-mod shell;
 mod simplify;
 mod skeleton;
 mod view;
 
-use crate::common::Common;
-use crate::outputs::Outputs;
-use crate::session::Failure;
+use crate::failure::Failure;
+use crate::host::Host;
 use clap::Subcommand;
-
-pub use features::read_edges;
-pub use info::{defect_lines, intersection_line, intersections};
+use contract::Run;
+use std::sync::Arc;
 
 /// What to do.
 #[derive(Subcommand)]
-pub enum Verb {
+pub enum AnyVerb {
     Demo(demo::Demo),
     Sample(sample::Sample),
     Info(info::Info),
@@ -46,89 +49,49 @@ pub enum Verb {
     Quad(quad::Quad),
     Hex(hex::Hex),
     Skeleton(skeleton::Skeleton),
-    Enrich(simplify::Enrich),
+    Enrich(enrich::Enrich),
     Simplify(simplify::Simplify),
     View(view::View),
-    Completions(shell::Completions),
-    Man(shell::Man),
+    Completions(completions::Completions),
+    Man(man::Man),
 }
 
-impl Verb {
-    /// The common options of a verb that a program may call.
-    pub fn common_mut(&mut self) -> Option<&mut Common> {
-        match self {
-            Verb::Info(verb) => Some(&mut verb.common),
-            Verb::Repair(verb) => Some(&mut verb.common),
-            Verb::Compare(verb) => Some(&mut verb.common),
-            Verb::Curvature(verb) => Some(&mut verb.common),
-            Verb::Patch(verb) => Some(&mut verb.common),
-            Verb::Segment(verb) => Some(&mut verb.common),
-            Verb::Cad(verb) => Some(&mut verb.common),
-            Verb::Field(verb) => Some(&mut verb.common),
-            Verb::Motorcycle(verb) => Some(&mut verb.common),
-            Verb::Quad(verb) => Some(&mut verb.common),
-            Verb::Hex(verb) => Some(&mut verb.common),
-            Verb::Skeleton(verb) => Some(&mut verb.common),
-            Verb::Enrich(verb) => Some(&mut verb.remesh.common),
-            Verb::Simplify(verb) => Some(&mut verb.remesh.common),
-            Verb::Demo(_)
-            | Verb::Sample(_)
-            | Verb::Convert(_)
-            | Verb::View(_)
-            | Verb::Completions(_)
-            | Verb::Man(_) => None,
+/// Calls a method of whichever verb it is.
+macro_rules! each {
+    ($any:expr, $verb:ident => $call:expr) => {
+        match $any {
+            AnyVerb::Demo($verb) => $call,
+            AnyVerb::Sample($verb) => $call,
+            AnyVerb::Info($verb) => $call,
+            AnyVerb::Convert($verb) => $call,
+            AnyVerb::Repair($verb) => $call,
+            AnyVerb::Compare($verb) => $call,
+            AnyVerb::Curvature($verb) => $call,
+            AnyVerb::Patch($verb) => $call,
+            AnyVerb::Segment($verb) => $call,
+            AnyVerb::Cad($verb) => $call,
+            AnyVerb::Field($verb) => $call,
+            AnyVerb::Motorcycle($verb) => $call,
+            AnyVerb::Quad($verb) => $call,
+            AnyVerb::Hex($verb) => $call,
+            AnyVerb::Skeleton($verb) => $call,
+            AnyVerb::Enrich($verb) => $call,
+            AnyVerb::Simplify($verb) => $call,
+            AnyVerb::View($verb) => $call,
+            AnyVerb::Completions($verb) => $call,
+            AnyVerb::Man($verb) => $call,
         }
+    };
+}
+
+impl AnyVerb {
+    /// Does it; `whole` is the command line as a whole.
+    pub fn run(&self, whole: fn() -> clap::Command) -> Result<(), Failure> {
+        each!(self, verb => verb.run(whole))
     }
 
-    /// The files of a run.
-    fn outputs(&self) -> Outputs {
-        match self {
-            Verb::Demo(verb) => verb.outputs(),
-            Verb::Sample(verb) => verb.outputs(),
-            Verb::Info(verb) => verb.outputs(),
-            Verb::Repair(verb) => verb.outputs(),
-            Verb::Convert(verb) => verb.outputs(),
-            Verb::Compare(verb) => verb.outputs(),
-            Verb::Curvature(verb) => verb.outputs(),
-            Verb::Patch(verb) => verb.outputs(),
-            Verb::Segment(verb) => verb.outputs(),
-            Verb::Cad(verb) => verb.outputs(),
-            Verb::Field(verb) => verb.outputs(),
-            Verb::Motorcycle(verb) => verb.outputs(),
-            Verb::Quad(verb) => verb.outputs(),
-            Verb::Hex(verb) => verb.outputs(),
-            Verb::Skeleton(verb) => verb.outputs(),
-            Verb::Enrich(verb) => verb.remesh.outputs(),
-            Verb::Simplify(verb) => verb.remesh.outputs(),
-            Verb::View(verb) => verb.outputs(),
-            Verb::Completions(_) | Verb::Man(_) => Outputs::default(),
-        }
-    }
-
-    /// Does it, once it is known that its results can be written.
-    pub fn run(&self) -> Result<(), Failure> {
-        self.outputs().check()?;
-        match self {
-            Verb::Demo(verb) => verb.run(),
-            Verb::Sample(verb) => verb.run(),
-            Verb::Info(verb) => verb.run(),
-            Verb::Repair(verb) => verb.run(),
-            Verb::Convert(verb) => verb.run(),
-            Verb::Compare(verb) => verb.run(),
-            Verb::Curvature(verb) => verb.run(),
-            Verb::Patch(verb) => verb.run(),
-            Verb::Segment(verb) => verb.run(),
-            Verb::Cad(verb) => verb.run(),
-            Verb::Field(verb) => verb.run(),
-            Verb::Motorcycle(verb) => verb.run(),
-            Verb::Quad(verb) => verb.run(),
-            Verb::Hex(verb) => verb.run(),
-            Verb::Skeleton(verb) => verb.run(),
-            Verb::Enrich(verb) => verb.run(),
-            Verb::Simplify(verb) => verb.run(),
-            Verb::View(verb) => verb.run(),
-            Verb::Completions(verb) => verb.run(),
-            Verb::Man(verb) => verb.run(),
-        }
+    /// Lets it run in a host; false for verbs that do not.
+    pub fn run_in(&mut self, host: &Arc<Host>) -> bool {
+        each!(self, verb => verb.run_in(host))
     }
 }

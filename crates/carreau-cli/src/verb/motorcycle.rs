@@ -1,14 +1,13 @@
 //! `motorcycle`: the motorcycle graph of a frame field, which divides a part into patches for quads.
 
-use super::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
-use crate::common::{Common, CommonValues, positive_length};
+use super::contract::Verb;
+use crate::common::{Common, positive_length};
+use crate::features::{FeatureFlags, FeatureValues, tell_features, warn_missing, with_dropped};
 use crate::host::Found;
 use crate::outputs::{Content, Outputs};
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use crate::session::Session;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::mesh::{PrepareOptions, RawMesh, SurfaceMesh};
 use carreau::quad::graph::{Track, TrackKind};
 use carreau::quad::{GraphOptions, MotorcycleGraph, motorcycle_graph};
@@ -19,7 +18,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Traces the motorcycle graph of a frame field: the patches of a part for quads
 ///
@@ -52,13 +51,13 @@ pub struct Motorcycle {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     graph: GraphOptions,
     edge_length: Option<Length>,
@@ -66,13 +65,25 @@ struct Options {
     features: FeatureValues,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Motorcycle {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Motorcycle {
+    const NAME: &'static str = "motorcycle";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
         files.writes(self.output.as_deref(), ResultKind::Surface).also(
             "--layout",
@@ -81,30 +92,22 @@ impl Motorcycle {
         )
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("motorcycle", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.graph(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    /// Defaults, then options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "motorcycle", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.graph.quads = self.quads.unwrap_or(all.graph.quads);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
-        all.features = self.features.over(all.features);
+        all.features = self.features.over(std::mem::take(&mut all.features));
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         positive_length("edge-length", all.edge_length)?;
         all.features.validate()?;
         all.graph.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn graph(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_surface(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();
@@ -118,7 +121,9 @@ impl Motorcycle {
         tell_features(&found.features, session);
         self.write(session, &prepared.mesh, found)
     }
+}
 
+impl Motorcycle {
     fn write(&self, session: &mut Session, source: &SurfaceMesh, found: MotorcycleGraph) -> Result<(), Error> {
         session.draw_as(|| graph_figure(&found))?;
         session.show_result(self.output.as_deref(), |name, _| {

@@ -1,16 +1,15 @@
 //! `patch`: quad patches on the given vertices, as a mesh or as CAD faces.
 
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues};
+use crate::common::Common;
 use crate::host::Found;
 use crate::outputs::{Content, Outputs};
 use crate::prepare::{PrepareFlags, edges_of_surface};
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::geometry::features::Creases;
-use carreau::io::ResultKind;
 use carreau::io::cad::{CAD_EXTENSIONS, CadOptions, StepSchema, write_cad};
-use carreau::io::{WriteOptions, extension};
+use carreau::io::{ResultKind, WriteOptions, extension};
 use carreau::mesh::{FaceId, PrepareOptions, Prepared, Takes, VertexId};
 use carreau::patch::cad::{self, BrepOptions, Fit};
 use carreau::patch::{self, Dissection, PatchOptions, PatchResult, Policy, Quality, Strategy, quad_mesh};
@@ -105,7 +104,7 @@ pub struct Patch {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// Creases that no face of a CAD file crosses unless told otherwise, in degrees.
@@ -122,7 +121,7 @@ enum Preset {
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     patch: PatchOptions,
     features: Option<PathBuf>,
@@ -132,13 +131,25 @@ struct Options {
     schema: StepSchema,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Patch {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Patch {
+    const NAME: &'static str = "patch";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files =
             Outputs::of(&self.common).reads(&self.input, ResultKind::SurfaceOrCad).needs(self.features.as_deref());
         files.writes(self.output.as_deref(), ResultKind::SurfaceOrCad).also(
@@ -148,23 +159,15 @@ impl Patch {
         )
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("patch", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.patch(session, &options)
-        })
-    }
-
-    /// Preset, then options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
+    fn defaults(&self) -> Options {
         let preset = match self.preset {
             Some(Preset::Paper) => PatchOptions::paper(),
             _ => PatchOptions::default(),
         };
-        let base = Options { patch: preset, ..Options::default() };
-        let mut all = options_from(self.common.options.as_deref(), "patch", base)?;
+        Options { patch: preset, ..Options::default() }
+    }
+
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         let o = &mut all.patch;
         o.strategy = self.strategy.unwrap_or(o.strategy);
         o.policy = self.policy.unwrap_or(o.policy);
@@ -200,21 +203,14 @@ impl Patch {
             all.patch.feature_angle = all.patch.feature_angle.or(Some(CREASE_ANGLE));
         }
         all.schema = self.schema.unwrap_or(all.schema);
-        all.features = self.features.clone().or(all.features);
+        all.features = self.features.clone().or(all.features.take());
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         all.patch.validate()?;
         all.brep.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    /// Whether the output is a CAD file whose faces end at bends.
-    fn is_divided(&self, options: &Options) -> bool {
-        let cad = |file: &PathBuf| CAD_EXTENSIONS.contains(&extension(file).as_str());
-        self.output.as_ref().is_some_and(cad) && !options.trimmed && options.brep.fit != Fit::Bilinear
-    }
-
-    fn patch(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let mut prepared = session.read_fans(&self.input, &options.prepare)?;
         if self.layout.is_some() && prepared.report.degenerate_faces + prepared.report.folded_faces > 0 {
             // Their neighbours meet across other edges than in the file once they are gone, and what a layout has left over is
@@ -259,6 +255,14 @@ impl Patch {
         ));
         session.say(format!("mean Q {:.2}°, {} cells with a corner above 150°", f.q_mean_deg, f.bad_cells));
         Ok(())
+    }
+}
+
+impl Patch {
+    /// Whether the output is a CAD file whose faces end at bends.
+    fn is_divided(&self, options: &Options) -> bool {
+        let cad = |file: &PathBuf| CAD_EXTENSIONS.contains(&extension(file).as_str());
+        self.output.as_ref().is_some_and(cad) && !options.trimmed && options.brep.fit != Fit::Bilinear
     }
 
     fn write(
@@ -310,7 +314,7 @@ impl Patch {
             _ => cad::to_brep(mesh, &result.patches, &result.leftover, &options.brep, &context),
         })?;
         let name = self.input.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let cad = CadOptions { unit: options.common.unit, schema: options.schema, name, ..CadOptions::default() };
+        let cad = CadOptions { unit: session.unit, schema: options.schema, name, ..CadOptions::default() };
         let mut bytes = Vec::new();
         write_cad(file, &model.brep, &cad, &mut bytes)?;
         model.warnings.into_iter().for_each(|w| session.warn(w));

@@ -1,13 +1,13 @@
 //! `quad`: an all-quad mesh that keeps every feature.
 
-use super::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues, positive_length};
+use crate::common::{Common, positive_length};
+use crate::features::{FeatureFlags, FeatureValues, load_guides, tell_features, warn_missing, with_dropped};
 use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::io::ResultKind;
 use carreau::mesh::{PrepareOptions, RawMesh};
 use carreau::quad::{self, QuadOptions, Quads, Symmetry};
@@ -15,7 +15,7 @@ use carreau::report::page::Scene;
 use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Makes an all-quad mesh that keeps every feature
 ///
@@ -67,13 +67,13 @@ pub struct Quad {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     quad: QuadOptions,
     edge_length: Option<Length>,
@@ -82,49 +82,53 @@ struct Options {
     features: FeatureValues,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Quad {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Quad {
+    const NAME: &'static str = "quad";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(self.features.file());
         let files = files.needs(self.guides.as_deref());
         files.writes(self.output.as_deref(), ResultKind::Surface)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("quad", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.quad(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    /// Defaults, then options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "quad", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.quad.quads = self.quads.unwrap_or(all.quad.quads);
         all.quad.rung = self.rung.unwrap_or(all.quad.rung);
         all.edge_length = if self.quads.is_some() { None } else { self.edge_length.or(all.edge_length) };
         all.quad.adaptive |= self.adaptive;
-        all.quad.sizes = if self.adaptive { None } else { self.sizes.clone().or(all.quad.sizes) };
+        all.quad.sizes = if self.adaptive { None } else { self.sizes.clone().or(all.quad.sizes.take()) };
         all.quad.symmetry = self.symmetry.unwrap_or(all.quad.symmetry);
         all.quad.curvature = self.curvature.unwrap_or(all.quad.curvature);
         all.quad.max_quads = self.max_quads.or(all.quad.max_quads);
-        all.guides = self.guides.clone().or(all.guides);
-        all.features = self.features.over(all.features);
+        all.guides = self.guides.clone().or(all.guides.take());
+        all.features = self.features.over(std::mem::take(&mut all.features));
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         positive_length("edge-length", all.edge_length)?;
         all.features.validate()?;
         all.quad.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn quad(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_surface(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();

@@ -1,14 +1,13 @@
 //! `repair`: makes a surface sound and says what it did.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
 use crate::host::Found;
 use crate::outputs::Outputs;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::geometry::holes::fill;
 use carreau::geometry::intersections::Intersections;
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::mesh::{KeepPieces, RawMesh, RepairOptions, SurfaceMesh, Topology, keep_pieces, repair};
 use carreau::report::page::Scene;
 use carreau::words::counted;
@@ -16,7 +15,7 @@ use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Welds, drops, orients and splits until the surface is sound, and says what it did
 #[derive(Args)]
@@ -60,70 +59,45 @@ pub struct Repair {
     #[arg(long, conflicts_with = "no_orient")]
     orient: bool,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     repair: RepairOptions,
     keep: Option<KeepPieces>,
     fill_holes: Option<u32>,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Repair {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Repair {
+    const NAME: &'static str = "repair";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common)
             .reads(&self.input, ResultKind::Surface)
             .writes(self.output.as_deref(), ResultKind::Surface)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("repair", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            let mesh = session.read(&self.input)?.into_surface()?;
-            let context = session.context.clone();
-            let mut done = context.install(|| repair(&mesh, &options.repair, &context))?;
-            let mut further = Vec::new();
-            if let Some(keep) = options.keep {
-                done.mesh = kept(session, done.mesh, keep, &mut further)?;
-            }
-            if let Some(most) = options.fill_holes {
-                done.mesh = filled(session, &done.mesh, most, &mut further)?;
-            }
-            if !further.is_empty() {
-                done.report.after = Topology::of(&done.mesh);
-            }
-            let sentences: Vec<String> = done.report.sentences().into_iter().chain(further).collect();
-            if sentences.is_empty() {
-                session.say("nothing to repair");
-            }
-            for sentence in sentences {
-                session.say(sentence.clone());
-                session.record.warnings.push(sentence);
-            }
-            let out = RawMesh::from(done.mesh);
-            session.draw(&out)?;
-            session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
-            session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
-            session.record.set("repair", done.report);
-            if let Some(file) = &self.output {
-                session.write_mesh(file, &out, &WriteOptions::default())?;
-                session.say(format!("{}: {} vertices, {} faces", file.display(), out.points.len(), out.faces.len()));
-            }
-            session.keep(|| Found::Mesh(out));
-            Ok(())
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "repair", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         let o = &mut all.repair;
         o.weld = if self.no_weld { None } else { self.weld.or(o.weld) };
         o.degenerate &= !self.keep_degenerate;
@@ -137,9 +111,43 @@ impl Repair {
             (all.repair.orient, all.repair.outward) = (true, true);
         }
         all.keep = self.keep.or(all.keep);
-        all.common = self.common.over(all.common);
         all.repair.validate()?;
-        Ok(all)
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        let mesh = session.read(&self.input)?.into_surface()?;
+        let context = session.context.clone();
+        let mut done = context.install(|| repair(&mesh, &options.repair, &context))?;
+        let mut further = Vec::new();
+        if let Some(keep) = options.keep {
+            done.mesh = kept(session, done.mesh, keep, &mut further)?;
+        }
+        if let Some(most) = options.fill_holes {
+            done.mesh = filled(session, &done.mesh, most, &mut further)?;
+        }
+        if !further.is_empty() {
+            done.report.after = Topology::of(&done.mesh);
+        }
+        let sentences: Vec<String> = done.report.sentences().into_iter().chain(further).collect();
+        if sentences.is_empty() {
+            session.say("nothing to repair");
+        }
+        for sentence in sentences {
+            session.say(sentence.clone());
+            session.record.warnings.push(sentence);
+        }
+        let out = RawMesh::from(done.mesh);
+        session.draw(&out)?;
+        session.show_result(self.output.as_deref(), |name, _| Scene::of_mesh(name, &out))?;
+        session.record.set("output", json!({ "vertices": out.points.len(), "faces": out.faces.len() }));
+        session.record.set("repair", done.report);
+        if let Some(file) = &self.output {
+            session.write_mesh(file, &out, &WriteOptions::default())?;
+            session.say(format!("{}: {} vertices, {} faces", file.display(), out.points.len(), out.faces.len()));
+        }
+        session.keep(|| Found::Mesh(out));
+        Ok(())
     }
 }
 

@@ -1,16 +1,17 @@
 //! `sample`: built-in procedural models.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
 use crate::outputs::Outputs;
-use crate::session::{Failure, Session};
-use carreau::io::ResultKind;
-use carreau::io::WriteOptions;
+use crate::session::Session;
+use carreau::io::{ResultKind, WriteOptions};
 use carreau::report::page::Scene;
 use carreau::sample::{SAMPLES, make};
 use carreau::{Error, mesh::RawMesh};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Writes a built-in procedural model
 #[derive(Args)]
@@ -32,42 +33,69 @@ pub struct Sample {
     common: Common,
 }
 
-impl Sample {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+/// What replays a run.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Options {
+    name: Option<String>,
+    resolution: Option<u32>,
+}
+
+impl Verb for Sample {
+    const NAME: &'static str = "sample";
+    const IS_CALLABLE: bool = false;
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common).writes(self.output.as_deref(), ResultKind::Surface)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let values = self.common.over(CommonValues::default());
-        Session::run("sample", &self.common, &values, None, |session| match (&self.name, &self.output) {
-            (Some(name), Some(output)) if !self.list => {
-                session
-                    .record
-                    .set("options", json!({ "name": name, "resolution": self.resolution, "seed": values.seed }));
-                let mesh: RawMesh = make(name, self.resolution, &session.context)?.into();
-                session.draw(&mesh)?;
-                session.show_result(Some(output), |name, _| Scene::of_mesh(name, &mesh))?;
-                session.write_mesh(output, &mesh, &WriteOptions::default())?;
-                let counts = json!({ "file": output.to_string_lossy(), "vertices": mesh.points.len(), "faces": mesh.faces.len() });
-                session.record.set("output", counts);
-                session.say(format!(
-                    "{}: {} vertices, {} faces",
-                    output.display(),
-                    mesh.points.len(),
-                    mesh.faces.len()
-                ));
+    fn defaults(&self) -> Options {
+        Options::default()
+    }
+
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
+        all.name = self.name.clone().or(all.name.take());
+        all.resolution = self.resolution.or(all.resolution);
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        match (&options.name, &self.output) {
+            (Some(name), Some(output)) if !self.list => write(session, name, options.resolution, output),
+            _ => {
+                list(session);
                 Ok(())
             }
-            _ => {
-                for sample in SAMPLES {
-                    session.say(format!("{:16} {}", sample.name, sample.summary));
-                }
-                let names: Vec<_> = SAMPLES.iter().map(|s| json!({ "name": s.name, "summary": s.summary })).collect();
-                session.record.set("samples", names);
-                Ok::<(), Error>(())
-            }
-        })
+        }
     }
+}
+
+/// Makes a model and writes it.
+fn write(session: &mut Session, name: &str, resolution: Option<u32>, output: &Path) -> Result<(), Error> {
+    let mesh: RawMesh = make(name, resolution, &session.context)?.into();
+    session.draw(&mesh)?;
+    session.show_result(Some(output), |name, _| Scene::of_mesh(name, &mesh))?;
+    session.write_mesh(output, &mesh, &WriteOptions::default())?;
+    let counts = json!({ "file": output.to_string_lossy(), "vertices": mesh.points.len(), "faces": mesh.faces.len() });
+    session.record.set("output", counts);
+    session.say(format!("{}: {} vertices, {} faces", output.display(), mesh.points.len(), mesh.faces.len()));
+    Ok(())
+}
+
+/// Lists the models.
+fn list(session: &mut Session) {
+    for sample in SAMPLES {
+        session.say(format!("{:16} {}", sample.name, sample.summary));
+    }
+    let names: Vec<_> = SAMPLES.iter().map(|s| json!({ "name": s.name, "summary": s.summary })).collect();
+    session.record.set("samples", names);
 }

@@ -1,20 +1,20 @@
 //! `segment`: the faces of a part, with clean borders, and the surface of each.
 
+use super::contract::Verb;
 use crate::choice::choice;
-use crate::common::{Common, CommonValues, positive_length};
+use crate::common::{Common, positive_length};
 use crate::host::Found;
+use crate::labels::read_labels;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::geometry::curvature::Estimator;
 use carreau::geometry::primitive::Primitive;
-use carreau::io::ResultKind;
-use carreau::io::{WriteOptions, extension};
+use carreau::io::{ResultKind, WriteOptions, extension};
 use carreau::mesh::{Column, PrepareOptions, Prepared, RawMesh, SurfaceMesh, VertexId};
 use carreau::report::page::Scene;
 use carreau::segment::{self, Basis, Rectify, Region, Scale, SegmentOptions, Segmentation};
-use carreau::{Error, Length, Place};
+use carreau::{Error, Length};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -82,7 +82,7 @@ pub struct Segment {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ fn threshold(text: &str) -> Result<Threshold, String> {
 /// What replays a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     segment: SegmentOptions,
     labels: Option<String>,
@@ -115,35 +115,39 @@ struct Options {
     tolerance: Option<Length>,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Segment {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Segment {
+    const NAME: &'static str = "segment";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         let labels = self.labels.as_deref().map(Path::new).filter(|file| file.is_file());
         let files = Outputs::of(&self.common).reads(&self.input, ResultKind::Surface).needs(labels);
         files.writes(self.output.as_deref(), ResultKind::Surface)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("segment", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.segment(session, &options)
-        })
-    }
-
-    /// Preset, then options file, then flags.
-    fn options(&self) -> Result<Options, Error> {
+    fn defaults(&self) -> Options {
         let preset = match self.preset {
             Some(Preset::Paper) => SegmentOptions::paper(),
             _ => SegmentOptions::default(),
         };
-        let base = Options { segment: preset, ..Options::default() };
-        let mut all = options_from(self.common.options.as_deref(), "segment", base)?;
+        Options { segment: preset, ..Options::default() }
+    }
+
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         let o = &mut all.segment;
         o.surfaces = self.surfaces.unwrap_or(o.surfaces);
         o.clusters = self.clusters.or(o.clusters);
@@ -162,18 +166,17 @@ impl Segment {
         o.estimator = self.estimator.unwrap_or(o.estimator);
         o.scale = self.scale.unwrap_or(o.scale);
         o.min_area = self.min_area.unwrap_or(o.min_area);
-        all.labels = self.labels.clone().or(all.labels);
+        all.labels = self.labels.clone().or(all.labels.take());
         all.radius = self.radius.or(all.radius);
         all.tolerance = self.tolerance.or(all.tolerance);
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         positive_length("radius", all.radius)?;
         positive_length("tolerance", all.tolerance)?;
         all.segment.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn segment(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let prepared = session.read_fans(&self.input, &options.prepare)?;
         let mesh = &prepared.mesh;
         let context = session.context.clone();
@@ -207,42 +210,6 @@ impl Segment {
         }
         Ok(())
     }
-}
-
-/// Labels from a face property of the mesh, or from a text file with one integer per triangle.
-pub(super) fn read_labels(prepared: &Prepared, name: &str) -> Result<Vec<u32>, Error> {
-    let mesh = &prepared.mesh;
-    // Any integers do: only whether two are equal matters, and their order.
-    let shift = |l: i64| (l - i64::from(i32::MIN)) as u32;
-    match mesh.attributes.face.get(name) {
-        Some(Column::Label(labels)) => return Ok(labels.iter().map(|&l| shift(i64::from(l))).collect()),
-        Some(_) => return Err(Error::Options(format!("the face property '{name}' holds no integers"))),
-        None => {}
-    }
-    let file = Path::new(name);
-    if !file.exists() {
-        let known: Vec<&str> = mesh.attributes.face.keys().map(String::as_str).collect();
-        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-        return Err(Error::Options(format!(
-            "--labels {name}: no such file, and no such face property (there are: {known})"
-        )));
-    }
-    let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, Place::File, e.to_string()))?;
-    let mut labels = Vec::new();
-    for (line, number) in text.lines().zip(1..) {
-        for word in line.split('#').next().unwrap_or("").split_whitespace() {
-            let label: i32 = word.parse().map_err(|_| {
-                Error::read(file, Place::Line(number), format!("an integer is expected, found '{word}'"))
-            })?;
-            labels.push(shift(i64::from(label)));
-        }
-    }
-    let triangles = prepared.input().face_count();
-    if labels.len() != triangles {
-        let what = format!("{} labels for {triangles} triangles", labels.len());
-        return Err(Error::read(file, Place::File, what));
-    }
-    Ok(prepared.gather_faces(labels))
 }
 
 /// The regions with the ids of the file.

@@ -1,11 +1,11 @@
 //! `skeleton`: the curve skeleton of a surface, with radii.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
 use crate::host::Found;
 use crate::outputs::Outputs;
 use crate::prepare::PrepareFlags;
-use crate::replay::options_from;
-use crate::session::{Failure, Session};
+use crate::session::Session;
 use carreau::Error;
 use carreau::io::ResultKind;
 use carreau::mesh::PrepareOptions;
@@ -15,7 +15,7 @@ use carreau::skeleton::{SkeletonOptions, extract};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Finds the curve skeleton of a surface, with radii
 ///
@@ -47,49 +47,54 @@ pub struct Skeleton {
     #[command(flatten)]
     prepare: PrepareFlags,
     #[command(flatten)]
-    pub(super) common: Common,
+    common: Common,
 }
 
 /// All options of a run.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Options {
+pub struct Options {
     #[serde(flatten)]
     skeleton: SkeletonOptions,
     #[serde(flatten)]
     prepare: PrepareOptions,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl Skeleton {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Verb for Skeleton {
+    const NAME: &'static str = "skeleton";
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn subject(&self) -> Option<&Path> {
+        Some(&self.input)
+    }
+
+    fn files(&self) -> Outputs {
         Outputs::of(&self.common).needs(Some(&self.input)).writes(self.output.as_deref(), ResultKind::Skeleton)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = self.options()?;
-        Session::run("skeleton", &self.common, &options.common, Some(&self.input), |session| {
-            session.record.set("options", &options);
-            self.skeleton(session, &options)
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn options(&self) -> Result<Options, Error> {
-        let mut all = options_from(self.common.options.as_deref(), "skeleton", Options::default())?;
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
         all.skeleton.speed = self.speed.unwrap_or(all.skeleton.speed);
         all.skeleton.medial = self.medial.unwrap_or(all.skeleton.medial);
         all.skeleton.detail = self.detail.unwrap_or(all.skeleton.detail);
         all.skeleton.prune &= !self.no_prune;
         all.prepare = self.prepare.over(all.prepare);
-        all.common = self.common.over(all.common);
         all.skeleton.validate()?;
-        Ok(all)
+        Ok(())
     }
 
-    fn skeleton(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
         let raw = session.read(&self.input)?;
         let prepared = session.read_body(raw, &options.prepare)?;
         let mesh = &prepared.mesh;

@@ -1,13 +1,15 @@
 //! `view`: files as one page to look at.
 
-use crate::common::{Common, CommonValues};
+use super::contract::Verb;
+use crate::common::Common;
+use crate::failure::named;
 use crate::outputs::{Content, Outputs};
-use crate::session::{Failure, Session, named};
+use crate::session::Session;
 use carreau::Error;
 use carreau::io::{self, is_skeleton_file};
 use carreau::report::page::{Role, Scene};
 use clap::Args;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -35,37 +37,60 @@ pub struct View {
     common: Common,
 }
 
-#[derive(Serialize)]
-struct Options {
+/// What replays a run.
+#[derive(Serialize, Deserialize)]
+#[serde(default)]
+pub struct Options {
     curvature: bool,
-    #[serde(flatten)]
-    common: CommonValues,
 }
 
-impl View {
-    /// The files of a run.
-    pub fn outputs(&self) -> Outputs {
+impl Default for Options {
+    fn default() -> Self {
+        Options { curvature: true }
+    }
+}
+
+impl Verb for View {
+    const NAME: &'static str = "view";
+    const IS_CALLABLE: bool = false;
+    type Options = Options;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
+
+    fn files(&self) -> Outputs {
         let files = self.inputs.iter().fold(Outputs::of(&self.common), |files, input| files.needs(Some(input)));
         files.also("--output", Some(&self.output), Content::Page)
     }
 
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let options = Options { curvature: !self.no_curvature, common: self.common.over(CommonValues::default()) };
-        Session::run("view", &self.common, &options.common, None, |session| {
-            session.report_to(&self.output);
-            session.record.set("options", &options);
-            for file in &self.inputs {
-                self.add(session, file).map_err(|error| named(file, error))?;
-            }
-            session.show_equal(&self.inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>());
-            session.record.set("inputs", &self.inputs);
-            session.record.set("output", json!({ "file": self.output.to_string_lossy(), "scenes": self.inputs.len() }));
-            Ok(())
-        })
+    fn defaults(&self) -> Options {
+        Options::default()
     }
 
-    fn add(&self, session: &mut Session, file: &Path) -> Result<(), Error> {
+    fn lay_over(&self, all: &mut Options) -> Result<(), Error> {
+        all.curvature &= !self.no_curvature;
+        Ok(())
+    }
+
+    fn work(&self, session: &mut Session, options: &Options) -> Result<(), Error> {
+        session.report_to(&self.output);
+        for file in &self.inputs {
+            self.add(session, file, options).map_err(|error| named(file, error))?;
+        }
+        session.show_equal(&self.inputs.iter().map(PathBuf::as_path).collect::<Vec<_>>());
+        session.record.set("inputs", &self.inputs);
+        session.record.set("output", json!({ "file": self.output.to_string_lossy(), "scenes": self.inputs.len() }));
+        Ok(())
+    }
+}
+
+impl View {
+    fn add(&self, session: &mut Session, file: &Path, options: &Options) -> Result<(), Error> {
         if is_skeleton_file(file) {
             return session.read_skeleton(file).map(drop);
         }
@@ -80,7 +105,7 @@ impl View {
         }
         session.show(file, Role::Other, |name, context| {
             let scene = Scene::of_mesh(name, &mesh)?;
-            if self.no_curvature { Ok(scene) } else { scene.with_curvature(context) }
+            if options.curvature { scene.with_curvature(context) } else { Ok(scene) }
         })
     }
 }

@@ -1,27 +1,13 @@
-//! Help for the shell: completions and the manual page.
+//! `man`: the manual pages.
 
-use crate::session::{Failure, print};
+use super::contract::Run;
+use crate::console::print;
+use crate::failure::Failure;
+use crate::host::Host;
 use carreau::{Error, io};
 use clap::Args;
-use clap_complete::Shell;
 use std::path::{Path, PathBuf};
-
-/// Writes a completion script for a shell to stdout
-#[derive(Args)]
-#[command(after_help = "Example:\n  carreau completions bash > ~/.local/share/bash-completion/completions/carreau")]
-pub struct Completions {
-    /// The shell
-    shell: Shell,
-}
-
-impl Completions {
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
-        let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut crate::command(), "carreau", &mut script);
-        Ok(print(&script)?)
-    }
-}
+use std::sync::Arc;
 
 /// Writes the manual pages: one of carreau, one of each verb
 #[derive(Args)]
@@ -32,15 +18,14 @@ pub struct Man {
     output: Option<PathBuf>,
 }
 
-impl Man {
-    /// Runs the verb.
-    pub fn run(&self) -> Result<(), Failure> {
+impl Run for Man {
+    fn run(&self, whole: fn() -> clap::Command) -> Result<(), Failure> {
         let page = |command: clap::Command| {
             let mut text = Vec::new();
             let rendered = clap_mangen::Man::new(command).render(&mut text);
             rendered.map(|()| text).map_err(|e| Error::write(Path::new("manual page"), e))
         };
-        let command = crate::command();
+        let command = whole();
         let Some(folder) = &self.output else { return Ok(print(&page(command)?)?) };
         std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
         io::write_atomically(&folder.join("carreau.1"), &page(command.clone())?)?;
@@ -50,5 +35,9 @@ impl Man {
             io::write_atomically(&folder.join(format!("{name}.1")), &text)?;
         }
         Ok(())
+    }
+
+    fn run_in(&mut self, _: &Arc<Host>) -> bool {
+        false
     }
 }

@@ -1,5 +1,4 @@
-//! The flags that say which edges are features, shared by the verbs that keep them; the files that list edges; what the record and the
-//! page tell of features.
+//! Feature edges, for all verbs that keep them: the flags that say which these are, and what record and page tell of them.
 
 use crate::prepare::edges_of_surface;
 use crate::session::Session;
@@ -7,7 +6,7 @@ use carreau::bounds::angle;
 use carreau::geometry::features::{FeatureOptions, FoundFeatures};
 use carreau::mesh::{Prepared, VertexId};
 use carreau::report::page::{Path as Lines, Scene, Style};
-use carreau::{DVec3, Error, Place};
+use carreau::{DVec3, Error};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -133,22 +132,4 @@ pub fn warn_missing(missing: &[[VertexId; 2]], prepared: &Prepared, session: &mu
         let count = missing.len();
         session.warn(format!("{count} tagged or listed edges do not exist in the mesh, the first is {} {}", a.0, b.0));
     }
-}
-
-/// Edges listed in a text file, two vertex ids per line; `#` starts a comment.
-pub fn read_edges(file: &Path) -> Result<Vec<[VertexId; 2]>, Error> {
-    let text = std::fs::read_to_string(file).map_err(|e| Error::read(file, Place::File, e.to_string()))?;
-    let lines = text.lines().zip(1..).map(|(line, number)| (line.split('#').next().unwrap_or("").trim(), number));
-    lines
-        .filter(|(line, _)| !line.is_empty())
-        .map(|(line, number)| {
-            let ids: Vec<u32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
-            match ids[..] {
-                [a, b] => Ok([VertexId(a), VertexId(b)]),
-                _ => {
-                    Err(Error::read(file, Place::Line(number), format!("two vertex ids are expected, found '{line}'")))
-                }
-            }
-        })
-        .collect()
 }

@@ -4,74 +4,17 @@
 //! Options, defaults, checks and the record are those of the command line, for they go through the same parser and the
 //! same code.
 
-use crate::Cli;
+mod memory;
+
+use crate::cli::Cli;
+use crate::failure::Failure;
 use crate::report::remember_command;
-use crate::session::Failure;
-use carreau::context::Progress;
-use carreau::field::Field;
-use carreau::hex::HexResult;
-use carreau::mesh::{CurveNet, RawMesh, VertexId};
-use carreau::patch::PatchResult;
-use carreau::quad::MotorcycleGraph;
-use carreau::skeleton::Skeleton;
 use carreau::{Error, Result};
 use clap::{ArgAction, CommandFactory, FromArgMatches};
-use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-/// What stands for a file.
-#[allow(clippy::large_enum_variant)] // a few per call
-pub enum Input {
-    /// A mesh.
-    Mesh(RawMesh),
-    /// A skeleton.
-    Skeleton(CurveNet),
-    /// A list of edges.
-    Edges(Vec<[VertexId; 2]>),
-}
-
-/// What a verb made.
-#[allow(clippy::large_enum_variant)] // one per call
-pub enum Found {
-    /// The mesh that the command line would write.
-    Mesh(RawMesh),
-    /// Quad patches, and the mesh of their cells.
-    Patches(RawMesh, PatchResult),
-    /// A frame field, and the mesh that carries it.
-    Field(RawMesh, Field),
-    /// A motorcycle graph, and the mesh that it is drawn into.
-    Graph(RawMesh, MotorcycleGraph),
-    /// A skeleton.
-    Skeleton(Skeleton),
-    /// A mesh of hexahedra.
-    Hexes(HexResult),
-}
-
-/// What a verb hands back.
-#[derive(Default)]
-pub struct Outcome {
-    /// The result; `info` and `compare` have none but their record.
-    pub found: Option<Found>,
-    /// The result record (JSON).
-    pub record: String,
-    /// What the command line would print, line by line.
-    pub summary: Vec<String>,
-}
-
-/// The surroundings of a verb that runs inside another program.
-#[derive(Default)]
-pub struct Host {
-    /// Stops the run once it is set.
-    pub(crate) cancel: Arc<AtomicBool>,
-    /// Where progress is told.
-    pub(crate) progress: Option<Arc<dyn Progress>>,
-    /// What stands for files, by the names that the arguments use.
-    pub(crate) inputs: BTreeMap<PathBuf, Input>,
-    outcome: Mutex<Outcome>,
-}
+pub use memory::{Found, Host, Input, Outcome};
 
 /// The value of an option: a number or a word is text, as on the command line.
 pub enum Value {
@@ -79,32 +22,6 @@ pub enum Value {
     Bool(bool),
     /// For all others.
     Text(String),
-}
-
-impl Host {
-    /// A host that can stop the run by a flag, is told the progress, and holds these inputs.
-    pub fn new(cancel: Arc<AtomicBool>, progress: Arc<dyn Progress>, inputs: BTreeMap<PathBuf, Input>) -> Self {
-        Host { cancel, progress: Some(progress), inputs, ..Host::default() }
-    }
-
-    /// What stands for this file.
-    pub(crate) fn input(&self, file: &Path) -> Option<&Input> {
-        self.inputs.get(file)
-    }
-
-    /// Keeps the result for who called.
-    pub(crate) fn keep(&self, found: Found) {
-        self.with_outcome(|outcome| outcome.found = Some(found));
-    }
-
-    /// Keeps what is told about it.
-    pub(crate) fn tell(&self, record: &str, summary: &[String]) {
-        self.with_outcome(|outcome| (outcome.record, outcome.summary) = (record.to_string(), summary.to_vec()));
-    }
-
-    fn with_outcome(&self, change: impl FnOnce(&mut Outcome)) {
-        change(&mut self.outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
-    }
 }
 
 /// The long names of a verb's options, without the dashes, in the order of its help; empty for an unknown verb.
@@ -129,14 +46,11 @@ pub fn call(verb: &str, inputs: &[String], options: &[(String, Value)], host: Ho
     });
     let parsed = command.try_get_matches_from(arguments).and_then(|m| Cli::from_arg_matches(&m));
     let mut cli = parsed.map_err(|e| Error::Options(plain_message(&e.to_string())))?;
-    match cli.verb.common_mut() {
-        Some(common) => common.host = Some(Arc::clone(&host)),
-        None => return Err(Error::Options(format!("`{verb}` cannot be called"))),
+    if !cli.verb.run_in(&host) {
+        return Err(Error::Options(format!("`{verb}` cannot be called")));
     }
-    cli.verb.run().map_err(Failure::into_error)?;
-    let mut outcome = Outcome::default();
-    host.with_outcome(|kept| outcome = std::mem::take(kept));
-    Ok(outcome)
+    cli.run().map_err(Failure::into_error)?;
+    Ok(host.take_outcome())
 }
 
 /// The words of the command line that runs a verb with these options, its own name first.
@@ -184,11 +98,14 @@ mod tests {
     #![allow(clippy::unwrap_used)] // a test fails by panicking
     use super::*;
     use carreau::Context;
+    use std::collections::BTreeMap;
 
     fn host() -> Host {
         let mesh = carreau::sample::make("bracket", Some(20), &Context::new()).unwrap();
         let inputs = BTreeMap::from([("part".into(), Input::Mesh(mesh.into()))]);
-        Host { inputs, ..Host::default() }
+        let mut host = Host::default();
+        host.inputs = inputs;
+        host
     }
 
     fn text(name: &str, value: &str) -> (String, Value) {
