@@ -114,7 +114,8 @@ fn every_verb_takes_its_options_from_a_file() {
     let (options, model, page, json) = (at("options.json"), at("torus.ply"), at("torus.html"), at("record.json"));
     let ran = |arguments: &[&str], given: &str| {
         fs::write(&options, given).unwrap();
-        let run = carreau().args(arguments).args(["--options", text(&options), "--json", text(&json)]).output().unwrap();
+        let run =
+            carreau().args(arguments).args(["--options", text(&options), "--json", text(&json)]).output().unwrap();
         (run.status.code(), fs::read_to_string(&json).unwrap_or_default())
     };
     let sample = ["sample", "torus", "-o", text(&model)];

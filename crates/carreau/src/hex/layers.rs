@@ -21,9 +21,8 @@
 //! `wall` does 1, thins, and makes the cells; `inside` does 2.
 
 mod inside;
+mod options;
 mod wall;
-
-pub(super) use wall::{planes, within};
 
 use super::optimise::{Effort, FINE, INNER, Optimiser};
 use super::{HexResult, MOST_HEXES};
@@ -32,72 +31,29 @@ use crate::error::{Error, Result};
 use crate::mesh::{HexMesh, UnitScale};
 use glam::DVec3;
 use inside::Inside;
-use serde::{Deserialize, Serialize};
 use wall::Wall;
 
-/// Boundary layers that are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Layers {
-    /// Number of layers.
-    pub count: u32,
-    /// Thickness of the first one, on the wall, in the unit of the file.
-    pub first: f64,
-    /// Thickness of a layer divided by that of the one before it.
-    pub growth: f64,
-}
+pub use options::{GROWTH, LayerFigures, Layers, MOST_LAYERS, STEEPEST};
+pub(super) use wall::{planes, within};
 
-/// Default growth: the usual value for solvers of turbulent flow.
-pub const GROWTH: f64 = 1.2;
-/// Most layers: more of them would be thicker than any tube.
-pub const MOST_LAYERS: u32 = 50;
-/// Largest growth: the third layer would be nine times as thick as the first.
-pub const STEEPEST: f64 = 3.0;
 /// Cells inside keep this share of their scaled Jacobian when they shrink.
 const KEPT_WHEN_SHRINKING: f64 = 0.4;
+
 /// Rounds in which the inside is smoothed and layers are thinned around cells that stay weak; after these all layers are halved.
 /// Each takes as long as smoothing the mesh does.
 const THINNING_ROUNDS: usize = 16;
+
 /// Rounds after which layers are thinned one ring farther: what stays weak has its reason farther away.
 const ROUNDS_PER_RING: usize = 4;
+
 /// Where that is not enough all of the wall's are halved, so often at most.
 const HALVINGS: usize = 6;
+
 /// Rings of cells around a weak one whose wall vertices are thinned at first.
 const THINNED_RINGS: usize = 2;
+
 /// The user is told where they are on less than this share of the wall.
 const MOST_OF_THE_WALL: f64 = 0.95;
-
-/// What has become of layers; lengths in the unit of the file.
-#[derive(Debug, Clone, Serialize)]
-pub struct LayerFigures {
-    /// What was asked for.
-    #[serde(flatten)]
-    pub asked: Layers,
-    /// Total thickness asked for.
-    pub thickness: f64,
-    /// Share of the wall's area where the layers have that thickness within 10 %, measured along the normal.
-    pub as_asked: f64,
-    /// Smallest thickness, as a share of the one asked for.
-    pub least: f64,
-    /// The place of the smallest thickness.
-    pub least_at: [f64; 3],
-}
-
-impl Layers {
-    /// The same lengths in another scale.
-    pub(super) fn in_scale(self, scale: UnitScale) -> Layers {
-        Layers { first: scale.length(self.first), ..self }
-    }
-
-    /// Total thickness of all layers.
-    pub fn thickness(&self) -> f64 {
-        self.first * self.heights().iter().sum::<f64>()
-    }
-
-    /// The thickness of every layer from the wall inwards, as a multiple of the first.
-    fn heights(&self) -> Vec<f64> {
-        (0..self.count as i32).map(|k| self.growth.powi(k)).collect()
-    }
-}
 
 impl LayerFigures {
     /// What is to be said where the layers are thinner than asked.

@@ -2,32 +2,19 @@
 
 mod coarse;
 mod fallbacks;
+mod joining;
 mod prepared;
+mod tuning;
 
 use super::target::Target;
-use super::{HexOptions, HexResult, Stage, deliver, ends, fork_trunks, judge};
+use super::{HexOptions, HexResult, Stage, deliver, ends, judge};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, SurfaceMesh, UnitScale};
 use coarse::Coarse;
+use joining::JOININGS;
 use prepared::{Known, Ready, is_of_shape, skeletons_of};
-
-/// Number of cells, in all attempts together, after which no other skeleton is tried.
-const MANY_TRIED: usize = 150_000;
-/// Ways to join branchings, tried in turn until the coarsest cells can be put onto the surface. Tubes that leave a ball side by
-/// side part far from its centre, and branchings on the way have no room for cells; but those of a tree do.
-const JOININGS: [Joining; 5] = [
-    Joining { within: 1.0, hubs: false },
-    Joining { within: 1.0, hubs: true },
-    Joining { within: 0.6, hubs: false },
-    Joining { within: 1.4, hubs: false },
-    Joining { within: 0.3, hubs: false },
-];
-/// Directions closer than this get a trunk, in degrees: both are tried with every share. Cells in wider forks have better
-/// shapes, but limbs beside each other on a body are none.
-const NARROW: [f64; 2] = [fork_trunks::CLOSE_DEGREES, fork_trunks::NARROW_DEGREES];
-/// A boundary this near to the surface, as a share of the diagonal, needs no second try.
-const WELL: f64 = 0.02;
+use tuning::{MANY_TRIED, NARROW, WELL};
 
 /// Meshes a surface; its skeleton is extracted where none is given.
 ///
@@ -44,15 +31,6 @@ pub fn from_surface(
     judge::accept(&mut result, options, mesh.diagonal())?;
     judge::tell(&mut result);
     Ok(result)
-}
-
-/// Which branchings become one.
-#[derive(Debug, Clone, Copy)]
-struct Joining {
-    /// Those closer than this share of the sum of their radii.
-    within: f64,
-    /// Before that, those whose branches all aim at one point.
-    hubs: bool,
 }
 
 /// The mesh, not yet judged.

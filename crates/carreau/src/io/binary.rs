@@ -1,6 +1,6 @@
 //! A cursor over bytes: every read is checked against the end of the file.
 
-use super::Source;
+use super::source::Source;
 use crate::error::{Error, Place, Result};
 
 /// Byte order of a binary file.

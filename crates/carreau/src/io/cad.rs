@@ -1,6 +1,7 @@
 //! What the two CAD writers have in common: options, units, numbers, the choice by extension.
 
-use super::{extension, iges, step};
+use super::source::extension;
+use super::{iges, step};
 use crate::brep::{Brep, Face, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::bspline::BSplineSurface;

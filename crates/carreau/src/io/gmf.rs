@@ -21,7 +21,7 @@
 
 use super::binary::{Cursor, Endian};
 use super::medit_sections::{Block, Contents, Keyword, Numbers, Sections};
-use super::{Source, WriteOptions};
+use super::source::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 

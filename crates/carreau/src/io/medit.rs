@@ -18,8 +18,8 @@
 //! too; version 2 is written.
 
 use super::medit_sections::{Contents, Keyword, Numbers, Sections};
+use super::source::{Source, WriteOptions};
 use super::text::{Scanner, parse_float, parse_integer, push_float, push_integer, shown};
-use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 

@@ -21,9 +21,9 @@
 //!
 //! Labels that are zero everywhere are not kept. Anything else is skipped and noted.
 
-use super::Source;
 use super::limits::words_left_out;
 use super::small_faces::{SmallFaces, face_references, keep_label, label, warn_unheld};
+use super::source::Source;
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Cells, RawMesh};
 use glam::DVec3;

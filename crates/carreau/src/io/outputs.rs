@@ -2,7 +2,9 @@
 //! and what to do about files that are not read.
 
 use super::atomic::{create_beside, refuse_protected};
-use super::{CAD_EXTENSIONS, FORMATS, SKELETON_EXTENSIONS, extension, format_of};
+use super::formats::{FORMATS, format_of};
+use super::source::extension;
+use super::{CAD_EXTENSIONS, SKELETON_EXTENSIONS};
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -76,7 +78,7 @@ pub fn check_format(path: &Path, kind: ResultKind) -> Result<()> {
 
 /// The extensions of the formats for a kind of result.
 fn known(kind: ResultKind) -> String {
-    let meshes = |wanted: fn(&super::Format) -> bool| -> Vec<&str> {
+    let meshes = |wanted: fn(&super::formats::Format) -> bool| -> Vec<&str> {
         FORMATS.iter().filter(|f| wanted(f)).flat_map(|f| f.extensions).copied().collect()
     };
     let all = match kind {

@@ -1,7 +1,8 @@
 //! Tests of the formats of elements with reference numbers (Medit, GMF, Gmsh): what is written is read back bit by bit,
 //! and no damage of a file makes a reader panic.
 
-use super::{FORMATS, Source, WriteOptions};
+use super::formats::FORMATS;
+use super::source::{Source, WriteOptions};
 use crate::error::Result;
 use crate::mesh::{Cells, Column, Columns, Polygons, RawMesh};
 use glam::DVec3;

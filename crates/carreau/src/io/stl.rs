@@ -12,8 +12,8 @@
 use super::binary::{Cursor, Endian};
 use super::limits::{columns_left_out, edges_left_out, moved_by_single_precision, require_surface, words_left_out};
 use super::names::{FaceNames, labels, plain_name, written_name};
+use super::source::{Source, WriteOptions};
 use super::text::{Scanner, push_float};
-use super::{Source, WriteOptions};
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Column, RawMesh};
 use glam::DVec3;

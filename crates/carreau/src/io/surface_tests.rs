@@ -1,6 +1,7 @@
 //! What holds for all surface formats: what is written is read back exactly, and no file makes a reader panic.
 
-use super::{Source, WriteOptions, format_of};
+use super::formats::format_of;
+use super::source::{Source, WriteOptions};
 use crate::error::{Error, Result};
 use crate::mesh::{Attributes, Cells, Column, Polygons, RawMesh};
 use glam::DVec3;
@@ -10,7 +11,7 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Reads bytes as the format that the name's extension says, as [`super::read`] does.
+/// Reads bytes as the format that the name's extension says, as [`super::files::read`] does.
 pub(super) fn read_as(name: &str, bytes: impl AsRef<[u8]>) -> Result<RawMesh> {
     let path = Path::new(name);
     let mesh = (format_of(path).unwrap().read)(&Source { path, bytes: bytes.as_ref() })?;

@@ -1,6 +1,6 @@
 //! A tokeniser over bytes that knows its line, and the writing of numbers.
 
-use super::Source;
+use super::source::Source;
 use crate::error::{Error, Place, Result};
 
 /// Walks through a text file word by word or line by line. Lines end with LF, CR LF or CR alone.

@@ -1,6 +1,6 @@
 //! Where patches end: edges that none may cross, and creases that rectangles do not grow across.
 
-use super::PatchOptions;
+use super::options::PatchOptions;
 use crate::error::{Error, Result};
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::mesh::{CornerId, DisjointSets, SurfaceMesh};

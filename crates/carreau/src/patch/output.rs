@@ -1,6 +1,6 @@
 //! A decomposition as a mesh: one quad per cell, then the triangles that are left over.
 
-use super::PatchResult;
+use super::result::PatchResult;
 use crate::mesh::{Column, Polygons, RawMesh, SurfaceMesh};
 
 /// Label of a left-over triangle in the face column `patch`.

@@ -1,7 +1,9 @@
 //! The room as a whole: every strategy on meshes of every kind.
 
+use super::grid::Grid;
 use super::*;
-use crate::mesh::Polygons;
+use crate::context::Context;
+use crate::mesh::{FaceId, Polygons, SurfaceMesh, VertexId};
 use glam::{DMat3, DVec3};
 use proptest::prelude::{ProptestConfig, prop, prop_assert, proptest};
 

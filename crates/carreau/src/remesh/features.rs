@@ -2,7 +2,8 @@
 //! manifold.
 
 use super::curves::{Kind, Marks};
-use super::{RemeshOptions, fading, warped};
+use super::options::RemeshOptions;
+use super::{fading, warped};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FeatureOptions, Features, FoundFeatures, feature_edges, feature_edges_in};

@@ -1,9 +1,10 @@
 //! Sizes that give what is wanted: a number of triangles, or a distance.
 
 use super::geometric::{Geometric, Goal};
+use super::options::RemeshOptions;
 use super::output::{self, Made};
 use super::source::Source;
-use super::{RemeshOptions, target};
+use super::target;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};

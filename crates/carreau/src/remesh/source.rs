@@ -2,10 +2,11 @@
 
 use super::creases::Dihedral;
 use super::curves::{Curves, Kind};
+use super::options::RemeshOptions;
 use super::output::{self, Made};
 use super::support::{Radius, Support};
 use super::work::{self, Limits, Work};
-use super::{RemeshOptions, anisotropy, features, sheets, size, target};
+use super::{anisotropy, features, sheets, size, target};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FoundFeatures, USUAL_ELEMENTS, length_of_squares};

@@ -6,10 +6,11 @@
 //! the triangles beside them are too tall.
 
 use super::decimate::Demand;
+use super::options::RemeshOptions;
 use super::relocate::Accept;
 use super::source::Source;
+use super::support::Support;
 use super::work::{BALANCE, Work};
-use super::{RemeshOptions, support::Support};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::triangle_area_vector;

@@ -2,6 +2,7 @@
 
 use super::search::CLOSE_LOOK;
 use super::*;
+use crate::error::Error;
 use crate::geometry::distance::compare;
 use crate::geometry::features::{FeatureOptions, feature_edges};
 use crate::geometry::intersections::Intersections;

@@ -1,9 +1,9 @@
 //! An L-bracket bent from plate: two legs, a bend, three holes.
 
-use super::Model;
 use super::builder::Builder;
 use super::extrude::{Frame, Hole, Piece, Profile, extrude};
 use super::limits::{affordable_edge, positive};
+use super::model::Model;
 use super::shape::Measure;
 use crate::context::Context;
 use crate::error::{Error, Result};

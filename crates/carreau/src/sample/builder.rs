@@ -1,6 +1,6 @@
 //! Collects the points, triangles and labels of a model.
 
-use super::Model;
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::context::Context;
 use crate::error::Result;

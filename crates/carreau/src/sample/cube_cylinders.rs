@@ -12,9 +12,9 @@
 //!   └──────────┘
 //! ```
 
-use super::Model;
 use super::builder::{Builder, circle};
 use super::limits::{affordable, at_least, positive, within};
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::error::Result;
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! Cylinders around the z axis, from z = 0 upwards.
 
-use super::Model;
 use super::builder::{Builder, circle};
 use super::limits::{affordable, affordable_edge, at_least, divisions, positive};
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::error::Result;
 use glam::DVec3;

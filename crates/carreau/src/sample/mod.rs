@@ -23,6 +23,7 @@ mod cube_cylinders;
 mod cylinder;
 mod extrude;
 mod limits;
+mod model;
 pub(crate) mod random;
 mod rounded_box;
 mod saddle;
@@ -35,9 +36,16 @@ mod torus;
 mod tube_tree;
 mod wedge;
 
+use crate::context::Context;
+use crate::error::{Error, Result};
+use crate::mesh::SurfaceMesh;
+use limits::divisions;
+use std::f64::consts::TAU;
+
 pub use bracket::{Bracket, bracket};
 pub use cube_cylinders::{CubeCylinders, cube_cylinders};
 pub use cylinder::{cylinder, open_cylinder};
+pub use model::Model;
 pub use rounded_box::rounded_box;
 pub use saddle::saddle;
 pub use shape::{Measure, Shape};
@@ -45,25 +53,6 @@ pub use sphere::{icosphere, uv_sphere};
 pub use torus::{noisy_torus, open_torus, torus};
 pub use tube_tree::{Tube, tree, tubes};
 pub use wedge::wedge;
-
-use crate::context::Context;
-use crate::error::{Error, Result};
-use crate::mesh::SurfaceMesh;
-use limits::divisions;
-use std::f64::consts::TAU;
-
-/// A mesh and what is known about it.
-#[derive(Debug, Clone)]
-pub struct Model {
-    /// Triangles with the face column `truth`; the words for its labels are in the attributes' names.
-    pub mesh: SurfaceMesh,
-    /// The exact surface of every label.
-    pub shapes: Vec<Shape>,
-    /// Area and volume of the smooth model, where they are known.
-    pub exact: Option<Measure>,
-    /// How far vertices lie off their shapes at most, rounding aside; zero but for noisy models.
-    pub noise: f64,
-}
 
 /// A model that can be made by name.
 #[derive(Debug, Clone, Copy)]
@@ -222,6 +211,7 @@ pub const SAMPLES: &[Sample] = &[
 
 /// Radius of the tube of the named tori.
 const TUBE: f64 = 0.4;
+
 /// Side of an icosahedron in the unit sphere, as an arc.
 const ICOSAHEDRON_SIDE: f64 = 1.107;
 

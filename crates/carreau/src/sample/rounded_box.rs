@@ -1,8 +1,8 @@
 //! A box with rounded edges and corners.
 
-use super::Model;
 use super::builder::Builder;
 use super::limits::{affordable_edge, divisions, positive, within};
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::error::Result;
 use glam::DVec3;

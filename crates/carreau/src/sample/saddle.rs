@@ -1,8 +1,8 @@
 //! A hyperbolic paraboloid over a square: an open height field with negative Gaussian curvature everywhere.
 
-use super::Model;
 use super::builder::Builder;
 use super::limits::{affordable, at_least, positive};
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::error::Result;
 use glam::DVec3;

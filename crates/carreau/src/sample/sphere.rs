@@ -1,8 +1,8 @@
 //! Spheres: a subdivided icosahedron, and circles of latitude.
 
-use super::Model;
 use super::builder::{Builder, circle};
 use super::limits::{affordable, at_least, positive};
+use super::model::Model;
 use super::shape::{Measure, Shape};
 use crate::error::Result;
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! Tori around the z axis: closed, noisy, open.
 
-use super::Model;
 use super::builder::Builder;
 use super::limits::{affordable, at_least, positive, within};
+use super::model::Model;
 use super::random::Random;
 use super::shape::{Measure, Shape};
 use crate::error::Result;

@@ -1,8 +1,8 @@
 //! Tapered tubes along the segments of a skeleton, blended into one smooth surface.
 
-use super::Model;
 use super::builder::Builder;
 use super::limits::{affordable_edge, positive, within};
+use super::model::Model;
 use super::shape::Shape;
 use super::surface_nets::{Field, polygonise};
 use crate::context::Context;

@@ -1,9 +1,9 @@
 //! A wedge: a prism over a triangle with one given angle.
 
-use super::Model;
 use super::builder::Builder;
 use super::extrude::{Frame, Piece, Profile, extrude};
 use super::limits::{affordable_edge, positive, within};
+use super::model::Model;
 use super::shape::Measure;
 use crate::context::Context;
 use crate::error::Result;

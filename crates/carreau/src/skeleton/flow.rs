@@ -18,11 +18,11 @@
 //!       d                d
 //! ```
 
-use super::{MANY, SkeletonOptions};
+use super::options::SkeletonOptions;
+use super::tuning::MANY;
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{EditMesh, Keep, next, previous};
-use crate::mesh::{NONE, SurfaceMesh};
+use crate::mesh::{EditMesh, Keep, NONE, SurfaceMesh, next, previous};
 use crate::numeric::sparse::Matrix;
 use glam::DVec3;
 

@@ -36,19 +36,15 @@ mod flow;
 mod lids;
 mod limbs;
 mod mouths;
+mod options;
 mod poles;
 mod straight;
 #[cfg(test)]
 mod tests;
 mod tidy;
+mod tuning;
 mod wall;
 
-pub(crate) use ends::Reach;
-pub use lids::{Closed, Lid, closed};
-use tidy::Body;
-pub(crate) use tidy::centre;
-
-use crate::bounds::within;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::normals::face_normals;
@@ -56,43 +52,14 @@ use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
 use crate::words::counted;
+use serde::Serialize;
+use tidy::Body;
+use tuning::{EMPTY, FINER, THINNEST};
 
-use serde::{Deserialize, Serialize};
-use std::ops::Bound;
-
-/// Options of [`extract`]; the defaults are the paper's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct SkeletonOptions {
-    /// Weight that pulls a vertex back to its place, above 0 to 10. Larger values make the flow slower and follow the shape more
-    /// closely.
-    pub speed: f64,
-    /// Weight that pulls a vertex to the centre of its inner ball, above 0 to 10.
-    pub medial: f64,
-    /// Edges shorter than this are collapsed, as a share of the diagonal, above 0 to .1.
-    pub detail: f64,
-    /// Drop branches that end within the ball of their branching (stubs).
-    pub prune: bool,
-}
-
-impl Default for SkeletonOptions {
-    fn default() -> Self {
-        SkeletonOptions { speed: 0.1, medial: 0.2, detail: 0.002, prune: true }
-    }
-}
-
-impl SkeletonOptions {
-    /// Refuses values out of range.
-    ///
-    /// # Errors
-    /// [`Error::Options`].
-    pub fn validate(&self) -> Result<()> {
-        let above_zero = |most: f64| (Bound::Excluded(0.0), Bound::Included(most));
-        within("speed", self.speed, above_zero(10.0), "")?;
-        within("medial", self.medial, above_zero(10.0), "")?;
-        within("detail", self.detail, above_zero(0.1), "")
-    }
-}
+pub(crate) use ends::Reach;
+pub use lids::{Closed, Lid, closed};
+pub use options::SkeletonOptions;
+pub(crate) use tidy::centre;
 
 /// A skeleton with its radii.
 #[derive(Debug, Clone)]
@@ -141,12 +108,6 @@ pub struct SkeletonFigures {
 pub fn prepared(mesh: &SurfaceMesh, context: &Context) -> Result<(Closed, Vec<String>)> {
     close_and_check(mesh, context).map(|(closed, _, _, warnings)| (closed, warnings))
 }
-
-/// Steps whose time grows faster than the number of vertices use about this many of them.
-const MANY: usize = 100_000;
-
-/// Factors on `detail`, tried in turn until the skeleton has as many cycles as the surface has handles.
-const FINER: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// The curve skeleton of a surface.
 ///
@@ -259,11 +220,6 @@ fn nearest_nodes(surface: &SurfaceMesh, net: &CurveNet) -> Vec<u32> {
     let tree = TriangleTree::new(&net.points, &nodes);
     surface.points().iter().map(|&p| tree.closest(p).map_or(0, |near| near.triangle)).collect()
 }
-
-/// What is thinner than this share of the diagonal is a sheet, flat or folded onto itself, but for rounding to single precision.
-const THINNEST: f64 = 1e-6;
-/// Volumes below this share of the cube of the diagonal are rounding.
-const EMPTY: f64 = 1e-14;
 
 fn no_room(place: String) -> Error {
     Error::input("the surface has no room inside", place, "give a surface that encloses a volume")

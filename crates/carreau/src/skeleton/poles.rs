@@ -16,7 +16,7 @@
 //! are. So the balls of a surface of very many vertices are stopped by some of them only, spread as all are: what lies
 //! between is nearer to a ball by no more than the sagitta of an edge between two of these.
 
-use super::MANY;
+use super::tuning::MANY;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{face_normals, vertex_normals};

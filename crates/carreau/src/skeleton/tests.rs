@@ -1,5 +1,6 @@
 //! Skeletons of surfaces whose skeleton is known.
 
+use super::tuning::MANY;
 use super::*;
 use crate::mesh::test_models::*;
 use glam::DVec3;

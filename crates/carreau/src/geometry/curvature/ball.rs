@@ -12,9 +12,10 @@
 
 use super::clip::{clipped_area, clipped_part};
 use super::normal_cycle::turn;
+use super::per_vertex::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame};
-use super::{NO_AREA, map};
+use super::tuning::NO_AREA;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;

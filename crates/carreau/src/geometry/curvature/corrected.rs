@@ -14,9 +14,10 @@
 //! Departures: the normals are those of [`super::sectors`], so that nothing leaks over creases; Σ μ⁰ is not let below half the
 //! area, which matters only where the normals contradict the faces, and keeps every quotient finite.
 
+use super::per_vertex::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame, Tensor};
-use super::{NO_AREA, map};
+use super::tuning::NO_AREA;
 use crate::context::Context;
 use crate::error::Result;
 

@@ -16,10 +16,12 @@ mod ball;
 mod clip;
 mod corrected;
 mod normal_cycle;
+mod per_vertex;
 mod sectors;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use crate::bounds::positive;
 use crate::context::Context;
@@ -31,10 +33,11 @@ use ball::{Ball, Visits};
 use corrected::Corrected;
 use glam::DVec3;
 use normal_cycle::{MEPP_SHARE, Ring, turn, turns};
-use rayon::prelude::*;
+use per_vertex::{map, map_with};
 use sectors::Sectors;
 use serde::{Deserialize, Serialize};
 use tensor::{Form, Frame};
+use tuning::{DEFAULT_RADIUS, NO_AREA};
 
 /// How curvatures are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -179,12 +182,6 @@ fn in_ball(sectors: &Sectors<'_>, radius: f64, context: &Context) -> Result<Vec<
     Ok(found)
 }
 
-/// Areas below this, of models scaled by [`scale`], are none: quotients by larger ones, and their squares, stay in range.
-const NO_AREA: f64 = 1e-100;
-
-/// Mean edge lengths in the radius of a ball.
-const DEFAULT_RADIUS: f64 = 3.0;
-
 /// The radius of a ball that is not given; edges between two faces count twice.
 fn default_radius(triangles: Triangles<'_>, context: &Context) -> Result<f64> {
     let lengths =
@@ -283,32 +280,4 @@ fn collect(found: Vec<Principal>, border: Vec<bool>, scale: UnitScale) -> Curvat
         border,
         area: found.iter().map(|p| scale.area(p.area)).collect(),
     }
-}
-
-/// `f` of 0..count, in parallel; the result does not depend on the number of threads.
-fn map<T: Default + Clone + Send>(
-    count: usize,
-    context: &Context,
-    f: impl Fn(u32) -> T + Send + Sync,
-) -> Result<Vec<T>> {
-    map_with(count, context, || (), |(), i| f(i))
-}
-
-/// [`map`] with a memory for each thread.
-fn map_with<T: Default + Clone + Send, M>(
-    count: usize,
-    context: &Context,
-    memory: impl Fn() -> M + Send + Sync,
-    f: impl Fn(&mut M, u32) -> T + Send + Sync,
-) -> Result<Vec<T>> {
-    const CHUNK: usize = 2048;
-    let mut all = vec![T::default(); count];
-    all.par_chunks_mut(CHUNK).enumerate().try_for_each_init(memory, |memory, (k, chunk)| {
-        context.check()?;
-        for (at, i) in chunk.iter_mut().zip((k * CHUNK) as u32..) {
-            *at = f(memory, i);
-        }
-        Ok::<(), Error>(())
-    })?;
-    Ok(all)
 }

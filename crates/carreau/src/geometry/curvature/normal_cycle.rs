@@ -16,9 +16,10 @@
 //!
 //! Departure: angles are taken by atan2, which tells 100° from 80°; the sine that MEPP uses does not.
 
+use super::per_vertex::map;
 use super::sectors::Sectors;
 use super::tensor::{Form, Frame};
-use super::{NO_AREA, map};
+use super::tuning::NO_AREA;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;

@@ -13,7 +13,7 @@
 //! vertices lie on a sphere, however the faces are cut. On irregular meshes of tori and cylinders the curvatures that
 //! follow from it are three times as exact as with weights by angle, six times as with weights by area.
 
-use super::map;
+use super::per_vertex::map;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::unit;

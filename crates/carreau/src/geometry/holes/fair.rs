@@ -2,7 +2,7 @@
 //! is the Laplacian with weights 1 / length and M holds their sums. Vertices of the mesh stay; the ring next to the border tells how
 //! the surface runs into it.
 
-use super::Patch;
+use super::patch::Patch;
 use super::refine::place;
 use crate::context::Context;
 use crate::error::Result;

@@ -13,6 +13,7 @@
 mod area;
 mod fair;
 mod loops;
+mod patch;
 mod refine;
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Attributes, CornerId, SurfaceMesh, UnitScale, gather_columns};
 use glam::DVec3;
 use loops::Loop;
+use patch::Patch;
 use serde::Serialize;
 
 /// A hole that was filled.
@@ -44,12 +46,6 @@ pub struct Filled {
     pub holes: Vec<Hole>,
     /// Holes that were left: with more edges than asked for, or with a border that meets itself.
     pub left: usize,
-}
-
-/// A patch on a hole: triangles on vertices of the mesh and on new ones after these.
-struct Patch {
-    points: Vec<DVec3>,
-    triangles: Vec<[u32; 3]>,
 }
 
 /// Fills holes, all of them or those of up to a number of border edges.

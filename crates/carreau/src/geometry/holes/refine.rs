@@ -8,7 +8,7 @@
 //!                                   d            d
 //! ```
 
-use super::Patch;
+use super::patch::Patch;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::SurfaceMesh;

@@ -28,7 +28,7 @@
 //! Derivatives by rigid motions follow from the gradient g alone: moving the surface with velocity c + ω × (p − f) changes
 //! the distance of p by −g·c − ω·((p − f) × g). Motions that leave a kind invariant are no parameters.
 
-use super::{Kind, Primitive, split, unit};
+use super::shape::{Kind, Primitive, split, unit};
 use crate::numeric::levenberg::{Problem, System};
 use glam::{DQuat, DVec2, DVec3};
 

@@ -72,7 +72,7 @@ fn symmetric(m: DMat3) -> DMat3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Primitive;
+    use super::super::shape::Primitive;
     use super::*;
 
     /// Points and normals of a patch of a torus around the vertical axis through (1, 2, 0).

@@ -5,9 +5,9 @@
 
 use super::anchored::{Anchored, Distances};
 use super::refine::{Effort, Fit, descend, measured};
+use super::shape::{Kind, Primitive};
 use super::starts::{self, Sample};
 use super::unit::UnitBox;
-use super::{Kind, Primitive};
 use glam::DVec3;
 use std::ops::ControlFlow;
 

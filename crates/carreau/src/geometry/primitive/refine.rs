@@ -1,8 +1,8 @@
 //! Orthogonal least squares from a start: the sum of squared distances, minimised by Levenberg–Marquardt.
 
 use super::anchored::{Anchored, Distances};
+use super::shape::{Kind, Primitive};
 use super::unit::UnitBox;
-use super::{Kind, Primitive};
 use crate::numeric::levenberg::{Stop, minimise};
 use glam::DVec3;
 

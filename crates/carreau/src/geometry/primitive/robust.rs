@@ -9,8 +9,8 @@
 use super::anchored::{Anchored, Distances};
 use super::fit::{PATIENT, Scratch, best};
 use super::refine::{Effort, Fit, central, descend, measured};
+use super::shape::{Kind, Primitive};
 use super::starts;
-use super::{Kind, Primitive};
 use glam::DVec3;
 use std::ops::ControlFlow;
 

@@ -9,7 +9,7 @@ use super::axis::{Axis, kinematic, of_tangent_planes, orthogonal_to_all, spread}
 use super::circle::{circle, line};
 use super::paraboloid::Paraboloid;
 use super::refine::central;
-use super::{Kind, Primitive, profile_point};
+use super::shape::{Kind, Primitive, profile_point};
 use crate::numeric::levenberg::solve_cholesky;
 use glam::{DVec2, DVec3};
 use std::ops::ControlFlow::{self, Continue};

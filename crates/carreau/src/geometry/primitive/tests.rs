@@ -1,7 +1,7 @@
 //! Recovery of surfaces from samples of patches.
 
 use super::*;
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 

@@ -3,7 +3,7 @@
 //! Squares of coordinates then neither overflow nor lose the shape to a large offset. The scale is a power of two, so it
 //! rounds nothing: fits of scaled points are the scaled fits, bit for bit.
 
-use super::Primitive;
+use super::shape::Primitive;
 use glam::DVec3;
 
 /// Scale outside of which the reciprocal or the scaled radii could leave the range of `f64`.
@@ -62,7 +62,7 @@ impl UnitBox {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Kind;
+    use super::super::shape::Kind;
     use super::*;
 
     #[test]

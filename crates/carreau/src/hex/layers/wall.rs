@@ -1,6 +1,6 @@
 //! The wall of a mesh: the thickness of the layers on it, and their cells.
 
-use super::{LayerFigures, Layers};
+use super::options::{LayerFigures, Layers};
 use crate::error::{Error, Result};
 use crate::geometry::hexes::is_certified;
 use crate::geometry::search_tree::TriangleTree;

@@ -1,8 +1,8 @@
 //! Fallbacks for fitting hexes to the surface. The attempt with the smallest shortfall is returned.
 
-use super::MANY_TRIED;
 use super::coarse::{COARSELY, Coarse, skin_of};
 use super::prepared::Ready;
+use super::tuning::MANY_TRIED;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::compare;

@@ -1,7 +1,7 @@
 //! Prepares the skeleton of a surface for meshing: extracted or given, cleaned up, led to the ends, resampled for the
 //! size asked for.
 
-use super::Joining;
+use super::joining::Joining;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::hex::options::{HexOptions, Stage, check_size, check_steps};

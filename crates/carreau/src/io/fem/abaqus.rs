@@ -6,8 +6,8 @@
 
 use super::sets::{Names, Set, left_out, of_columns, of_edges, of_labels};
 use crate::error::Result;
-use crate::io::WriteOptions;
 use crate::io::small_faces::SmallFaces;
+use crate::io::source::WriteOptions;
 use crate::io::text::{push_float, push_integer};
 use crate::io::vtk_cells::check_writable;
 use crate::mesh::{Column, RawMesh};

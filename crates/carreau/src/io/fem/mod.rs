@@ -17,7 +17,7 @@ mod sets;
 #[cfg(test)]
 mod tests;
 
-use super::Source;
+use super::source::Source;
 use crate::error::{Place, Result};
 use crate::mesh::RawMesh;
 
@@ -26,6 +26,6 @@ pub(super) use nastran::write as write_bdf;
 
 /// These files are not read: says what to do instead.
 pub(super) fn read(source: &Source) -> Result<RawMesh> {
-    let advice = super::outputs::advice(&super::extension(source.path)).unwrap_or("it is written only");
+    let advice = super::outputs::advice(&super::source::extension(source.path)).unwrap_or("it is written only");
     Err(source.error(Place::File, advice))
 }

@@ -6,8 +6,8 @@
 
 use super::sets::{Names, Set, left_out, of_columns, of_edges};
 use crate::error::{Error, Result};
-use crate::io::WriteOptions;
 use crate::io::small_faces::{SmallFaces, face_references};
+use crate::io::source::WriteOptions;
 use crate::io::vtk_cells::check_writable;
 use crate::mesh::{Column, RawMesh};
 use crate::words::counted;

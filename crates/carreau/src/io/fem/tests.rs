@@ -1,5 +1,5 @@
-use super::super::Source;
 use super::super::round_trips::written;
+use super::super::source::Source;
 use crate::mesh::{Cells, Column, Polygons, RawMesh};
 use glam::DVec3;
 use std::path::Path;

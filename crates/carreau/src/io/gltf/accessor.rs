@@ -6,7 +6,7 @@
 //! accessor            xyz··xyz··xyz··xyz            from its own byteOffset, byteStride apart
 //! ```
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::shown;
 use super::container::Buffers;
 use super::schema::{Accessor, Document, SparsePart};

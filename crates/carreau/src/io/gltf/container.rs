@@ -1,8 +1,9 @@
 //! Where the JSON and the buffers of a file are.
 
 use super::super::binary::{Cursor, Endian};
+use super::super::percent;
+use super::super::source::Source;
 use super::super::text::shown;
-use super::super::{Source, percent};
 use super::schema::{Buffer, Document, Head};
 use crate::error::{Error, Place, Result};
 use base64::Engine;

@@ -1,14 +1,14 @@
 //! The reader: the primitives of all meshes at their places become one mesh.
 
-use super::super::Source;
 use super::super::names::FaceNames;
+use super::super::source::Source;
 use super::super::text::shown;
 use super::super::vtk_cells::strip_triangles;
 use super::accessor::Accessors;
 use super::container::{Buffers, Container};
 use super::scene::{Instance, instances};
 use super::schema::{Document, Primitive};
-use super::srgb_of_linear;
+use super::srgb::srgb_of_linear;
 use crate::error::{Error, Place, Result};
 use crate::mesh::{Column, RawMesh};
 use glam::{DMat3, DMat4, DVec3};

@@ -1,6 +1,6 @@
 //! Nodes: which meshes are shown, and where.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::schema::{Document, Node};
 use crate::error::{Error, Place, Result};
 use glam::{DMat4, DQuat, DVec3};

@@ -1,6 +1,7 @@
+use super::super::source::{Source, WriteOptions};
 use super::super::vtk_cells::samples::{mangle, one_of_everything};
-use super::super::{Source, WriteOptions};
-use super::{linear_of_srgb, read, srgb_of_linear, write_glb, write_gltf};
+use super::srgb::{linear_of_srgb, srgb_of_linear};
+use super::{read, write_glb, write_gltf};
 use crate::error::{Error, Result};
 use crate::mesh::{Cells, Column, Polygons, RawMesh};
 use base64::Engine;

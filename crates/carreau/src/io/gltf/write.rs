@@ -1,11 +1,11 @@
 //! The writer: a node with one mesh for each body, triangles in one primitive for each material, and lines, where there
 //! are any, in one more.
 
-use super::super::WriteOptions;
 use super::super::limits::{moved_by_single_precision, words_left_out};
 use super::super::small_faces::{fan_corners, label};
+use super::super::source::WriteOptions;
 use super::super::vtk_cells::check_writable;
-use super::linear_of_srgb;
+use super::srgb::linear_of_srgb;
 use super::vertices::{Color, FACE_COLORS, Part, Vertices, are_normals, face_colors, parts};
 use crate::error::{Error, Result};
 use crate::mesh::{BODIES, Column, RawMesh};

@@ -21,6 +21,7 @@
 //! kept; their other nodes stay as vertices that no element uses.
 
 mod collector;
+mod element;
 mod elements;
 mod nodes;
 mod stream;
@@ -30,12 +31,11 @@ mod version2;
 mod version4;
 mod write;
 
+use super::source::{Source, WriteOptions};
 use super::text::shown;
-use super::{Source, WriteOptions};
 use crate::error::{Place, Result};
 use crate::mesh::RawMesh;
-use collector::{Collector, Tags};
-use elements::ElementType;
+use collector::Collector;
 use stream::Stream;
 
 /// The sections of a file that depend on its version.
@@ -108,28 +108,6 @@ fn read_physical_names(stream: &mut Stream, mesh: &mut Collector) -> Result<()> 
         let name = text.split_once('"').map(|(_, rest)| rest.rsplit_once('"').map_or(rest, |(name, _)| name));
         mesh.name(dimension, tag, name.unwrap_or_default());
     }
-    Ok(())
-}
-
-/// Reads the nodes of an element and keeps its corners. `node` reads a tag.
-#[inline]
-fn read_element(
-    stream: &mut Stream,
-    mesh: &mut Collector,
-    element: ElementType,
-    tags: Tags,
-    node: impl Fn(&mut Stream) -> Result<u64>,
-) -> Result<()> {
-    let mut vertices = [0; 8];
-    let corners = &mut vertices[..element.shape.corners()];
-    for corner in corners.iter_mut() {
-        let tag = node(stream)?;
-        *corner = mesh.vertex(tag).ok_or_else(|| stream.error(format!("node {tag} of an element does not exist")))?;
-    }
-    for _ in corners.len()..element.nodes {
-        node(stream)?;
-    }
-    mesh.add(element, corners, tags);
     Ok(())
 }
 

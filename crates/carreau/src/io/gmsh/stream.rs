@@ -10,8 +10,8 @@
 //! ```
 
 use crate::error::{Error, Place, Result};
-use crate::io::Source;
 use crate::io::binary::{Cursor, Endian};
+use crate::io::source::Source;
 use crate::io::text::{Scanner, parse_float, parse_integer, shown};
 
 /// The file at its current position.

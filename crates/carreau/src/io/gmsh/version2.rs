@@ -95,5 +95,5 @@ fn read_element(stream: &mut Stream, mesh: &mut Collector, element: ElementType,
             _ => {}
         }
     }
-    super::read_element(stream, mesh, element, tags, |stream| read_tag(stream, "the number of a node"))
+    super::element::read_element(stream, mesh, element, tags, |stream| read_tag(stream, "the number of a node"))
 }

@@ -26,8 +26,8 @@
 //! Numbers and tags of nodes and elements are size_t, tags of entities int.
 
 use super::collector::{Collector, Tags};
+use super::element::read_element;
 use super::elements::element_type;
-use super::read_element;
 use super::stream::{Row, Stream};
 use crate::error::Result;
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Curves: 110 lines, 100 circles, 104 conics, 126 splines, 102 composites.
 
 use super::records::{Entity, Head, Writer};
-use super::{DEPENDENT, PARAMETRIC};
+use super::words::{DEPENDENT, PARAMETRIC};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Frame};
 use crate::geometry::bspline::Knots;
 use glam::DVec3;

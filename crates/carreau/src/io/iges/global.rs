@@ -1,6 +1,6 @@
 //! Start and global section.
 
-use super::VERSION;
+use super::words::VERSION;
 use crate::brep::Brep;
 use crate::io::cad::{CadOptions, Unit, push_real, resolution};
 

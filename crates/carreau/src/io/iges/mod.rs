@@ -30,12 +30,14 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 mod trimmed;
+mod words;
 
 use super::cad::{CadOptions, IgesForm};
 use crate::brep::Brep;
 use crate::error::{Error, Result};
 use global::{ascii, global_fields, push_lines};
 use records::Writer;
+use words::{MAX_LINES, VERSION};
 
 /// Appends the file's bytes.
 ///
@@ -63,15 +65,3 @@ pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()>
     out.extend_from_slice(format!("{counts:<72}T{:>7}\n", 1).as_bytes());
     Ok(())
 }
-
-/// The version of carreau, for the header.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// Sequence numbers have seven digits.
-const MAX_LINES: u32 = 9_999_999;
-
-/// Status number of an entity that stands for itself; two digits each for blank, subordinate, use, hierarchy.
-const INDEPENDENT: &str = "00000000";
-/// Status number of an entity that belongs to another.
-const DEPENDENT: &str = "00010000";
-/// Status number of such a curve in the parameter plane.
-const PARAMETRIC: &str = "00010500";

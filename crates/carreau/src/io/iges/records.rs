@@ -39,7 +39,7 @@ pub(super) struct Head<'a> {
 
 impl Default for Head<'_> {
     fn default() -> Self {
-        Head { kind: 0, status: super::DEPENDENT, form: 0, matrix: 0, color: 0 }
+        Head { kind: 0, status: super::words::DEPENDENT, form: 0, matrix: 0, color: 0 }
     }
 }
 

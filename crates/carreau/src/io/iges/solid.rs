@@ -4,7 +4,7 @@
 //! shell says whether the face looks that way.
 
 use super::records::{Entity, Head, Writer};
-use super::{DEPENDENT, INDEPENDENT};
+use super::words::{DEPENDENT, INDEPENDENT};
 use crate::brep::{Brep, Edge, EdgeUse, Face};
 
 /// The lists that loops refer to.

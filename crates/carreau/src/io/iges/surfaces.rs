@@ -1,7 +1,7 @@
 //! Surfaces: 128 splines, 108 planes, 120 and 122 swept ones; and 190 to 198, the analytic ones of solids.
 
-use super::DEPENDENT;
 use super::records::{Entity, Head, Writer};
+use super::words::DEPENDENT;
 use crate::brep::{Curve, Frame, Surface};
 use crate::geometry::bspline::{BSplineSurface, Knots};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Faces one by one: 128 whole, or 144 trimmed surfaces with 142 boundaries.
 
 use super::records::{Entity, Head, Writer};
-use super::{DEPENDENT, INDEPENDENT, PARAMETRIC};
+use super::words::{DEPENDENT, INDEPENDENT, PARAMETRIC};
 use crate::brep::{Brep, EdgeUse, Face, Surface};
 use crate::io::cad::needs_parameter_curves;
 

@@ -7,8 +7,8 @@
 //! map_Kd tex/body.png     a texture, relative to the folder of the library
 //! ```
 
-use super::super::Source;
 use super::super::names::plain_name;
+use super::super::source::Source;
 use super::super::text::{Scanner, shown};
 use crate::mesh::{Attributes, Column, MaterialLibrary, RawMesh};
 use crate::words::counted;

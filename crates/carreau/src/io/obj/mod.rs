@@ -23,14 +23,11 @@
 
 mod library;
 mod read;
+#[cfg(test)]
+mod tests;
+mod words;
 mod write;
 
 pub(super) use library::library_beside;
 pub(super) use read::read;
 pub(super) use write::write;
-
-/// The statement and the face column of each kind of name.
-const NAMES: [(&str, &str); 3] = [("o", "object"), ("g", "group"), ("usemtl", "material")];
-
-#[cfg(test)]
-mod tests;

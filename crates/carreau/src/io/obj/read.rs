@@ -1,9 +1,10 @@
 //! The reader: statement by statement, in one pass.
 
-use super::super::Source;
 use super::super::names::FaceNames;
+use super::super::source::Source;
 use super::super::text::{Scanner, parse_integer, shown};
-use super::{NAMES, library};
+use super::library;
+use super::words::NAMES;
 use crate::error::{Place, Result};
 use crate::mesh::{Column, MaterialLibrary, RawMesh};
 use glam::DVec3;

@@ -1,10 +1,10 @@
 //! The writer.
 
-use super::super::WriteOptions;
 use super::super::limits::{columns_left_out, require_surface, words_left_out};
 use super::super::names::{labels, written_name};
+use super::super::source::WriteOptions;
 use super::super::text::{push_float, push_integer};
-use super::NAMES;
+use super::words::NAMES;
 use crate::error::Result;
 use crate::mesh::{Column, RawMesh};
 use rustc_hash::FxHashMap;

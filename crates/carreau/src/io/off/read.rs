@@ -3,9 +3,9 @@
 //! Nearly all files have one vertex or face a line, and many have more on those lines than the keyword tells;
 //! therefore a text file is read line by line first, and as a stream of numbers only where that fails.
 
-use super::super::Source;
 use super::super::binary::{Cursor, Endian};
 use super::super::limits::drop_short_faces;
+use super::super::source::Source;
 use super::super::text::{Scanner, parse_float, parse_integer, shown};
 use super::color::{Color, Colors};
 use crate::error::Result;

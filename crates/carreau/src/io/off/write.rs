@@ -1,7 +1,7 @@
 //! The writer.
 
-use super::super::WriteOptions;
 use super::super::limits::{columns_left_out, edges_left_out, require_surface, words_left_out};
+use super::super::source::WriteOptions;
 use super::super::text::{push_float, push_integer};
 use crate::error::Result;
 use crate::mesh::{Column, RawMesh};

@@ -1,6 +1,6 @@
 //! The header: which elements follow, and of what types their properties are.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::{Scanner, parse_integer, shown};
 use crate::error::{Place, Result};
 

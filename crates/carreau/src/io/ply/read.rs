@@ -1,8 +1,8 @@
 //! The reader: tables to mesh.
 
-use super::super::Source;
 use super::super::binary::{Cursor, Endian};
 use super::super::limits::drop_short_faces;
+use super::super::source::Source;
 use super::body::{Body, Table, Values, read_table};
 use super::columns::columns;
 use super::header::{Element, Encoding, Header};

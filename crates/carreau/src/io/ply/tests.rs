@@ -1,4 +1,4 @@
-use super::super::WriteOptions;
+use super::super::source::WriteOptions;
 use super::super::surface_tests::{error_of, faces_of, read_as};
 use crate::mesh::{Column, RawMesh};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! The writer: coordinates and columns of numbers in double precision, since that is what the mesh has.
 
-use super::super::WriteOptions;
 use super::super::limits::{columns_left_out, require_surface, words_left_out};
+use super::super::source::WriteOptions;
 use super::super::text::{push_float, push_integer};
 use super::columns::{Written, properties};
 use crate::error::Result;

@@ -2,9 +2,9 @@
 //!
 //! Some programs count from 1: taken so where no edge uses node 0 and one uses the number of nodes.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::{push_float, push_integer, shown};
-use super::lines;
+use super::lines::lines;
 use crate::error::Result;
 use crate::mesh::{CurveNet, NetBuilder};
 

@@ -9,6 +9,7 @@
 //! | `polylines` | the lines of `.vtp`, `.vtk`, `.vtu`, `.obj` files with a radius column |
 
 mod cg;
+mod lines;
 mod polylines;
 mod skel;
 mod swc;
@@ -16,14 +17,15 @@ mod swc;
 mod tests;
 mod tgf;
 
-use super::text::{Scanner, parse_float, parse_integer, shown};
-use super::{Source, extension, write_atomically};
+use super::source::{Source, extension};
+use super::write_atomically;
 use crate::error::{Error, Place, Result};
 use crate::mesh::CurveNet;
 use std::path::Path;
 
 /// Extensions of files that hold skeletons only.
 pub const SKELETON_EXTENSIONS: &[&str] = &["cgr", "cg", "skel", "swc", "tgf"];
+
 /// Extensions of mesh files whose lines may be a skeleton.
 const POLYLINE_EXTENSIONS: &[&str] = &["vtp", "vtk", "vtu", "obj"];
 
@@ -79,56 +81,4 @@ pub fn write_skeleton(path: &Path, net: &CurveNet) -> Result<Vec<String>> {
 fn unknown(path: &Path) -> Error {
     let known = [SKELETON_EXTENSIONS, POLYLINE_EXTENSIONS].concat().join(", ");
     Error::read(path, Place::File, format!("'.{}' is not a skeleton format; known are: {known}", extension(path)))
-}
-
-/// Line of a text file with its words.
-struct Line<'a> {
-    number: u64,
-    words: Vec<&'a [u8]>,
-}
-
-/// The lines that hold anything, comments left out.
-fn lines<'a>(source: &'a Source<'a>, comment: Option<u8>) -> Vec<Line<'a>> {
-    let mut text = Scanner::new(source, comment);
-    let mut lines = Vec::new();
-    loop {
-        let number = text.line_number();
-        let words: Vec<&[u8]> = std::iter::from_fn(|| text.word_on_line()).collect();
-        if !words.is_empty() {
-            lines.push(Line { number, words });
-        }
-        if !text.next_line() {
-            return lines;
-        }
-    }
-}
-
-impl Line<'_> {
-    fn error(&self, source: &Source, what: impl Into<String>) -> Error {
-        source.error(Place::Line(self.number), what)
-    }
-
-    fn has(&self, source: &Source, fields: usize, what: &str) -> Result<()> {
-        match self.words.len() {
-            n if n >= fields => Ok(()),
-            n => Err(self.error(source, format!("{what} needs {fields} fields, there are {n}"))),
-        }
-    }
-
-    /// The number in a field; NaN and infinity are numbers here, refused later with exit code 3.
-    fn float(&self, source: &Source, field: usize) -> Result<f64> {
-        let word = self.words.get(field).copied().unwrap_or_default();
-        parse_float(word).ok_or_else(|| self.error(source, format!("a number is expected, found '{}'", shown(word))))
-    }
-
-    fn integer(&self, source: &Source, field: usize) -> Result<i64> {
-        let word = self.words.get(field).copied().unwrap_or_default();
-        parse_integer(word)
-            .ok_or_else(|| self.error(source, format!("an integer is expected, found '{}'", shown(word))))
-    }
-
-    fn point(&self, source: &Source, first: usize) -> Result<glam::DVec3> {
-        let x = |k: usize| self.float(source, first + k);
-        Ok(glam::DVec3::new(x(0)?, x(1)?, x(2)?))
-    }
 }

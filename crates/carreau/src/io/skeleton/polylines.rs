@@ -1,6 +1,7 @@
 //! Skeletons as the lines of a mesh file; radii in a column `radius` or `MaximumInscribedSphereRadius` (VMTK).
 
-use super::super::{WriteOptions, read as read_mesh, write as write_mesh};
+use super::super::files::{read as read_mesh, write as write_mesh};
+use super::super::source::WriteOptions;
 use crate::error::{Error, Result};
 use crate::mesh::{Column, CurveNet, NetBuilder, RawMesh};
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! `.skel`: a line of words, the number of nodes, then `id x y z radius k n₁ … n_k`; ids may have gaps.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::{push_float, push_integer};
-use super::lines;
+use super::lines::lines;
 use crate::error::{Place, Result};
 use crate::mesh::{CurveNet, NetBuilder};
 use rustc_hash::FxHashSet;

@@ -1,8 +1,8 @@
 //! `.swc`: `id type x y z radius parent`, one line per node in any order, parent −1 at a root; `#` starts a comment.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::{push_float, push_integer};
-use super::lines;
+use super::lines::lines;
 use crate::error::{Error, Result};
 use crate::mesh::{CurveNet, NetBuilder};
 

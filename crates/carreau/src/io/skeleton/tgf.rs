@@ -1,8 +1,8 @@
 //! `.tgf` (trivial graph format): `id x y z` lines, a line `#`, `i j` lines. It has no radii.
 
-use super::super::Source;
+use super::super::source::Source;
 use super::super::text::{push_float, push_integer};
-use super::lines;
+use super::lines::lines;
 use crate::error::Result;
 use crate::mesh::{CurveNet, NetBuilder};
 

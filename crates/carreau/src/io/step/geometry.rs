@@ -1,6 +1,6 @@
 //! Points, curves and surfaces.
 
-use super::{Id, Writer};
+use super::writer::{Id, Writer};
 use crate::brep::{Curve, Frame, Surface};
 use crate::geometry::bspline::{BSplineCurve, BSplineSurface, Knots};
 use crate::io::text::push_integer;

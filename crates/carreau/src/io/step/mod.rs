@@ -19,11 +19,13 @@ mod style;
 mod tests;
 mod text;
 mod topology;
+mod writer;
 
 use super::cad::CadOptions;
 use crate::brep::Brep;
 use crate::error::Result;
 use rustc_hash::FxHashMap;
+use writer::Writer;
 
 /// Appends the file's bytes.
 ///
@@ -39,20 +41,4 @@ pub fn write(brep: &Brep, options: &CadOptions, out: &mut Vec<u8>) -> Result<()>
     writer.colors(brep, context, &written.faces);
     writer.text("ENDSEC;\nEND-ISO-10303-21;\n");
     Ok(())
-}
-
-/// The entities of the shells and faces.
-struct Written {
-    shells: Vec<Id>,
-    faces: Vec<Id>,
-}
-
-/// Number of an entity, as in `#17`.
-type Id = u32;
-
-struct Writer<'a> {
-    out: &'a mut Vec<u8>,
-    last: Id,
-    points: FxHashMap<[u64; 3], Id>,
-    points_2d: FxHashMap<[u64; 2], Id>,
 }

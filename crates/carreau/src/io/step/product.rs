@@ -1,6 +1,6 @@
 //! Header, units, and the product with its representations.
 
-use super::{Id, Writer};
+use super::writer::{Id, Writer};
 use crate::brep::{Brep, Frame, Solid};
 use crate::io::cad::{CadOptions, StepSchema, Unit, resolution};
 use glam::DVec3;

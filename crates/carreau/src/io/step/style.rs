@@ -1,6 +1,6 @@
 //! Colours of faces.
 
-use super::{Id, Writer};
+use super::writer::{Id, Writer};
 use crate::brep::Brep;
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
 //! Entities, lists, numbers and strings of a STEP file.
 
-use super::{Id, Writer};
+use super::writer::{Id, Writer};
 use crate::io::cad::push_real;
 use crate::io::text::push_integer;
 

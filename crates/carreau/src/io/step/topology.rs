@@ -1,6 +1,6 @@
 //! Vertices, edges, loops, faces and shells.
 
-use super::{Id, Writer, Written};
+use super::writer::{Id, Writer, Written};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Shell};
 use crate::io::cad::needs_parameter_curves;
 use glam::DVec3;

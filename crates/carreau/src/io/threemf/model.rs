@@ -1,8 +1,8 @@
 //! The XML of a model part: objects, the groups that colour them, the build.
 
-use super::color_of;
+use super::words::color_of;
 use crate::error::{Error, Place, Result};
-use crate::io::Source;
+use crate::io::source::Source;
 use crate::io::text::{parse_float, shown};
 use glam::{DMat4, DVec3};
 use roxmltree::{Document, Node};

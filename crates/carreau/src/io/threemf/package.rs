@@ -1,7 +1,7 @@
 //! The container: a ZIP archive whose parts are named by relationships.
 
 use crate::error::{Error, Place, Result};
-use crate::io::Source;
+use crate::io::source::Source;
 use crate::io::text::shown;
 use roxmltree::{Document, ParsingOptions};
 use std::io::{Cursor, Read, Write};

@@ -1,12 +1,11 @@
 //! The reader: the objects of the build, at their places, become one mesh.
 
-use super::UNITS;
 use super::model::{Component, Look, Model, Object};
 use super::package::{Package, parsed};
-use super::text_of;
+use super::words::{UNITS, text_of};
 use crate::error::{Error, Place, Result};
-use crate::io::Source;
 use crate::io::names::FaceNames;
+use crate::io::source::Source;
 use crate::io::text::shown;
 use crate::mesh::{Column, LengthUnit, RawMesh};
 use glam::DMat4;

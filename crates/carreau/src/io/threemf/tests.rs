@@ -1,5 +1,6 @@
+use super::super::formats::format_of;
+use super::super::source::WriteOptions;
 use super::super::surface_tests::{error_of, read_as};
-use super::super::{WriteOptions, format_of};
 use super::package::pack;
 use crate::mesh::{Column, LengthUnit, Polygons, RawMesh};
 use glam::DVec3;

@@ -1,11 +1,11 @@
 //! The writer: an object for each body.
 
 use super::package::pack;
-use super::{UNITS, text_of};
+use super::words::{UNITS, text_of};
 use crate::error::Result;
-use crate::io::WriteOptions;
 use crate::io::limits::{columns_left_out, edges_left_out, require_surface, words_left_out};
 use crate::io::small_faces::{fan_corners, label};
+use crate::io::source::WriteOptions;
 use crate::io::text::{push_float, push_integer};
 use crate::io::vtk_xml::escaped;
 use crate::mesh::{BODIES, Column, LengthUnit, RawMesh};

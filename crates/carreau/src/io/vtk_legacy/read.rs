@@ -1,10 +1,11 @@
 //! The reader: a walk over keyword lines and blocks of values.
 
 use super::super::binary::{Cursor, Endian};
+use super::super::percent;
+use super::super::source::Source;
 use super::super::text::{Scanner, parse_integer, shown};
 use super::super::vtk_arrays::{Array, NumberType, Values};
 use super::super::vtk_cells::{CellReader, kind};
-use super::super::{Source, percent};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 use glam::DVec3;

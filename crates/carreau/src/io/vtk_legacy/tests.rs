@@ -1,5 +1,5 @@
+use super::super::source::{Source, WriteOptions};
 use super::super::vtk_cells::samples::{any_mesh, assert_same, mangle, one_of_everything};
-use super::super::{Source, WriteOptions};
 use super::{read, write};
 use crate::error::Result;
 use crate::mesh::{Column, RawMesh};

@@ -1,10 +1,11 @@
 //! The writer.
 
 use super::super::binary::Endian;
+use super::super::percent;
+use super::super::source::WriteOptions;
 use super::super::text::push_integer;
 use super::super::vtk_arrays::{Numbers, numbers};
 use super::super::vtk_cells::{CellTable, kind, warnings};
-use super::super::{WriteOptions, percent};
 use crate::error::{Error, Result};
 use crate::mesh::{Columns, RawMesh};
 

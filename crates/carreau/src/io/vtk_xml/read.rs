@@ -1,7 +1,7 @@
 //! The reader.
 
-use super::super::Source;
 use super::super::binary::Endian;
+use super::super::source::Source;
 use super::super::text::shown;
 use super::super::vtk_arrays::{Array, NumberType, Values};
 use super::super::vtk_cells::{CellReader, kind};

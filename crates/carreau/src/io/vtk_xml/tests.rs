@@ -1,8 +1,8 @@
 use super::super::binary::Endian;
+use super::super::source::{Source, WriteOptions};
 use super::super::vtk_arrays::Numbers;
 use super::super::vtk_cells::samples::{any_mesh, assert_same, mangle, one_of_everything};
 use super::super::vtk_cells::{CellTable, kind};
-use super::super::{Source, WriteOptions};
 use super::payload::Compressor;
 use super::{read, write_vtp, write_vtu};
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! The writer: one piece, inline arrays.
 
-use super::super::WriteOptions;
 use super::super::binary::Endian;
+use super::super::source::WriteOptions;
 use super::super::vtk_arrays::{Numbers, numbers};
 use super::super::vtk_cells::{CellTable, kind, warnings};
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! Branches of a net: chains of segments between nodes that are no articulations, and closed chains.
 
 use super::super::triangles::NONE;
-use super::{CurveNet, Incidence};
+use super::net::{CurveNet, Incidence};
 use std::ops::Range;
 
 /// A chain of segments.

@@ -3,7 +3,7 @@
 //! What a skeleton cannot mean is refused: coordinates that are no numbers, negative radii, repeated ids, links to
 //! nothing, links of a node with itself, nothing at all. The rest is noted and mended.
 
-use super::CurveNet;
+use super::net::CurveNet;
 use crate::error::{Error, Result};
 use glam::DVec3;
 use rustc_hash::FxHashMap;

@@ -1,6 +1,7 @@
 //! Branchings near each other become one.
 
-use super::{CurveNet, branches};
+use super::branches;
+use super::net::CurveNet;
 use rustc_hash::FxHashMap;
 
 /// The branch between branchings that become one may be this much longer than what they may be apart.

@@ -3,7 +3,7 @@
 
 use super::super::disjoint_sets::DisjointSets;
 use super::super::weld::first_at_same_position;
-use super::CurveNet;
+use super::net::CurveNet;
 use crate::error::{Error, Result};
 
 /// Share of a segment's length that stands for an unknown radius.

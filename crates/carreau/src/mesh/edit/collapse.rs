@@ -13,7 +13,7 @@
 //! The result is a surface of the same topology exactly when the ends have no common neighbours but the apexes c and d
 //! (the link condition, Dey et al. 1999), where a border counts as one more vertex, joined to all of it.
 
-use super::{EditMesh, next, previous};
+use super::edit_mesh::{EditMesh, next, previous};
 use crate::mesh::triangles::NONE;
 
 /// Which end of a half-edge stays.

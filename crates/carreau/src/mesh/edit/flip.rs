@@ -10,7 +10,7 @@
 //!      d               d
 //! ```
 
-use super::{EditMesh, next, previous};
+use super::edit_mesh::{EditMesh, next, previous};
 use crate::mesh::triangles::NONE;
 
 impl EditMesh {

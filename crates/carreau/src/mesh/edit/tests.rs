@@ -1,8 +1,11 @@
 //! Random operations on small meshes keep every promise of the structure.
 
 use super::*;
+use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::test_models::*;
+use crate::mesh::triangles::NONE;
 use crate::mesh::{CornerId, Topology};
+use glam::DVec3;
 use proptest::prelude::*;
 
 /// Every invariant of the structure.

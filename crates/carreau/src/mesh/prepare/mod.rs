@@ -23,7 +23,9 @@
 mod bodies;
 mod doubles;
 mod folds;
+mod ids;
 mod mend;
+mod options;
 mod pieces;
 mod radial;
 mod report;
@@ -35,51 +37,19 @@ mod sheets;
 mod tests;
 mod trace;
 
+use super::surface::SurfaceMesh;
+use crate::context::Context;
+use crate::error::{Error, Result};
+use scan::Scan;
+use trace::Trace;
+
 pub(super) use bodies::labels as body_labels;
 pub use bodies::{Bodies, Body};
 pub(super) use mend::{Mended, Steps, mend};
-pub use pieces::Keep;
+pub use options::{Keep, PrepareOptions, Takes};
 pub use report::{PreparePlaces, PrepareReport};
 pub(super) use scan::leaders;
 pub use trace::Prepared;
-
-use super::repair::degenerate;
-use super::surface::SurfaceMesh;
-use super::triangles::NONE;
-use crate::context::Context;
-use crate::error::{Error, Result};
-use crate::length::Length;
-use scan::Scan;
-use serde::{Deserialize, Serialize};
-use trace::Trace;
-
-/// How a surface is prepared.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct PrepareOptions {
-    /// Vertices nearer than this become one; 0: at exactly equal positions.
-    pub weld: Length,
-    /// Which pieces stay; by default all, or the largest body where a method needs one.
-    pub keep: Option<Keep>,
-    /// The surface is taken as it is.
-    pub as_is: bool,
-}
-
-impl Default for PrepareOptions {
-    fn default() -> Self {
-        PrepareOptions { weld: Length::Absolute(0.0), keep: None, as_is: false }
-    }
-}
-
-/// How many bodies a method takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Takes {
-    /// Any number.
-    #[default]
-    Bodies,
-    /// One: without [`PrepareOptions::keep`] it is given the largest.
-    OneBody,
-}
 
 /// Prepares a surface; see the module's head for the steps.
 ///
@@ -172,21 +142,4 @@ fn into_prepared(mended: Mended, input: SurfaceMesh) -> Result<Prepared> {
     report.count_left(&mesh, |v| trace.vertex_source[v as usize]);
     report.bodies = bodies.list.len();
     Ok(Prepared { mesh, bodies, report, trace: Some(Box::new(trace.with(input))) })
-}
-
-/// The vertices that faces use.
-fn used_vertices(mesh: &SurfaceMesh) -> Vec<bool> {
-    let mut used = vec![false; mesh.vertex_count()];
-    mesh.faces().corners().iter().for_each(|&v| used[v as usize] = true);
-    used
-}
-
-/// The first element of a list, if any.
-fn first<T: Copy>(list: &[T]) -> Option<T> {
-    list.first().copied()
-}
-
-/// An id, if there is one.
-fn some(id: u32) -> Option<u32> {
-    (id != NONE).then_some(id)
 }

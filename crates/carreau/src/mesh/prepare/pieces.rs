@@ -6,69 +6,14 @@ use super::super::polygons::Polygons;
 use super::super::surface::{SurfaceMesh, TaggedEdge};
 use super::super::triangles::NONE;
 use super::bodies::Bodies;
+use super::options::{Keep, Takes};
 use super::report::Pieces;
+use super::scan;
 use super::trace::{Prepared, Trace};
-use super::{Takes, scan};
-use crate::error::{Error, Result};
-use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::str::FromStr;
+use crate::error::Result;
 
 /// Bodies with a smaller share of the largest one's area are small: specks, as segmentations and scanners leave them.
 const SMALL: f64 = 0.01;
-
-/// Which pieces of a surface stay.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub enum Keep {
-    /// Every one.
-    All,
-    /// The one with the largest area, with its cavities.
-    Largest,
-    /// Those with at least this share of the largest one's area.
-    Share(f64),
-}
-
-impl FromStr for Keep {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let wrong = || Error::Options(format!("keep is all, largest or a share such as 1%, not '{text}'"));
-        let number = |word: &str| word.trim().parse::<f64>().map_err(|_| wrong());
-        let share = match text.trim() {
-            "all" => return Ok(Keep::All),
-            "largest" => return Ok(Keep::Largest),
-            word => match word.strip_suffix('%') {
-                Some(word) => number(word)? / 100.0,
-                None => number(word)?,
-            },
-        };
-        if (0.0..=1.0).contains(&share) { Ok(Keep::Share(share)) } else { Err(wrong()) }
-    }
-}
-
-impl fmt::Display for Keep {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Keep::All => write!(f, "all"),
-            Keep::Largest => write!(f, "largest"),
-            Keep::Share(share) => write!(f, "{}%", 100.0 * share),
-        }
-    }
-}
-
-impl TryFrom<String> for Keep {
-    type Error = Error;
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
-    }
-}
-
-impl From<Keep> for String {
-    fn from(keep: Keep) -> String {
-        keep.to_string()
-    }
-}
 
 /// Leaves out the bodies that are not to stay, and counts the small ones.
 pub(super) fn keep(mut prepared: Prepared, keep: Option<Keep>, takes: Takes) -> Result<Prepared> {

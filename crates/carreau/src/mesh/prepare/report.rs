@@ -1,9 +1,11 @@
 //! The report of the preparation: numbers, places, and one line of text.
 
 use super::super::repair::Soup;
+use super::super::repair::degenerate::is_flat_face;
 use super::super::surface::SurfaceMesh;
 use super::super::topology::Topology;
 use super::bodies::Body;
+use super::ids::{first, some, used_vertices};
 use super::mend::Mended;
 use serde::Serialize;
 
@@ -112,10 +114,10 @@ impl PrepareReport {
             split_vertices: mended.copies,
             ..PrepareReport::default()
         };
-        report.places.degenerate_faces = super::first(&mended.degenerate);
-        report.places.duplicate_faces = super::first(&mended.doubles);
-        report.places.folded_faces = super::first(&mended.folds);
-        report.places.paired_edges = super::first(&mended.paired);
+        report.places.degenerate_faces = first(&mended.degenerate);
+        report.places.duplicate_faces = first(&mended.doubles);
+        report.places.folded_faces = first(&mended.folds);
+        report.places.paired_edges = first(&mended.paired);
         report.note_turned(&mended.turned, &mended.inverted, &mended.soup.face_source);
         report.note_welded(mesh, &mended.soup);
         report
@@ -131,10 +133,10 @@ impl PrepareReport {
 
     /// Vertices that faces use and that are not themselves any more.
     fn note_welded(&mut self, mesh: &SurfaceMesh, soup: &Soup) {
-        let used = super::used_vertices(mesh);
+        let used = used_vertices(mesh);
         let mut stays = vec![false; mesh.vertex_count()];
         soup.vertex_source.iter().for_each(|&v| stays[v as usize] = true);
-        let became = |v: usize| super::some(soup.vertex_image[v]).map(|now| soup.vertex_source[now as usize]);
+        let became = |v: usize| some(soup.vertex_image[v]).map(|now| soup.vertex_source[now as usize]);
         let gone = (0..mesh.vertex_count()).filter(|&v| used[v] && !stays[v]);
         let mut gone = gone.filter_map(|v| became(v).map(|now| [v as u32, now]));
         self.places.welded_vertices = gone.next();
@@ -152,7 +154,7 @@ impl PrepareReport {
         self.nonmanifold_edges = t.nonmanifold_edges;
         self.inconsistent_edges = t.inconsistent_edges;
         let diagonal = mesh.diagonal();
-        let tiny = |f: &[u32]| super::degenerate::is_flat_face(mesh.points(), f, diagonal);
+        let tiny = |f: &[u32]| is_flat_face(mesh.points(), f, diagonal);
         self.degenerate_faces_left = mesh.faces().iter().filter(|f| tiny(f)).count();
         self.places.nonmanifold_edges = t.places.nonmanifold_edges.first().map(|ends| ends.map(|v| source(v.0)));
         self.places.inconsistent_edges = t.places.inconsistent_edges.first().map(|ends| ends.map(|v| source(v.0)));

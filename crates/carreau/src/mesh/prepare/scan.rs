@@ -43,7 +43,7 @@ impl Scan {
 
 /// For every vertex that faces use the one that it joins.
 pub(in crate::mesh) fn leaders(mesh: &SurfaceMesh, tolerance: f64) -> Option<Vec<u32>> {
-    let used = super::used_vertices(mesh);
+    let used = super::ids::used_vertices(mesh);
     let find = |points: &[DVec3]| {
         if tolerance > 0.0 { leaders_within(points, tolerance) } else { first_at_same_position(points) }
     };

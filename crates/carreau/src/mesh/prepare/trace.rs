@@ -121,7 +121,7 @@ impl Prepared {
     pub fn vertex_image(&self, v: u32) -> Option<u32> {
         match &self.trace {
             None => Some(v),
-            Some(trace) => trace.vertex_image.get(v as usize).copied().and_then(super::some),
+            Some(trace) => trace.vertex_image.get(v as usize).copied().and_then(super::ids::some),
         }
     }
 
@@ -246,7 +246,7 @@ impl Nearby {
         let beside = pairs
             .filter_map(|[a, b]| self.half_edges.find(a, b))
             .flat_map(|edge| edge.corners().map(|c| self.face_of[c as usize]).collect::<Vec<u32>>());
-        beside.min().or_else(|| now.iter().filter_map(|&v| super::some(self.at_vertex[v as usize])).min())
+        beside.min().or_else(|| now.iter().filter_map(|&v| super::ids::some(self.at_vertex[v as usize])).min())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Repairs triangles only where methods could not rely on them.
 
-use super::{RepairOptions, repair};
+use super::options::RepairOptions;
+use super::run::repair;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{CornerId, NONE, Side, SurfaceMesh, Triangles, area_vector, safe_length};

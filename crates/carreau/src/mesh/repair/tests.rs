@@ -1,5 +1,10 @@
 use super::*;
+use crate::context::Context;
+use crate::error::Error;
+use crate::length::Length;
+use crate::mesh::surface::SurfaceMesh;
 use crate::mesh::test_models::*;
+use crate::mesh::topology::Topology;
 use crate::mesh::{Column, FaceId, Polygons, TaggedEdge, VertexId, area_vector};
 use glam::DVec3;
 use proptest::prelude::*;

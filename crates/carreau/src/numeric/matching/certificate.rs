@@ -11,24 +11,8 @@
 //! Every matching leaves at least one node of an odd set S to an edge out of S or unmatched, so no matching costs less
 //! than `Σ y(v) + Σ Y(S)` (Edmonds 1965). A matching that costs exactly that much is optimal.
 
-use super::{Edge, Matching, UNMATCHED, check_input};
+use super::problem::{Certificate, Edge, Matching, NO_BLOSSOM, UNMATCHED, check_input};
 use crate::error::{Error, Result};
-
-/// Optimal dual variables, twice as large as in the text book so that they are integers.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Certificate {
-    /// Dual of every node.
-    pub node_duals: Vec<i64>,
-    /// The smallest blossom that contains each node, [`NO_BLOSSOM`] if there is none.
-    pub node_parents: Vec<u32>,
-    /// Dual of every blossom, positive.
-    pub blossom_duals: Vec<i64>,
-    /// The smallest blossom around each blossom, [`NO_BLOSSOM`] if there is none. Parents come before children.
-    pub blossom_parents: Vec<u32>,
-}
-
-/// The parent of what lies in no blossom.
-pub const NO_BLOSSOM: u32 = u32::MAX;
 
 /// Checks that a matching is one, that its cost is stated correctly, and that its certificate proves it optimal.
 ///

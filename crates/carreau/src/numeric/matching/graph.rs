@@ -4,7 +4,7 @@
 //! the way back. One more dart per node, `2 · edges + v`, leads from node `v` to its private boundary: taking it means
 //! to leave `v` unmatched.
 
-use super::Edge;
+use super::problem::Edge;
 
 /// An edge with a direction, or the way to the boundary.
 pub(super) type Dart = u32;

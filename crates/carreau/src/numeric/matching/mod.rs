@@ -17,41 +17,21 @@
 mod certificate;
 mod family;
 mod graph;
+mod problem;
 mod search;
 mod start;
-
-pub use certificate::{Certificate, NO_BLOSSOM, certify};
+#[cfg(test)]
+mod tests;
 
 use crate::context::Context;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use family::{Family, Set};
 use graph::{Graph, NONE};
+use problem::check_input;
 use search::TreeSearch;
 
-/// An edge between two different nodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Edge {
-    /// The nodes it joins.
-    pub ends: [u32; 2],
-    /// What it costs to match them; may be negative.
-    pub cost: i64,
-}
-
-/// A matching of minimum cost.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Matching {
-    /// The node each node is matched to, or [`UNMATCHED`].
-    pub mate: Vec<u32>,
-    /// The edge by which each node is matched, or [`UNMATCHED`].
-    pub matched_edge: Vec<u32>,
-    /// Cost of the matched edges and the unmatched nodes together.
-    pub cost: i64,
-    /// The proof that no matching costs less.
-    pub certificate: Certificate,
-}
-
-/// Stands for a mate, or a matched edge, that a node does not have.
-pub const UNMATCHED: u32 = u32::MAX;
+pub use certificate::certify;
+pub use problem::{Certificate, Edge, Matching, NO_BLOSSOM, UNMATCHED};
 
 /// Finds a matching of minimum cost, and certifies it. `unmatched` has the cost of leaving each node unmatched, so its
 /// length is the number of nodes.
@@ -120,26 +100,6 @@ fn solve<'a>(graph: &'a Graph<'a>, first_limit: usize, context: &Context) -> Res
     Ok(search)
 }
 
-fn check_input(edges: &[Edge], unmatched: &[i64]) -> Result<()> {
-    let nodes = unmatched.len();
-    if 2 * (nodes as u64 + edges.len() as u64) >= u64::from(u32::MAX) {
-        return Err(Error::Options(format!("matching: {nodes} nodes and {} edges are too many", edges.len())));
-    }
-    for (e, &Edge { ends: [a, b], .. }) in edges.iter().enumerate() {
-        if a == b || a.max(b) as usize >= nodes {
-            let what = format!("matching: an edge joins {a} and {b}, but must join two different of {nodes} nodes");
-            return Err(Error::input(what, format!("edge {e}"), ""));
-        }
-    }
-    let costs = edges.iter().map(|edge| edge.cost).chain(unmatched.iter().copied());
-    let largest = costs.map(i64::unsigned_abs).max().unwrap_or(0);
-    let limit = (1u64 << 61) / nodes.max(64) as u64;
-    if largest > limit {
-        return Err(Error::Options(format!("matching: costs up to {largest}, but with {nodes} nodes at most {limit}")));
-    }
-    Ok(())
-}
-
 /// Opens all blossoms and writes down what is left: every node with its mate and its dual.
 fn read_off(graph: &Graph, mut family: Family, edges: &[Edge], unmatched: &[i64]) -> Matching {
     let mut matching = Matching { certificate: open_all(graph, &mut family), ..Matching::default() };
@@ -187,6 +147,3 @@ fn open_all(graph: &Graph, family: &mut Family) -> Certificate {
     }
     certificate
 }
-
-#[cfg(test)]
-mod tests;

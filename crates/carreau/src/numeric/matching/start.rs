@@ -34,7 +34,7 @@ pub(super) fn greedy(graph: &Graph) -> (Vec<i64>, Vec<Dart>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Edge;
+    use super::super::problem::Edge;
     use super::*;
     use proptest::prelude::*;
 

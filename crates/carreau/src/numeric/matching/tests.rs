@@ -2,6 +2,7 @@
 
 use super::search::Counts;
 use super::*;
+use crate::error::Error;
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 

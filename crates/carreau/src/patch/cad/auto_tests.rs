@@ -2,7 +2,9 @@
 
 use super::models::Model;
 use super::*;
-use crate::patch::{PatchOptions, decompose};
+use crate::brep::{Edge, Face};
+use crate::patch::decomposition::decompose;
+use crate::patch::options::PatchOptions;
 use crate::sample;
 use glam::DVec3;
 use rustc_hash::FxHashSet;

@@ -2,9 +2,9 @@
 
 use super::chain::Chains;
 use super::fit::side;
+use super::model::{Geometry, PieceSurface};
 use super::piece::{Block, Piece, Source};
 use super::scene::{Scene, longest_side};
-use super::{Geometry, PieceSurface};
 use crate::brep::{Curve, Frame, Surface};
 use crate::error::{Error, Result};
 use crate::geometry::bspline::{BSplineCurve, BSplineSurface, Knots};

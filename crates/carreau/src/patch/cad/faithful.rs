@@ -10,46 +10,26 @@
 //! Cells that are far off are refused only where all of them together matter: then the limit falls until they do not. Such quads
 //! become two planes.
 
+use super::off_limit::{area, bilinear_area, twelfth};
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::{NONE, SurfaceMesh, Triangles, triangle_area_vector};
-use crate::patch::{Patch, PatchOptions, PatchResult, decompose};
-use glam::DVec3;
+use crate::mesh::{NONE, SurfaceMesh, Triangles};
+use crate::patch::Patch;
+use crate::patch::decomposition::decompose;
+use crate::patch::options::PatchOptions;
+use crate::patch::result::PatchResult;
+
+use super::off_limit::OffLimit;
 
 /// Largest difference of area and volume between all cells and their triangles, as a share of the mesh's: half of what a user
 /// who compares the model with the mesh may find.
 const OFF: f64 = 5e-4;
+
 /// The first limit for one cell, as a share of its area, and of the volume that it would have if the mesh were a plate.
 const FIRST: f64 = 1e-2;
+
 /// Meshes with less volume than this share of their area to the power of 1.5 enclose none to speak of.
 const FLAT: f64 = 1e-6;
-/// Gauss points for areas of bilinear surfaces, in each direction: exact to the eighth digit but for cells that fold.
-const POINTS: [[f64; 2]; 4] = [
-    [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
-    [0.330_009_478_207_571_87, 0.326_072_577_431_273_07],
-    [0.669_990_521_792_428_1, 0.326_072_577_431_273_07],
-    [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
-];
-
-/// How far a cell may be off its triangles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OffLimit {
-    share: f64,
-    /// Volume through area of a closed mesh.
-    thickness: Option<f64>,
-}
-
-impl OffLimit {
-    /// Whether the face of a cell is farther off; corners in cyclic order, cut from the first or the second, whatever is worse.
-    pub(in crate::patch) fn is_exceeded(&self, corners: [DVec3; 4]) -> bool {
-        let [a, b, c, d] = corners;
-        let cuts = [area([a, b, c]) + area([a, c, d]), area([a, b, d]) + area([b, c, d])];
-        let least = cuts[0].min(cuts[1]);
-        let face = bilinear_area(corners);
-        cuts.iter().any(|cut| (face - cut).abs() > self.share * least)
-            || self.thickness.is_some_and(|t| twelfth(corners).abs() > self.share * least * t)
-    }
-}
 
 /// Decomposes a mesh into patches for faces of degree (1, 1), whose area and volume are those of the mesh.
 ///
@@ -114,27 +94,12 @@ impl<'a> Whole<'a> {
     }
 }
 
-fn area([a, b, c]: [DVec3; 3]) -> f64 {
-    triangle_area_vector(a, b, c).length()
-}
-
-/// Volume between the bilinear surface and the triangles a b c, a c d.
-fn twelfth([a, b, c, d]: [DVec3; 4]) -> f64 {
-    (b - a).dot((c - a).cross(d - a)) / 12.0
-}
-
-/// Area of the bilinear surface through four corners.
-fn bilinear_area([a, b, c, d]: [DVec3; 4]) -> f64 {
-    let (along, up, twist) = (b - a, d - a, a - b + c - d);
-    let element = |u: f64, v: f64| (along + v * twist).cross(up + u * twist).length();
-    POINTS.iter().map(|&[u, p]| POINTS.iter().map(|&[v, q]| p * q * element(u, v)).sum::<f64>()).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::Topology;
     use crate::patch::cad::{BrepOptions, to_brep};
+    use glam::DVec3;
     use std::f64::consts::TAU;
 
     /// A coarse frustum whose upper ring is turned against the lower one: no quad of its side is plane.

@@ -15,16 +15,15 @@
 
 use super::chain::{self, Chains};
 use super::crossed::crossed;
-use super::divide;
-use super::exact;
 use super::fit::{self, Shape, Smooth};
 use super::flat::Flats;
 use super::labels::Labels;
+use super::model::{Geometry, PieceSurface};
 use super::piece::{self, Block, Flat, Piece, Source};
 use super::region::Parts;
 use super::runs::{Curves, beside};
 use super::scene::Scene;
-use super::{Geometry, PieceSurface};
+use super::{divide, exact};
 use crate::brep::{Curve, Surface};
 use crate::context::Context;
 use crate::error::{Error, Result};

@@ -2,6 +2,7 @@
 
 use super::models::{self, Model};
 use super::*;
+use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface};
 use crate::geometry::bspline::BSplineSurface;
 use crate::io::{CadOptions, iges, step};
 use crate::mesh::VertexId;

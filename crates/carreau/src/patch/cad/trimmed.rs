@@ -15,10 +15,10 @@
 //! A face must not touch itself, so polygons are cut along grid lines first where they have slits, pinches, or pass a
 //! mesh vertex twice; and where the bounding rectangle is out of all proportion to the cells.
 
-use super::chain;
+use super::model::{CadModel, Geometry, PieceSurface, finish};
 use super::piece::{Outline, Piece, Source};
 use super::scene::Scene;
-use super::{CadModel, Geometry, PieceSurface, exact, finish};
+use super::{chain, exact};
 use crate::brep::Surface;
 use crate::context::Context;
 use crate::error::{Error, Result};

@@ -1,7 +1,7 @@
 //! The camera: where a point of the model appears in the image, and how near.
 
+use super::content::{Path, Picture};
 use super::view::{self, View};
-use super::{Path, Picture};
 use glam::DVec3;
 
 /// Share of the image's half width or height that the model may fill.

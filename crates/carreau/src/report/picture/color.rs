@@ -1,6 +1,7 @@
 //! Colour spaces: sRGB as stored, linear light for mixing, OKLab (Ottosson 2020) for differences as the eye sees them.
 
-use super::Rgb;
+/// An sRGB colour.
+pub type Rgb = [u8; 3];
 
 /// Linear light, red, green, blue in 0..=1.
 pub(super) type Linear = [f32; 3];

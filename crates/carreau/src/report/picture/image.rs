@@ -1,7 +1,6 @@
 //! The finished picture.
 
-use super::Rgb;
-use super::color::{Linear, encode};
+use super::color::{Linear, Rgb, encode};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 

@@ -2,8 +2,9 @@
 
 use super::camera::{Camera, Seen};
 use super::color::{Linear, linear, mix};
+use super::content::{Path, Picture};
 use super::raster::Depth;
-use super::{Path, Picture, SAMPLES};
+use super::tuning::SAMPLES;
 
 /// How much farther than a face a line may be, as a share of its distance, and still be seen: lines on the surface are.
 const BIAS: f64 = 2e-4;
@@ -20,7 +21,7 @@ pub(super) struct Strokes {
 
 /// The lines of a picture in the image.
 pub(super) fn strokes(picture: &Picture<'_>, camera: &Camera) -> Vec<Strokes> {
-    let layer = |layer: &super::Lines<'_>| {
+    let layer = |layer: &super::content::Lines<'_>| {
         let point = |v: u32| picture.points.get(v as usize).copied();
         let pairs: Vec<_> = match layer.path {
             Path::Edges(edges) => edges.iter().filter_map(|&[a, b]| Some([point(a)?, point(b)?])).collect(),

@@ -1,7 +1,6 @@
 //! Colours for labels and numbers, told apart by people with and without colour blindness.
 
-use super::Rgb;
-use super::color::{Linear, encode, from_lch, from_oklab, linear, to_oklab};
+use super::color::{Linear, Rgb, encode, from_lch, from_oklab, linear, to_oklab};
 use crate::mesh::{HalfEdges, Polygons};
 
 /// Faces without any other colour.

@@ -2,8 +2,9 @@
 
 use super::camera::{Camera, Seen};
 use super::color::{Linear, linear};
+use super::content::{Colors, Picture};
+use super::normals;
 use super::palette::{self, Ramp};
-use super::{Colors, Picture, normals};
 use crate::mesh::Polygons;
 use glam::{DVec3, Vec3};
 

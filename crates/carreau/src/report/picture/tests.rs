@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::context::Context;
+use crate::mesh::Polygons;
 use crate::sample;
 use glam::DVec3;
 
