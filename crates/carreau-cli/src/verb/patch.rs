@@ -198,7 +198,7 @@ impl Verb for Patch {
             all.patch.strategy = Strategy::Matching;
         }
         // A face that bends or folds weighs wrong.
-        if self.is_divided(&all) {
+        if self.is_divided(all) {
             all.patch.faces = true;
             all.patch.feature_angle = all.patch.feature_angle.or(Some(CREASE_ANGLE));
         }

@@ -1,7 +1,7 @@
 //! Speculative execution: runs jobs ahead on idle threads and delivers their results in order, so that the outcome is the same
 //! as if they ran one by one.
 
-use super::Context;
+use super::execution::Context;
 use crate::error::Result;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -11,19 +11,27 @@
 //! | `found` | what was found, for records and pictures |
 
 mod at_size;
+mod dropped;
 mod found;
+mod marked;
 mod network;
+mod noise;
+#[cfg(test)]
+mod tests;
 
-pub use at_size::{Noise, USUAL_ELEMENTS};
-pub use found::{DroppedStrand, FoundFeatures};
-
-use super::normals::{AngleLimit, angle_between, face_normals};
+use super::normals::{AngleLimit, face_normals};
 use crate::bounds::angle;
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, area_vector, sound};
-use glam::DVec3;
+use crate::mesh::{CornerId, Side, SurfaceMesh, TaggedEdge, VertexId, sound};
+use marked::sides;
 use serde::{Deserialize, Serialize};
+
+pub use super::features::dropped::DroppedStrand;
+pub use super::features::noise::Noise;
+pub use at_size::USUAL_ELEMENTS;
+pub use found::FoundFeatures;
+pub use marked::{Features, dihedral_turn, length_of_squares};
 
 /// An edge is sharp when its angle exceeds the limit by more than this, so that edges exactly at the limit are not
 /// divided by rounding.
@@ -89,43 +97,6 @@ impl FeatureOptions {
     /// The same for elements that cover a surface `count` times over with squares.
     pub fn for_squares(&self, mesh: &SurfaceMesh, count: f64) -> Self {
         self.for_size(length_of_squares(mesh, count))
-    }
-}
-
-/// Edge length of squares, given their number, that cover a surface.
-pub fn length_of_squares(mesh: &SurfaceMesh, count: f64) -> f64 {
-    let area: f64 = mesh.faces().iter().map(|face| area_vector(mesh.points(), face).length()).sum();
-    (area / count.max(1.0)).sqrt()
-}
-
-/// The feature edges of a mesh.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Features {
-    /// For every corner whether the half-edge that leaves it lies on a feature; the half-edges of an edge agree.
-    pub corners: Vec<bool>,
-    /// Listed and tagged edges that the mesh does not have.
-    pub missing: Vec<[VertexId; 2]>,
-    /// Edges above the angle that are none, as the corner that the first half-edge leaves from.
-    pub dropped: Vec<CornerId>,
-    /// The longest strand of these.
-    pub longest_dropped: Option<DroppedStrand>,
-    /// How noisy the edges above the angle are; nothing where all of them count.
-    pub noise: Noise,
-}
-
-impl Features {
-    /// Whether the half-edge that leaves this corner lies on a feature.
-    #[inline]
-    pub fn contains(&self, c: CornerId) -> bool {
-        self.corners[c.index()]
-    }
-
-    /// Every feature edge once, as the corner that its first half-edge leaves from, in order.
-    pub fn edges<'a>(&'a self, mesh: &'a SurfaceMesh) -> impl Iterator<Item = CornerId> + 'a {
-        let first = |group: crate::mesh::EdgeGroup| group.corners().next();
-        let half_edges = mesh.half_edges();
-        let firsts: Vec<u32> = half_edges.groups().filter_map(first).collect();
-        firsts.into_iter().map(CornerId).filter(|&c| self.contains(c))
     }
 }
 
@@ -226,106 +197,5 @@ impl FeaturedSurface {
         let features = feature_edges(&mesh, &as_marked)?;
         let told = FoundFeatures::new(&marked, &found);
         Ok(FeaturedSurface { mesh, features, repaired, missing: found.missing, found: told })
-    }
-}
-
-/// The normals on both sides of a half-edge, in the order of the corners, so that both half-edges get the same angle.
-fn sides(mesh: &SurfaceMesh, normals: &[DVec3], c: CornerId, o: CornerId) -> [DVec3; 2] {
-    [c.min(o), c.max(o)].map(|c| normals[mesh.face_of(c).index()])
-}
-
-/// Signed angle between the normals on both sides of a regular inner edge, in radians: 0 where the surface is flat,
-/// positive where it is convex, negative where it is concave. `None` on borders and irregular edges.
-///
-/// The angle through the material, which CAD calls dihedral, is π minus this.
-pub fn dihedral_turn(mesh: &SurfaceMesh, face_normals: &[DVec3], c: CornerId) -> Option<f64> {
-    let o = mesh.opposite(c)?;
-    let along = mesh.point(mesh.vertex(mesh.next(c))) - mesh.point(mesh.vertex(c));
-    let [own, other] = [c, o].map(|c| face_normals[mesh.face_of(c).index()]);
-    let [a, b] = sides(mesh, face_normals, c, o);
-    let angle = angle_between(a, b);
-    Some(if own.cross(other).dot(along) < 0.0 { -angle } else { angle })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::test_models::*;
-    use proptest::prelude::*;
-
-    fn with_angle(angle: f64) -> FeatureOptions {
-        FeatureOptions { angle_deg: Some(angle), ..FeatureOptions::default() }
-    }
-
-    fn count(mesh: &SurfaceMesh, options: &FeatureOptions) -> usize {
-        let features = feature_edges(mesh, options).unwrap();
-        for c in (0..mesh.corner_count()).map(CornerId::new) {
-            assert!(mesh.opposite(c).is_none_or(|o| features.contains(o) == features.contains(c)));
-        }
-        features.edges(mesh).count()
-    }
-
-    /// A roof: two rectangles that meet at the angle.
-    fn roof(turn_deg: f64) -> SurfaceMesh {
-        let (sin, cos) = turn_deg.to_radians().sin_cos();
-        let p = [DVec3::ZERO, DVec3::Y, DVec3::NEG_X, DVec3::new(-1., 1., 0.), DVec3::new(cos, 0., -sin)];
-        let far = DVec3::new(cos, 1.0, -sin);
-        triangles(&[&p[..], &[far]].concat(), &[[2, 0, 1], [2, 1, 3], [0, 4, 5], [0, 5, 1]])
-    }
-
-    #[test]
-    fn a_cube_has_twelve_sharp_edges_and_no_sharp_diagonal() {
-        let mesh = cube(DVec3::ZERO, 3.0).triangulated().unwrap();
-        assert_eq!(count(&mesh, &with_angle(35.0)), 12);
-        assert_eq!(count(&mesh, &with_angle(90.0)), 0);
-        assert_eq!(count(&mesh, &with_angle(89.9)), 12);
-        assert_eq!(count(&mesh, &FeatureOptions { angle_deg: None, ..FeatureOptions::default() }), 0);
-    }
-
-    #[test]
-    fn borders_tags_lists_and_irregular_edges_count_as_asked() {
-        let mut mesh = grid(3);
-        let none = FeatureOptions { angle_deg: None, borders: false, tags: false, ..FeatureOptions::default() };
-        assert_eq!(count(&mesh, &none), 0);
-        assert_eq!(count(&mesh, &FeatureOptions { borders: true, ..none.clone() }), 12);
-        let inner = [VertexId(5), VertexId(6)];
-        mesh.tagged_edges = vec![TaggedEdge { ends: inner, tag: 1 }];
-        assert_eq!(count(&mesh, &none), 0);
-        assert_eq!(count(&mesh, &FeatureOptions { tags: true, ..none.clone() }), 1);
-        let listed = FeatureOptions { edges: vec![[inner[1], inner[0]], [VertexId(0), VertexId(900)]], ..none.clone() };
-        assert_eq!(count(&mesh, &listed), 1);
-        assert_eq!(feature_edges(&mesh, &listed).unwrap().missing, [[VertexId(0), VertexId(900)]]);
-        assert_eq!(count(&cubes_sharing_an_edge(), &none), 1);
-        assert_eq!(count(&strip(9, 1), &none), 1);
-    }
-
-    #[test]
-    fn angles_out_of_range_are_refused() {
-        for wrong in [-1.0, 181.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(feature_edges(&grid(1), &with_angle(wrong)), Err(crate::Error::Options(_))));
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn the_turn_is_measured_with_its_sign(angle in -179.9f64..179.9) {
-            let mesh = roof(angle);
-            let normals = face_normals(&mesh);
-            for (c, _) in mesh.faces().corners().iter().enumerate() {
-                let Some(found) = dihedral_turn(&mesh, &normals, CornerId::new(c)) else { continue };
-                let ridge = [c, mesh.next(CornerId::new(c)).index()].iter().all(|&c| mesh.faces().corners()[c] < 2);
-                let expected = if ridge { angle } else { 0.0 };
-                prop_assert!((found.to_degrees() - expected).abs() < 1e-9, "{} {}", found.to_degrees(), expected);
-            }
-        }
-
-        #[test]
-        fn tiny_turns_are_measured_exactly(exponent in -12.0f64..0.0) {
-            let angle = 10f64.powf(exponent);
-            let mesh = roof(angle);
-            let ridge = (0..12).map(CornerId).find(|&c| mesh.vertex(c).0 == 0 && mesh.vertex(mesh.next(c)).0 == 1);
-            let found = dihedral_turn(&mesh, &face_normals(&mesh), ridge.unwrap()).unwrap().to_degrees();
-            prop_assert!((found / angle - 1.0).abs() < 1e-3, "{} {}", found, angle);
-        }
     }
 }

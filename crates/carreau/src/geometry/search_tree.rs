@@ -18,21 +18,27 @@
 //!     3 4
 //! ```
 
+mod answers;
+mod box3;
+mod build;
+mod stack;
+#[cfg(test)]
+mod tests;
+
 use super::closest::closest_on_triangle;
 use super::ray::Ray;
 use super::slabs::Slab;
 use super::slices::{Slice, slices};
+use box3::Box3;
+use build::{TRIANGLES_PER_LEAF, build};
 use glam::DVec3;
 use rayon::prelude::*;
+use stack::{Node, Stack};
 
-/// Triangles per leaf.
-const TRIANGLES_PER_LEAF: usize = 4;
-/// Subtrees with fewer triangles are built by one thread.
-const SERIAL: usize = 8192;
+pub use answers::{Closest, Hit};
+
 /// Jobs that pairs of triangles are divided into.
 const JOBS: usize = 2048;
-/// Deeper than any tree over 2³² triangles.
-const DEEPEST: usize = 34;
 
 /// Bounding boxes over triangles. Coordinates are best between 1e-150 and 1e150: distances are squared.
 pub struct TriangleTree {
@@ -45,59 +51,6 @@ pub struct TriangleTree {
     slices: Vec<Slice>,
     /// Number of triangles.
     len: usize,
-}
-
-/// The point of the triangles that is closest to a given one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closest {
-    /// Id of the triangle; the smallest of several at the same distance.
-    pub triangle: u32,
-    /// Where.
-    pub point: DVec3,
-    /// Squared distance.
-    pub distance_squared: f64,
-}
-
-impl Closest {
-    /// The distance.
-    pub fn distance(&self) -> f64 {
-        self.distance_squared.sqrt()
-    }
-}
-
-/// Where a ray meets a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Id of the triangle.
-    pub triangle: u32,
-    /// Distance along the ray, in lengths of its direction.
-    pub t: f64,
-    /// The ray meets the front, against the normal.
-    pub front: bool,
-}
-
-#[derive(Clone, Copy)]
-struct Box3 {
-    low: DVec3,
-    high: DVec3,
-}
-
-/// A node during a descent.
-#[derive(Clone, Copy)]
-struct Node {
-    index: u32,
-    first_leaf: u32,
-    leaves: u32,
-}
-
-impl Node {
-    fn children(self) -> [Node; 2] {
-        let left = self.leaves.div_ceil(2);
-        [
-            Node { index: self.index + 1, first_leaf: self.first_leaf, leaves: left },
-            Node { index: self.index + 2 * left, first_leaf: self.first_leaf + left, leaves: self.leaves - left },
-        ]
-    }
 }
 
 impl TriangleTree {
@@ -420,279 +373,5 @@ impl MeetingPairs<'_> {
                 }
             }
         }
-    }
-}
-
-/// Sorts the items into leaves and fills the boxes of a subtree; returns its box.
-fn build(
-    boxes: &mut [Box3],
-    items: &mut [(DVec3, u32)],
-    leaves: usize,
-    outline: &(impl Fn(u32) -> [DVec3; 5] + Sync),
-) -> Box3 {
-    boxes[0] = if leaves == 1 {
-        items.iter().flat_map(|&(_, item)| outline(item)).fold(Box3::EMPTY, Box3::with)
-    } else {
-        let left = leaves.div_ceil(2);
-        let axis = longest_axis(items);
-        items.select_nth_unstable_by(left * TRIANGLES_PER_LEAF, |a, b| {
-            a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1))
-        });
-        let serial = items.len() < SERIAL;
-        let (left_items, right_items) = items.split_at_mut(left * TRIANGLES_PER_LEAF);
-        let (left_boxes, right_boxes) = boxes[1..].split_at_mut(2 * left - 1);
-        let mut build_left = || build(left_boxes, left_items, left, outline);
-        let mut build_right = || build(right_boxes, right_items, leaves - left, outline);
-        let (a, b) = if serial { (build_left(), build_right()) } else { rayon::join(build_left, build_right) };
-        a.with(b.low).with(b.high)
-    };
-    boxes[0]
-}
-
-fn longest_axis(items: &[(DVec3, u32)]) -> usize {
-    let all = items.iter().fold(Box3::EMPTY, |b, &(centre, _)| b.with(centre));
-    (all.high - all.low).max_position()
-}
-
-impl Box3 {
-    const EMPTY: Box3 = Box3 { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-
-    #[inline]
-    fn around([a, b, c]: [DVec3; 3]) -> Box3 {
-        Box3 { low: a.min(b).min(c), high: a.max(b).max(c) }
-    }
-
-    fn with(self, p: DVec3) -> Box3 {
-        Box3 { low: self.low.min(p), high: self.high.max(p) }
-    }
-
-    #[inline]
-    fn meets(&self, other: &Box3) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
-    }
-
-    #[inline]
-    fn distance_squared(&self, p: DVec3) -> f64 {
-        p.distance_squared(p.clamp(self.low, self.high))
-    }
-
-    /// The slab test; the order of the arguments of min and max drops the NaN of 0 · ∞.
-    #[inline]
-    fn meets_ray(&self, origin: DVec3, inverse: DVec3, t_max: f64) -> bool {
-        let (mut enter, mut leave) = (0f64, t_max);
-        for k in 0..3 {
-            let (a, b) = ((self.low[k] - origin[k]) * inverse[k], (self.high[k] - origin[k]) * inverse[k]);
-            // A box is widened by a few rounding errors: it must not be missed where its triangle is met.
-            let slack = 4.0 * f64::EPSILON * a.abs().max(b.abs());
-            enter = (a.min(b) - slack).max(enter);
-            leave = (a.max(b) + slack).min(leave);
-        }
-        enter <= leave
-    }
-}
-
-/// Nodes still to visit, with a bound each.
-struct Stack {
-    nodes: [(Node, f64); DEEPEST],
-    len: usize,
-}
-
-impl Stack {
-    fn new() -> Self {
-        Stack { nodes: [(Node { index: 0, first_leaf: 0, leaves: 0 }, 0.0); DEEPEST], len: 0 }
-    }
-
-    #[inline]
-    fn push(&mut self, node: Node, bound: f64) {
-        self.nodes[self.len] = (node, bound);
-        self.len += 1;
-    }
-
-    #[inline]
-    fn pop(&mut self) -> Option<(Node, f64)> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.nodes[self.len])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::SurfaceMesh;
-    use crate::mesh::test_models::*;
-    use proptest::prelude::*;
-
-    fn fans(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
-        mesh.faces().fan().0
-    }
-
-    fn tree_of(mesh: &SurfaceMesh) -> TriangleTree {
-        TriangleTree::new(mesh.points(), &fans(mesh))
-    }
-
-    /// The distance triangle by triangle: inside by the normal equations, on the edges by halving, as the distance is convex.
-    fn oracle(points: &[DVec3], triangles: &[[u32; 3]], p: DVec3) -> f64 {
-        let inside = |a: DVec3, u: DVec3, v: DVec3| {
-            let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
-            let (pu, pv, det) = ((p - a).dot(u), (p - a).dot(v), uu * vv - uv * uv);
-            let (s, t) = ((pu * vv - pv * uv) / det, (pv * uu - pu * uv) / det);
-            (s >= 0.0 && t >= 0.0 && s + t <= 1.0).then(|| p.distance(a + s * u + t * v))
-        };
-        let along = |a: DVec3, b: DVec3| {
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..100 {
-                let middle = 0.5 * (low + high);
-                let is_left = (a.lerp(b, middle) - p).dot(b - a) > 0.0;
-                (low, high) = if is_left { (low, middle) } else { (middle, high) };
-            }
-            p.distance(a.lerp(b, 0.5 * (low + high)))
-        };
-        let distance = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|k| points[k as usize]);
-            let edges = [along(a, b), along(b, c), along(c, a)];
-            edges.into_iter().chain(inside(a, b - a, c - a)).fold(f64::INFINITY, f64::min)
-        };
-        triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
-    }
-
-    fn point() -> impl Strategy<Value = DVec3> {
-        prop::array::uniform3(-1.0f64..1.0).prop_map(DVec3::from_array)
-    }
-
-    fn soup() -> impl Strategy<Value = (Vec<DVec3>, Vec<[u32; 3]>)> {
-        (prop::collection::vec(point(), 4..40), 1usize..200).prop_flat_map(|(points, n)| {
-            let index = 0..points.len() as u32;
-            (Just(points), prop::collection::vec(prop::array::uniform3(index), n))
-        })
-    }
-
-    /// A soup, or a fan of needles, which the tree cuts.
-    fn soup_or_fan() -> impl Strategy<Value = (Vec<DVec3>, Vec<[u32; 3]>)> {
-        let fan = (50u32..300, point()).prop_map(|(n, apex)| {
-            let rim = (0..n).map(|k| {
-                let angle = f64::from(k) / f64::from(n);
-                DVec3::new(angle.cos(), angle.sin(), 0.5 * angle)
-            });
-            let points = std::iter::once(apex).chain(rim).collect();
-            (points, (1..n).map(|k| [0, k, k % n + 1]).collect())
-        });
-        prop_oneof![soup(), fan]
-    }
-
-    proptest! {
-        #[test]
-        fn closest_agrees_with_the_oracle((points, triangles) in soup_or_fan(), queries in prop::collection::vec(point(), 20)) {
-            let tree = TriangleTree::new(&points, &triangles);
-            for p in queries.into_iter().map(|p| p * 2.0) {
-                let found = tree.closest(p).unwrap();
-                prop_assert!((found.distance() - oracle(&points, &triangles, p)).abs() < 1e-9);
-                let own = triangles[found.triangle as usize].map(|k| points[k as usize]);
-                prop_assert_eq!(found.point, closest_on_triangle(p, own));
-                for hint in &triangles {
-                    let near = tree.closest_near(p, hint.map(|k| points[k as usize])).unwrap();
-                    prop_assert!((near.distance() - found.distance()).abs() < 1e-9);
-                }
-                // Of triangles that share the closest point, either may be found, with the rounding of its own plane.
-                let within = tree.closest_within(p, found.distance() * (1.0 + 1e-12)).unwrap();
-                prop_assert!(within.point.distance(found.point) <= 1e-12 && within.distance() <= found.distance() * (1.0 + 1e-12));
-                prop_assert_eq!(tree.closest_within(p, found.distance() * 0.999 - 1e-12), None);
-            }
-        }
-
-        /// Whatever the normals are said to be.
-        #[test]
-        fn slabs_change_no_answer(
-            (points, triangles) in soup_or_fan(),
-            queries in prop::collection::vec(point(), 20),
-            normals in prop::collection::vec(point(), 300),
-        ) {
-            let tree = TriangleTree::new(&points, &triangles);
-            let with_slabs = TriangleTree::new(&points, &triangles).with_slabs(&normals);
-            for p in queries {
-                let (plain, found) = (tree.closest(p).unwrap(), with_slabs.closest(p).unwrap());
-                prop_assert!((plain.distance() - found.distance()).abs() < 1e-12);
-            }
-        }
-
-        #[test]
-        fn the_cheapest_is_the_cheapest_of_those_within(
-            (points, triangles) in soup_or_fan(),
-            p in point(),
-            radius in 0.0f64..2.0,
-        ) {
-            let tree = TriangleTree::new(&points, &triangles);
-            let cost = |c: &Closest| (!c.triangle.is_multiple_of(3)).then(|| c.distance() * f64::from(1 + c.triangle % 7));
-            let mut expected: Option<(f64, u32)> = None;
-            tree.within(p, radius, |c| {
-                if let Some(cost) = cost(&c)
-                    && expected.is_none_or(|e| (cost, c.triangle) < e)
-                {
-                    expected = Some((cost, c.triangle));
-                }
-            });
-            prop_assert_eq!(tree.cheapest(p, radius, cost).map(|(cost, c)| (cost, c.triangle)), expected);
-        }
-
-        #[test]
-        fn within_finds_exactly_the_near_triangles((points, triangles) in soup_or_fan(), p in point(), radius in 0.0f64..0.5) {
-            let tree = TriangleTree::new(&points, &triangles);
-            let mut found = Vec::new();
-            tree.within(p, radius, |c| found.push(c.triangle));
-            found.sort_unstable();
-            let near = |t: &[u32; 3]| p.distance(closest_on_triangle(p, t.map(|k| points[k as usize]))) <= radius;
-            let expected: Vec<u32> = (0u32..).zip(&triangles).filter(|(_, t)| near(t)).map(|(k, _)| k).collect();
-            prop_assert_eq!(found, expected);
-        }
-
-        #[test]
-        fn rays_enter_and_leave_a_closed_surface(origin in point(), toward in point()) {
-            // Aimed at a vertex: the worst case for watertightness.
-            let mesh = sphere(2);
-            let tree = tree_of(&mesh);
-            let vertex = mesh.points()[(toward.x.abs() * 160.0) as usize];
-            let inside = origin * 0.9 / 1.8;
-            let first = tree.first_hit(inside, vertex - inside).unwrap();
-            prop_assert!((first.t - 1.0).abs() < 1e-9 && !first.front);
-            let outside = origin.normalize_or(DVec3::X) * 3.0;
-            prop_assert!(tree.first_hit(outside, toward * 0.4 - outside).unwrap().front);
-            prop_assert!(tree.first_hit(outside, outside).is_none());
-            // Without a direction there is nothing along it, wherever it begins.
-            prop_assert!([inside, outside].into_iter().all(|p| tree.first_hit(p, DVec3::ZERO).is_none()));
-        }
-
-        #[test]
-        fn rays_hit_what_lies_on_them((points, triangles) in soup_or_fan(), origin in point(), weights in prop::array::uniform3(0.05f64..1.0)) {
-            let tree = TriangleTree::new(&points, &triangles);
-            let [a, b, c] = triangles[0].map(|k| points[k as usize]);
-            let w = weights.iter().sum::<f64>();
-            let target = (a * weights[0] + b * weights[1] + c * weights[2]) / w;
-            let mut hit = None;
-            let mut times = vec![0; triangles.len()];
-            tree.along_ray(origin, target - origin, 2.0, |h| {
-                hit = hit.or((h.triangle == 0).then_some(h.t));
-                times[h.triangle as usize] += 1;
-            });
-            prop_assert!(times.iter().all(|&n| n <= 1));
-            let volume = (a - origin).dot((b - origin).cross(c - origin)).abs();
-            prop_assert!(volume < 1e-6 || (hit.unwrap() - 1.0).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn the_tree_does_not_depend_on_the_number_of_threads() {
-        let mesh = torus(150, 60);
-        let build = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| tree_of(&mesh)).slices
-        };
-        assert_eq!(build(1), build(3));
-    }
-
-    #[test]
-    fn an_empty_tree_has_no_answers() {
-        let tree = TriangleTree::new(&[], &[]);
-        assert!(
-            tree.is_empty() && tree.closest(DVec3::ZERO).is_none() && tree.first_hit(DVec3::ZERO, DVec3::X).is_none()
-        );
     }
 }

@@ -111,6 +111,47 @@ struct Share<'a> {
     sides: &'a mut [[u32; 9]],
 }
 
+impl Share<'_> {
+    /// Fills in the surfaces; the branchings whose surface is poor.
+    fn fill(self, net: &CurveNet, around: &Incidence, vertex: &[u32], cubes: &Cubes) -> Vec<u32> {
+        let (mut search, mut directions, mut poor) = (PartitionSearch::default(), Vec::new(), Vec::new());
+        let start = vertex[self.branchings[0] as usize];
+        let mut sides = self.sides.iter_mut();
+        for &v in self.branchings {
+            let (centre, radius) = (net.points[v as usize], net.radii[v as usize]);
+            let [from, to] = [v, v + 1].map(|v| (vertex[v as usize] - start) as usize);
+            let own = &mut self.points[from..to];
+            let base = vertex[v as usize];
+            if let Some(cube) = cubes.get(v) {
+                own.iter_mut().zip(cube.points()).for_each(|(p, q)| *p = centre + radius * q);
+                let of = |k: usize| cube.section(k).map(|w| base + w);
+                (0..around.valence(v)).zip(sides.by_ref()).for_each(|(k, side)| *side = of(k));
+                continue;
+            }
+            let direction = |s: &[u32; 2]| (net.points[s[1] as usize] - centre).normalize_or(DVec3::X);
+            directions.clear();
+            directions.extend(around.of(v).iter().map(direction));
+            let surface = search.partition(&directions);
+            if !(surface.least_determinant(&directions) > 0.0) {
+                poor.push(v);
+            }
+            let corners = surface.vertices.len();
+            own[0] = DVec3::ZERO;
+            own[1..=corners].copy_from_slice(&surface.vertices);
+            surface.side_middles(&directions, &mut own[corners + 1..]);
+            own.iter_mut().for_each(|p| *p = centre + radius * *p);
+            for ((q, s), side) in surface.quads.iter().zip(&surface.sides).zip(sides.by_ref()) {
+                *side = std::array::from_fn(|k| match k {
+                    0..4 => base + 1 + q[k],
+                    4..8 => base + 1 + corners as u32 + s[k - 4],
+                    _ => base,
+                });
+            }
+        }
+        poor
+    }
+}
+
 impl Surfaces {
     /// Finds the surfaces, and puts their vertices on the spheres about the branchings; those of cubes to their places.
     fn new(net: &CurveNet, around: &Incidence, vertex: &[u32], cubes: &Cubes, points: &mut [DVec3]) -> Surfaces {
@@ -134,44 +175,8 @@ impl Surfaces {
             shares.push(Share { branchings, points: &mut points[(from - done) as usize..], sides });
             done = to;
         }
-        let fill = |share: Share| {
-            let (mut search, mut directions, mut poor) = (PartitionSearch::default(), Vec::new(), Vec::new());
-            let start = vertex[share.branchings[0] as usize];
-            let mut sides = share.sides.iter_mut();
-            for &v in share.branchings {
-                let (centre, radius) = (net.points[v as usize], net.radii[v as usize]);
-                let [from, to] = [v, v + 1].map(|v| (vertex[v as usize] - start) as usize);
-                let own = &mut share.points[from..to];
-                let base = vertex[v as usize];
-                if let Some(cube) = cubes.get(v) {
-                    own.iter_mut().zip(cube.points()).for_each(|(p, q)| *p = centre + radius * q);
-                    let of = |k: usize| cube.section(k).map(|w| base + w);
-                    (0..around.valence(v)).zip(sides.by_ref()).for_each(|(k, side)| *side = of(k));
-                    continue;
-                }
-                let direction = |s: &[u32; 2]| (net.points[s[1] as usize] - centre).normalize_or(DVec3::X);
-                directions.clear();
-                directions.extend(around.of(v).iter().map(direction));
-                let surface = search.partition(&directions);
-                if !(surface.least_determinant(&directions) > 0.0) {
-                    poor.push(v);
-                }
-                let corners = surface.vertices.len();
-                own[0] = DVec3::ZERO;
-                own[1..=corners].copy_from_slice(&surface.vertices);
-                surface.side_middles(&directions, &mut own[corners + 1..]);
-                own.iter_mut().for_each(|p| *p = centre + radius * *p);
-                for ((q, s), side) in surface.quads.iter().zip(&surface.sides).zip(sides.by_ref()) {
-                    *side = std::array::from_fn(|k| match k {
-                        0..4 => base + 1 + q[k],
-                        4..8 => base + 1 + corners as u32 + s[k - 4],
-                        _ => base,
-                    });
-                }
-            }
-            poor
-        };
-        let poor = shares.into_par_iter().map(fill).collect::<Vec<_>>().concat();
+        let poor =
+            shares.into_par_iter().map(|share| share.fill(net, around, vertex, cubes)).collect::<Vec<_>>().concat();
         Surfaces { first, sides, poor }
     }
 

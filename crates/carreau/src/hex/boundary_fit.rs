@@ -7,9 +7,12 @@
 //!
 //! Vertices of caps in lids stay in the lid's plane, those of its rim on the border of the surface.
 
-use super::boundary::{SWELL, Shape, Skin};
-use super::optimise::{self, Optimiser, Spring, Ties, polish};
-use super::ridges;
+mod sliding;
+#[cfg(test)]
+mod tests;
+
+use super::boundary::{SWELL, Skin};
+use super::optimise::{self, Optimiser, polish};
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;
@@ -18,9 +21,10 @@ use crate::mesh::Topology;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
+use sliding::springs_to;
 
-/// Strength of the springs to the surface along its normal, and across, while poor cells are improved.
-const SLIDING: [f64; 2] = [1000.0, 1e-3];
+pub use sliding::Sliding;
+
 /// Least scaled Jacobian of cells when vertices are put onto the surface together with their surroundings, unless
 /// they were poorer before.
 const SEATED: f64 = 0.1;
@@ -76,127 +80,6 @@ pub fn pull(
         optimiser.retarget(points);
     }
     Ok(())
-}
-
-/// What pulls a boundary vertex to its place.
-fn springs_to(
-    target: &Target,
-    part: Part,
-    vertex: u32,
-    to: DVec3,
-    normal: DVec3,
-    along: f64,
-    across: f64,
-) -> impl Iterator<Item = Spring> + use<> {
-    // Along the border of a lid it slides.
-    let in_plane = match part {
-        Part::Rim(k) => Some(Spring { vertex, to, normal: target.lids()[k as usize].normal, along, across: 0.0 }),
-        _ => None,
-    };
-    [Some(Spring { vertex, to, normal, along, across }), in_plane].into_iter().flatten()
-}
-
-/// The boundary slides along the surface.
-pub struct Sliding<'a> {
-    skin: &'a Skin,
-    target: &'a Target<'a>,
-    shape: Shape,
-    /// Vertices that are on the surface, or are to be put there.
-    placed: Vec<bool>,
-    /// The surface's normal at wall vertices that are on it.
-    under: Vec<Option<DVec3>>,
-    /// Vertices that belong where the surface is closest.
-    at_closest: Vec<bool>,
-    /// Vertices that belong to one place, and the normal there.
-    pinned: FxHashMap<u32, (DVec3, DVec3)>,
-    /// Where each vertex was, and the directions in which it is held there; empty where all are free.
-    held: Vec<(DVec3, [DVec3; 2])>,
-}
-
-impl<'a> Sliding<'a> {
-    /// Of the `placed` vertices, all but the `stuck` ones are on the surface.
-    fn new(points: &[DVec3], skin: &'a Skin, target: &'a Target<'a>, placed: Vec<bool>, stuck: &[u32]) -> Self {
-        let mut is_on: Vec<bool> = (0..points.len()).map(|v| placed[v] && skin.parts[v] == Part::Wall).collect();
-        stuck.iter().for_each(|&v| is_on[v as usize] = false);
-        let normal = |(p, is_on): (&DVec3, &bool)| is_on.then(|| target.closest_wall(*p).map(|c| c.1)).flatten();
-        let under = points.par_iter().zip(&is_on).map(normal).collect();
-        Sliding {
-            skin,
-            target,
-            shape: skin.shape(points),
-            placed,
-            under,
-            at_closest: vec![false; points.len()],
-            pinned: FxHashMap::default(),
-            held: Vec::new(),
-        }
-    }
-
-    /// Vertices on ridges slide along these only.
-    fn on_ridges(self, points: &[DVec3]) -> Self {
-        let held = points.iter().copied().zip(ridges::bends(points, self.skin)).collect();
-        Sliding { held, ..self }
-    }
-
-    /// Vertices that are not `free` are on the surface, and some belong to one place, which has a normal.
-    pub fn pinning(
-        points: &[DVec3],
-        skin: &'a Skin,
-        target: &'a Target<'a>,
-        free: &[bool],
-        pinned: FxHashMap<u32, (DVec3, DVec3)>,
-    ) -> Self {
-        let placed = (0..points.len()).map(|v| skin.has(v) && !free[v]).collect();
-        let moved: Vec<u32> = pinned.keys().copied().collect();
-        Sliding { pinned, ..Sliding::new(points, skin, target, placed, &moved) }
-    }
-
-    fn place(&self, v: usize, at: DVec3) -> (DVec3, DVec3) {
-        if self.at_closest[v]
-            && let Some(closest) = self.target.closest_wall(at)
-        {
-            return closest;
-        }
-        let (normal, reach) = (self.shape.normals[v], 4.0 * self.shape.sizes[v]);
-        let along = self.under[v].and_then(|under| self.target.along_wall(at, [normal, under], reach));
-        along.unwrap_or_else(|| self.target.place(self.skin.parts[v], at, normal, reach))
-    }
-}
-
-impl Ties for Sliding<'_> {
-    fn springs(&self, vertex: u32, at: DVec3) -> Vec<Spring> {
-        let v = vertex as usize;
-        if !self.placed[v] {
-            return Vec::new();
-        }
-        if let Some(&(to, normal)) = self.pinned.get(&vertex) {
-            return vec![Spring { vertex, to, normal, along: SLIDING[0], across: SLIDING[0] }];
-        }
-        let (to, normal) = self.place(v, at);
-        let mut springs: Vec<Spring> =
-            springs_to(self.target, self.skin.parts[v], vertex, to, normal, SLIDING[0], SLIDING[1]).collect();
-        if let Some(&(to, bends)) = self.held.get(v) {
-            let holds = |normal| Spring { vertex, to, normal, along: SLIDING[0], across: 0.0 };
-            springs.extend(bends.into_iter().filter(|d| *d != DVec3::ZERO).map(holds));
-        }
-        springs
-    }
-
-    /// What could not be put onto the surface stays as near as it is.
-    fn is_fixed(&self, vertex: u32) -> bool {
-        self.skin.has(vertex as usize) && !self.placed[vertex as usize]
-    }
-
-    fn tied_place(&self, vertex: u32, at: DVec3) -> Option<DVec3> {
-        let v = vertex as usize;
-        if let Some((to, _)) = self.pinned.get(&vertex) {
-            return Some(*to);
-        }
-        self.placed[v].then(|| {
-            let to = self.place(v, at).0;
-            if self.skin.parts[v] == Part::Wall { self.target.closest_wall(to).map_or(to, |c| c.0) } else { to }
-        })
-    }
 }
 
 /// Lets boundary vertices slide where cells are poor, those on ridges along these. `free` are those that are inside or could not be put onto the surface.
@@ -403,97 +286,5 @@ fn put_singly(
         if !any {
             break;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::test_models::{bricks, sphere};
-    use crate::skeleton;
-
-    /// Of two vertices side by side on the top of a block, one would turn its cells over: the other goes alone.
-    #[test]
-    fn a_vertex_goes_where_its_neighbour_cannot() {
-        let at = |i: u32, j: u32, k: u32| (k * 2 + j) * 4 + i;
-        let (points, hexes) = bricks([3, 1, 1]);
-        let (goes_alone, cannot) = (at(1, 0, 1), at(2, 0, 1));
-        let up = |v: u32, by: f64| (v, points[v as usize] + DVec3::Z * by, DVec3::Z);
-        let places = [up(goes_alone, 0.1), up(cannot, -1.5)];
-        let (mut moved, mut goes) = (points.clone(), vec![false; points.len()]);
-        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.4; 3], &mut goes, |_, _| None);
-        assert!(goes[goes_alone as usize] && !goes[cannot as usize]);
-        assert_eq!(moved[goes_alone as usize], places[0].1);
-        assert!((0..16).filter(|&v| v != goes_alone).all(|v| moved[v as usize] == points[v as usize]));
-    }
-
-    /// A block of 2 × 2 × 2 cells in a ball: the middle of its top belongs above the middle of the four vertices around it.
-    #[test]
-    fn a_vertex_may_go_where_its_neighbours_say() {
-        let at = |i: u32, j: u32, k: u32| (k * 3 + j) * 3 + i;
-        let (mut points, hexes) = bricks([2; 3]);
-        points.iter_mut().for_each(|p| *p = 0.3 * (*p - DVec3::ONE));
-        let top = at(1, 1, 2);
-        points[top as usize] = DVec3::new(0.2, 0.1, 0.4);
-        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
-        let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
-        let middles = Middles::new(&skin, &target);
-        let to = middles.place(top, &points).unwrap();
-        assert!(to.distance(DVec3::Z) < 0.05, "{to}");
-        assert_eq!(middles.place(at(1, 1, 1), &points), None);
-        // Its own place would fold the cells; that of the others is taken.
-        let (mut moved, mut goes) = (points.clone(), vec![true; 27]);
-        goes[top as usize] = false;
-        let places = [(top, DVec3::new(0.0, 0.0, -0.5), DVec3::Z)];
-        put_singly(&Optimiser::new(&points, &hexes), &mut moved, &places, &[0.1; 8], &mut goes, |_, _| {
-            Some(DVec3::new(0.0, 0.0, 0.5))
-        });
-        assert!(goes[top as usize]);
-        assert_eq!(moved[top as usize], DVec3::new(0.0, 0.0, 0.5));
-    }
-
-    /// A block in a ball, all of its boundary on that: its volume grows, by as much as vertices may leave the surface; what is
-    /// free stays.
-    #[test]
-    fn a_boundary_on_a_ball_takes_its_volume() {
-        let (mut points, hexes) = bricks([8; 3]);
-        for p in &mut points {
-            let q = 0.25 * *p - DVec3::ONE;
-            *p = q.abs().max_element() * q.normalize_or_zero();
-        }
-        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
-        let (skin, target) = (Skin::new(&hexes, &vec![0; points.len()], &[]), Target::new(&closed));
-        let on_wall: Vec<usize> = (0..points.len()).filter(|&v| skin.has(v)).collect();
-        on_wall.iter().for_each(|&v| points[v] = target.closest_wall(points[v]).unwrap().0);
-        let free: Vec<bool> = (0..points.len()).map(|v| !skin.has(v)).collect();
-        let start = points.clone();
-        swell(&mut points, &hexes, &skin, &target, &free);
-        let outward = |v: &usize| points[*v].length() - start[*v].length();
-        let reach = SWELL * target.surface().diagonal();
-        assert!(on_wall.iter().all(|v| (0.0..=1.01 * reach).contains(&outward(v))));
-        assert!(on_wall.iter().filter(|v| outward(v) > 0.9 * reach).count() > on_wall.len() / 2);
-        assert!((0..points.len()).filter(|&v| free[v]).all(|v| points[v] == start[v]));
-        let mut stays = start.clone();
-        swell(&mut stays, &hexes, &skin, &target, &vec![true; free.len()]);
-        assert_eq!(stays, start);
-    }
-
-    /// Ahead of a vertex in a ball the surface is nearer than where it is closest; but where a vertex cannot go there it goes to
-    /// the closest place.
-    #[test]
-    fn a_vertex_may_go_to_the_closest_place() {
-        let (mut points, hexes) = bricks([2; 3]);
-        points.iter_mut().for_each(|p| *p = 0.3 * (*p - DVec3::ONE));
-        let (closed, _) = skeleton::prepared(&sphere(4), &Context::new()).unwrap();
-        let (skin, target) = (Skin::new(&hexes, &[0; 27], &[]), Target::new(&closed));
-        let top = (2 * 3 + 1) * 3 + 1;
-        let placed = (0..27).map(|v| skin.has(v)).collect();
-        let mut sliding = Sliding::new(&points, &skin, &target, placed, &[top]);
-        let (top, at) = (top as usize, DVec3::new(0.6, 0.0, 0.2));
-        let ahead = sliding.place(top, at).0;
-        sliding.at_closest[top] = true;
-        let closest = sliding.place(top, at).0;
-        assert!(ahead.distance(DVec3::new(0.6, 0.0, 0.8)) < 0.05, "{ahead}");
-        assert!(closest.distance(at.normalize()) < 0.05, "{closest}");
     }
 }

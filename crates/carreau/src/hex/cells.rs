@@ -1,9 +1,10 @@
 //! The cells about a net: an untangled base mesh, padded, halved and optimised.
 
 use super::assemble::{self, BaseMesh};
+use super::choices::Padding;
 use super::insert;
 use super::optimise::{COARSE, Effort, FINE, Optimiser, PASSING, Spring, relieve};
-use super::options::{HexOptions, Padding};
+use super::options::HexOptions;
 use super::refine::{self, CORE, TubeMesh};
 use crate::context::Context;
 use crate::error::Result;

@@ -6,12 +6,11 @@
 //!   ──┴──┴─╯         ──┴──┴─┴──┴──┴──┘
 //! ```
 
+use super::disc::{OPPOSITE, disc};
 use super::{HexResult, MOST_HEXES};
 use crate::error::{Error, Result};
-use crate::mesh::{HexMesh, boundary_faces};
-use glam::DVec3;
+use crate::mesh::boundary_faces;
 use rustc_hash::FxHashMap;
-use std::f64::consts::PI;
 
 /// Cells of an extension are at least and at most this long, in radii of its end: as long as those before it in between.
 const LENGTHS: [f64; 2] = [0.1, 1.0];
@@ -127,23 +126,6 @@ impl<'a> Growth<'a> {
         result.origins = (0..).zip(&found).map(|(own, f)| place.get(&f.1).copied().unwrap_or(own)).collect();
         result.mesh.quads = quads;
     }
-}
-
-/// The corners across the cell from those of each of its faces.
-const OPPOSITE: [[usize; 4]; 6] = [[4, 7, 6, 5], [0, 1, 2, 3], [3, 2, 6, 7], [0, 3, 7, 4], [1, 0, 4, 5], [2, 1, 5, 6]];
-
-/// Centre, unit normal and radius of the disc as large as some faces.
-pub fn disc(mesh: &HexMesh, faces: &[usize]) -> Option<(DVec3, DVec3, f64)> {
-    let (mut sum, mut centre, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    for &f in faces {
-        let p = mesh.quads[f].map(|v| mesh.points[v as usize]);
-        let vector = 0.5 * (p[2] - p[0]).cross(p[3] - p[1]);
-        sum += vector;
-        area += vector.length();
-        centre += vector.length() * 0.25 * p.iter().sum::<DVec3>();
-    }
-    let normal = sum.try_normalize()?;
-    (area > 0.0).then(|| (centre / area, normal, (sum.length() / PI).sqrt()))
 }
 
 fn sorted(mut q: [u32; 4]) -> [u32; 4] {

@@ -67,26 +67,8 @@ pub fn reach(
         }
         best = (best.0.min(farthest.far), pinned.len());
         let count = open.len();
-        for share in WAYS {
-            let to = |place: &Far| match share < 1.0 {
-                true => target.closest_wall(points[place.vertex as usize].lerp(place.to, share)),
-                false => Some((place.to, place.normal)),
-            };
-            let mut pins = pinned.clone();
-            pins.extend(open.iter().filter_map(|place| Some((place.vertex, to(place)?))));
-            let sliding = Sliding::pinning(points, skin, target, free, pins);
-            let vertices: Vec<u32> = open.iter().map(|place| place.vertex).collect();
-            let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST_JACOBIAN, context)?;
-            let (there, left): (Vec<Far>, Vec<Far>) =
-                open.into_iter().partition(|place| seated.contains(&place.vertex));
-            // What went all of the way stays there; the others may go on.
-            if share == 1.0 {
-                pinned.extend(there.iter().map(|place| (place.vertex, (place.to, place.normal))));
-            } else {
-                part_of_the_way.extend(there.iter().map(|place| place.vertex));
-            }
-            open = left;
-        }
+        let mut fixed = Fixed { pinned: &mut pinned, part_of_the_way: &mut part_of_the_way };
+        open = fixed.go(open, points, hexes, &Surroundings { skin, target, free }, context)?;
         // What has gone makes room for others.
         if open.len() < count {
             in_vain.clear();
@@ -102,6 +84,54 @@ pub fn reach(
     }
     let sliding = Sliding::pinning(points, skin, target, free, pinned);
     relieve(points, hexes, &sliding, context)
+}
+
+/// Where the boundary may go.
+struct Surroundings<'a> {
+    skin: &'a Skin,
+    target: &'a Target<'a>,
+    free: &'a [bool],
+}
+
+/// The vertices that have gone.
+struct Fixed<'a> {
+    /// All of the way: place and normal.
+    pinned: &'a mut FxHashMap<u32, (DVec3, DVec3)>,
+    part_of_the_way: &'a mut Vec<u32>,
+}
+
+impl Fixed<'_> {
+    /// Moves vertices to their places, or as far as their cells allow; the places that are left.
+    fn go(
+        &mut self,
+        mut open: Vec<Far>,
+        points: &mut [DVec3],
+        hexes: &[[u32; 8]],
+        around: &Surroundings<'_>,
+        context: &Context,
+    ) -> Result<Vec<Far>> {
+        for share in WAYS {
+            let to = |place: &Far| match share < 1.0 {
+                true => around.target.closest_wall(points[place.vertex as usize].lerp(place.to, share)),
+                false => Some((place.to, place.normal)),
+            };
+            let mut pins = self.pinned.clone();
+            pins.extend(open.iter().filter_map(|place| Some((place.vertex, to(place)?))));
+            let sliding = Sliding::pinning(points, around.skin, around.target, around.free, pins);
+            let vertices: Vec<u32> = open.iter().map(|place| place.vertex).collect();
+            let seated = optimise::seat(points, hexes, &sliding, &vertices, LEAST_JACOBIAN, context)?;
+            let (there, left): (Vec<Far>, Vec<Far>) =
+                open.into_iter().partition(|place| seated.contains(&place.vertex));
+            // What went all of the way stays there; the others may go on.
+            if share == 1.0 {
+                self.pinned.extend(there.iter().map(|place| (place.vertex, (place.to, place.normal))));
+            } else {
+                self.part_of_the_way.extend(there.iter().map(|place| place.vertex));
+            }
+            open = left;
+        }
+        Ok(open)
+    }
 }
 
 /// A place of the surface that is far from the boundary, and the vertex of the boundary that is to go there.

@@ -1,13 +1,13 @@
 //! Counts and quality of a hex mesh.
 
 use super::Padding;
-use super::judge::{Uncovered, overlapping};
 use super::layers::LayerFigures;
-use super::second_order::StraightEdges;
+use super::middle_nodes::StraightEdges;
+use super::overlap::{Uncovered, overlapping};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::{Corners, scaled_jacobian, uncertified, volume};
-use crate::mesh::{HexMesh, irregular_hex_edges};
+use crate::mesh::{HexMesh, UnitScale, irregular_hex_edges};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -56,6 +56,16 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// The places, lengths and volumes in another scale.
+    pub(super) fn in_scale(&mut self, scale: UnitScale) {
+        let moved = |p: [f64; 3]| scale.point(DVec3::from(p)).to_array();
+        self.quality.volume = scale.back().volume(self.quality.volume);
+        self.distance_max_at = self.distance_max_at.map(moved);
+        self.layers = self.layers.take().map(|l| l.in_scale(scale));
+        self.straight_edges = self.straight_edges.take().map(|s| s.in_scale(scale));
+        self.uncovered.iter_mut().for_each(|part| part.at = moved(part.at));
+    }
+
     /// The figures of a mesh with its boundary.
     ///
     /// # Errors

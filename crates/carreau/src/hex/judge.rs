@@ -12,57 +12,25 @@
 //! Each cell by itself may be certified all the same: only both together make a mesh of the shape.
 
 use super::layers::LayerFigures;
-use super::second_order::StraightEdges;
+use super::middle_nodes::StraightEdges;
+use super::overlap::{QUERIES_PER_CHECK, Uncovered};
 use super::{HexOptions, HexResult};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::distance::{DistanceOptions, compare};
 use crate::geometry::search_tree::TriangleTree;
-use crate::geometry::winding::WindingTree;
-use crate::mesh::{DisjointSets, SurfaceMesh, Topology, UnitScale, split_quad, triangle_area_vector};
+use crate::mesh::{DisjointSets, SurfaceMesh, Topology, split_quad, triangle_area_vector};
 use crate::words::counted;
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// Default of the largest distance that is allowed, as a share of the surface's diagonal.
 pub const MAX_DISTANCE: f64 = 0.02;
 /// The user is told of a volume that differs from the surface's by more than this share.
 const VOLUME: f64 = 0.05;
-/// A cell lies where others are if the boundary winds around its centre more often than this: between one and two times.
-const TWICE: f64 = 1.5;
-/// Queries between two looks at the clock.
-const QUERIES_PER_CHECK: usize = 1024;
+
 /// Samples alone miss the largest distance by some per cent.
 const CLOSELY: DistanceOptions = DistanceOptions { samples: 100_000, refinements: 50_000, normals: false };
-
-/// A part of the surface that is farther from the cells than the limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Uncovered {
-    /// Its farthest place.
-    pub at: [f64; 3],
-    /// The distance there, as a share of the diagonal.
-    pub distance: f64,
-    /// Its share of the surface's area.
-    pub area: f64,
-}
-
-/// The cells that lie where others are, ascending; `quads` are the boundary faces.
-pub fn overlapping(points: &[DVec3], hexes: &[[u32; 8]], quads: &[[u32; 4]], context: &Context) -> Result<Vec<u32>> {
-    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&q| split_quad(points, q)).collect();
-    let winding = WindingTree::new(&TriangleTree::new(points, &triangles));
-    let is_twice = |h: &[u32; 8]| {
-        let centre = h.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 8.0;
-        winding.number(centre) > TWICE
-    };
-    let of_chunk = |(k, cells): (usize, &[[u32; 8]])| {
-        context.check()?;
-        let numbered = ((k * QUERIES_PER_CHECK) as u32..).zip(cells);
-        Ok(numbered.filter(|(_, h)| is_twice(h)).map(|(id, _)| id).collect())
-    };
-    let found: Result<Vec<Vec<u32>>> = hexes.par_chunks(QUERIES_PER_CHECK).enumerate().map(of_chunk).collect();
-    Ok(found?.concat())
-}
 
 /// Measures the cells against the closed surface.
 pub fn measure(result: &mut HexResult, surface: &SurfaceMesh, options: &HexOptions, context: &Context) -> Result<()> {
@@ -198,16 +166,6 @@ pub fn overlap_line(result: &HexResult) -> Option<String> {
 
 fn place([x, y, z]: [f64; 3]) -> String {
     format!("{x:.6} {y:.6} {z:.6}")
-}
-
-/// The figures' places and lengths in another scale.
-pub fn in_scale(result: &mut HexResult, scale: UnitScale) {
-    let moved = |p: [f64; 3]| scale.point(DVec3::from(p)).to_array();
-    let figures = &mut result.figures;
-    figures.distance_max_at = figures.distance_max_at.map(moved);
-    figures.layers = figures.layers.take().map(|l| l.in_scale(scale));
-    figures.straight_edges = figures.straight_edges.take().map(|s| s.in_scale(scale));
-    figures.uncovered.iter_mut().for_each(|part| part.at = moved(part.at));
 }
 
 #[cfg(test)]

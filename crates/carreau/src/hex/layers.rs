@@ -38,20 +38,15 @@ pub(super) use wall::{planes, within};
 
 /// Cells inside keep this share of their scaled Jacobian when they shrink.
 const KEPT_WHEN_SHRINKING: f64 = 0.4;
-
 /// Rounds in which the inside is smoothed and layers are thinned around cells that stay weak; after these all layers are halved.
 /// Each takes as long as smoothing the mesh does.
 const THINNING_ROUNDS: usize = 16;
-
 /// Rounds after which layers are thinned one ring farther: what stays weak has its reason farther away.
 const ROUNDS_PER_RING: usize = 4;
-
 /// Where that is not enough all of the wall's are halved, so often at most.
 const HALVINGS: usize = 6;
-
 /// Rings of cells around a weak one whose wall vertices are thinned at first.
 const THINNED_RINGS: usize = 2;
-
 /// The user is told where they are on less than this share of the wall.
 const MOST_OF_THE_WALL: f64 = 0.95;
 

@@ -6,7 +6,7 @@
 //!
 //! | stage, in the order of the calls | section | file |
 //! |---|---|---|
-//! | options; the result | | `options`, `result` |
+//! | options; the result | | `options`, `choices`, `result` |
 //! | **skeletons**: the driver | | `tubes` |
 //! | nodes where a branch turns back within a ball are dropped | | `u_turns` |
 //! | stubs are dropped; narrow forks get a trunk | | `resample`, `fork_trunks` |
@@ -27,8 +27,8 @@
 //! | the surface, the boundary of the mesh, and how the one is pulled to the other | | `target`, `boundary`, `boundary_fit` |
 //! | vertices sent to where the surface is far; ridges of the boundary stay | | `far_surface`, `ridges` |
 //! | **delivery**: boundary, tags, certificate | | `deliver` |
-//! | boundary layers, straight pieces at the ends, cells of second order | | `layers`, `extend`, `second_order` |
-//! | distance and overlap are judged; figures | | `judge`, `figures` |
+//! | boundary layers, straight pieces at the ends, cells of second order | | `layers`, `extend`, `disc`, `second_order`, `middle_nodes` |
+//! | distance and overlap are judged; figures | | `judge`, `overlap`, `figures` |
 //!
 //! Departures from the paper, each explained in its file: the best of many partitions instead of one heuristic's; a rule for
 //! the first ring at a branching; residual twist spread by arc length, on rings too; an energy that untangles instead of
@@ -39,10 +39,12 @@ mod assemble;
 mod boundary;
 mod boundary_fit;
 mod cells;
+mod choices;
 mod connection;
 mod coverage;
 mod cubic;
 mod deliver;
+mod disc;
 mod ends;
 mod extend;
 mod far_surface;
@@ -55,8 +57,10 @@ mod insert;
 mod judge;
 mod junction_centres;
 mod layers;
+mod middle_nodes;
 mod optimise;
 mod options;
+mod overlap;
 mod refine;
 mod resample;
 mod result;
@@ -76,12 +80,14 @@ mod u_turns;
 mod validate;
 mod webs;
 
+pub use choices::{Order, Padding, Stage};
 pub use figures::{Figures, HexQuality};
-pub use judge::{MAX_DISTANCE, Uncovered};
+pub use judge::MAX_DISTANCE;
 pub use layers::{GROWTH, LayerFigures, Layers, MOST_LAYERS};
-pub use options::{HexOptions, LONGEST_EXTENSION, MOST_HALVINGS, MOST_HEXES, Order, Padding, Stage};
+pub use middle_nodes::{MiddleOf, StraightEdges};
+pub use options::{HexOptions, LONGEST_EXTENSION, MOST_HALVINGS, MOST_HEXES};
+pub use overlap::Uncovered;
 pub use result::HexResult;
-pub use second_order::{MiddleOf, StraightEdges};
 pub use surface::from_surface;
 pub use validate::Validity;
 

@@ -14,9 +14,8 @@
 //! Halving cuts whole sheets, so that the result conforms: across means both axes of the section, and in the layer on an
 //! end its thickness too; along means the axis of the segments.
 
-use super::Padding;
 use super::assemble::BaseMesh;
-use super::cubic;
+use super::{Padding, cubic};
 use crate::mesh::{CurveNet, NONE};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -109,14 +108,6 @@ pub fn pad(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64) -> Tube
 pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, flat: &[bool]) -> TubeMesh {
     let count = base.points.len();
     let around = net.incidence();
-    let mut ends = Vec::new();
-    let mut end_of = vec![0; net.points.len()];
-    for tip in around.tips() {
-        let centre = net.points[tip as usize];
-        let before = around.of(tip).first().map_or(centre, |s| net.points[s[1] as usize]);
-        ends.push(End { centre, outward: (centre - before).normalize_or(DVec3::X) });
-        end_of[tip as usize] = ends.len() as u32;
-    }
     let node_of = |v: usize| base.first.partition_point(|&f| f as usize <= v) - 1;
     let nodes: Vec<u32> = (0..count).map(|v| node_of(v) as u32).collect();
     let is_inside = |v: u32| {
@@ -125,23 +116,7 @@ pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, fla
         base.cubes.get(node).map_or(own == 0, |c| c.is_inside(own))
     };
     let inside: Vec<bool> = (0..count as u32).map(is_inside).collect();
-    let radius = |v: usize| match nodes[v] {
-        // Where tubes meet the wall of a cube is farther than the radius.
-        node if base.cubes.get(node).is_some() => base.points[v].distance(net.points[node as usize]),
-        node => net.radii[node as usize],
-    };
-    let of_segments = 4 * base.segments.len();
-    let mut mesh = TubeMesh {
-        points: base.points.clone(),
-        hexes: base.hexes.clone(),
-        segments: (0..base.hexes.len()).map(|h| if h < of_segments { h as u32 / 4 } else { NONE }).collect(),
-        centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
-        radii: (0..count).map(|v| if inside[v] { 0.0 } else { radius(v) }).collect(),
-        caps: nodes.iter().map(|&n| end_of[n as usize]).collect(),
-        ends,
-        nodes: base.first[..net.points.len()].to_vec(),
-        cubic_junctions: base.cubes.list.len(),
-    };
+    let mut mesh = unpadded(net, base, &nodes, &inside);
     if padding == Padding::None {
         return mesh;
     }
@@ -153,6 +128,7 @@ pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, fla
     }
     let outer = |v: u32| copies[v as usize];
     let mut outer_centre = vec![u32::MAX; net.points.len()];
+    let of_segments = 4 * base.segments.len();
     let is_flat = |end: usize| flat.get(end) == Some(&true);
     let round = around.tips().enumerate().filter(|&(end, _)| padding == Padding::All && !is_flat(end));
     for (_, tip) in round {
@@ -161,23 +137,7 @@ pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, fla
         mesh.nodes[node] = outer_centre[node];
         mesh.copy(base.first[node]);
     }
-    for h in &base.hexes[..of_segments] {
-        // The same from every hex at the face: places on the faces shared by both.
-        for face in [&h[..4], &h[4..]] {
-            let [c, v, m, w] = [face[0], face[1], face[2], face[3]].map(|k| base.points[k as usize]);
-            mesh.points[face[1] as usize] = c.lerp(v, core);
-            mesh.points[face[2] as usize] = c.lerp(v, core).lerp(w.lerp(m, core), core);
-            mesh.points[face[3] as usize] = c.lerp(w, core);
-        }
-    }
-    for (node, _) in &base.cubes.list {
-        let centre = net.points[*node as usize];
-        for v in base.first[*node as usize]..base.first[*node as usize + 1] {
-            let v = v as usize;
-            mesh.points[v] = if inside[v] { base.points[v] } else { centre.lerp(base.points[v], core) };
-        }
-    }
-    (0..count).filter(|&v| !inside[v]).for_each(|v| mesh.radii[v] = 0.0);
+    move_inward(&mut mesh, net, base, &inside, core);
     mesh.hexes.reserve(2 * base.hexes.len());
     for (h, segment) in base.hexes[..of_segments].iter().zip(mesh.segments.clone()) {
         let [_, v, m, w, _, v1, m1, w1] = *h;
@@ -196,6 +156,59 @@ pub fn pad_but(net: &CurveNet, base: &BaseMesh, padding: Padding, core: f64, fla
         cover_ends(net, base, &mut mesh, &outer, &outer_centre, 1.0 - core);
     }
     mesh
+}
+
+/// The cells as they are, without a layer; `nodes` are those of the vertices.
+fn unpadded(net: &CurveNet, base: &BaseMesh, nodes: &[u32], inside: &[bool]) -> TubeMesh {
+    let count = base.points.len();
+    let around = net.incidence();
+    let mut ends = Vec::new();
+    let mut end_of = vec![0; net.points.len()];
+    for tip in around.tips() {
+        let centre = net.points[tip as usize];
+        let before = around.of(tip).first().map_or(centre, |s| net.points[s[1] as usize]);
+        ends.push(End { centre, outward: (centre - before).normalize_or(DVec3::X) });
+        end_of[tip as usize] = ends.len() as u32;
+    }
+    let radius = |v: usize| match nodes[v] {
+        // Where tubes meet the wall of a cube is farther than the radius.
+        node if base.cubes.get(node).is_some() => base.points[v].distance(net.points[node as usize]),
+        node => net.radii[node as usize],
+    };
+    let of_segments = 4 * base.segments.len();
+    TubeMesh {
+        points: base.points.clone(),
+        hexes: base.hexes.clone(),
+        segments: (0..base.hexes.len()).map(|h| if h < of_segments { h as u32 / 4 } else { NONE }).collect(),
+        centres: nodes.iter().map(|&n| net.points[n as usize]).collect(),
+        radii: (0..count).map(|v| if inside[v] { 0.0 } else { radius(v) }).collect(),
+        caps: nodes.iter().map(|&n| end_of[n as usize]).collect(),
+        ends,
+        nodes: base.first[..net.points.len()].to_vec(),
+        cubic_junctions: base.cubes.list.len(),
+    }
+}
+
+/// Makes room for the layer: what is on the wall goes towards the centre, down to a share of its distance.
+fn move_inward(mesh: &mut TubeMesh, net: &CurveNet, base: &BaseMesh, inside: &[bool], core: f64) {
+    let of_segments = 4 * base.segments.len();
+    for h in &base.hexes[..of_segments] {
+        // The same from every hex at the face: places on the faces shared by both.
+        for face in [&h[..4], &h[4..]] {
+            let [c, v, m, w] = [face[0], face[1], face[2], face[3]].map(|k| base.points[k as usize]);
+            mesh.points[face[1] as usize] = c.lerp(v, core);
+            mesh.points[face[2] as usize] = c.lerp(v, core).lerp(w.lerp(m, core), core);
+            mesh.points[face[3] as usize] = c.lerp(w, core);
+        }
+    }
+    for (node, _) in &base.cubes.list {
+        let centre = net.points[*node as usize];
+        for v in base.first[*node as usize]..base.first[*node as usize + 1] {
+            let v = v as usize;
+            mesh.points[v] = if inside[v] { base.points[v] } else { centre.lerp(base.points[v], core) };
+        }
+    }
+    (0..inside.len()).filter(|&v| !inside[v]).for_each(|v| mesh.radii[v] = 0.0);
 }
 
 /// The layer on the ends: the ring of an end moves inward, its copies stay.

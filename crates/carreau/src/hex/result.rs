@@ -1,8 +1,7 @@
 //! The result of the room.
 
 use super::figures::Figures;
-use super::judge;
-use super::second_order::MiddleOf;
+use super::middle_nodes::MiddleOf;
 use crate::mesh::{CurveNet, HexMesh, RawMesh, UnitScale};
 
 /// A hex mesh of a skeleton.
@@ -41,8 +40,7 @@ impl HexResult {
     /// The result in another scale.
     pub(super) fn in_scale(mut self, scale: UnitScale) -> HexResult {
         self.mesh.points.iter_mut().for_each(|p| *p = scale.point(*p));
-        self.figures.quality.volume = scale.back().volume(self.figures.quality.volume);
-        judge::in_scale(&mut self, scale);
+        self.figures.in_scale(scale);
         self.second_order = self.second_order.take().map(|s| s.in_scale(scale));
         HexResult { skeleton: scale.moved_net(self.skeleton), ..self }
     }

@@ -13,17 +13,16 @@
 use super::HexResult;
 use super::boundary::SWELL;
 use super::layers::{planes, within};
+use super::middle_nodes::{MiddleOf, StraightEdges};
 use super::target::{Part, Target};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::uncertified;
 use crate::geometry::second_order::{Nodes as Cell, is_certified, serendipity};
-use crate::mesh::{HexMesh, MiddleNodes, SecondOrder, UnitScale};
-use crate::words::counted;
+use crate::mesh::{HexMesh, MiddleNodes, SecondOrder};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
-use serde::Serialize;
 
 /// An edge that would bend by more than this share of its length stays straight: no smooth wall does, meshed as it should be.
 const MOST_BENT: f64 = 0.3;
@@ -33,46 +32,6 @@ const STRAIGHTENING_ROUNDS: usize = 12;
 const RETURNS: usize = 6;
 /// Cells between two looks at the clock.
 const CELLS_PER_CHECK: usize = 256;
-
-/// The nodes of a mesh of second order beyond its corners.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MiddleOf {
-    /// Which nodes cells and boundary faces have.
-    pub nodes: SecondOrder,
-    /// Where they are: edges, faces, cells; they are numbered after the vertices of the mesh.
-    pub places: Vec<DVec3>,
-}
-
-/// Edges of cells of second order that stay straight, because a cell with a curved one would fold.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StraightEdges {
-    /// Their number.
-    pub count: usize,
-    /// The middle of the first.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<[f64; 3]>,
-}
-
-impl StraightEdges {
-    pub(super) fn in_scale(mut self, scale: UnitScale) -> StraightEdges {
-        self.at = self.at.map(|p| scale.point(DVec3::from(p)).to_array());
-        self
-    }
-
-    /// What is to be said of them.
-    pub(super) fn warning(&self) -> Option<String> {
-        let [x, y, z] = self.at?;
-        let edges = counted(self.count, "edge stays", "edges stay");
-        Some(format!("{edges} straight, because a cell with a curved one would fold, first near {x:.6} {y:.6} {z:.6}"))
-    }
-}
-
-impl MiddleOf {
-    pub(super) fn in_scale(mut self, scale: UnitScale) -> MiddleOf {
-        self.places.iter_mut().for_each(|p| *p = scale.point(*p));
-        self
-    }
-}
 
 /// Gives a mesh nodes of second order.
 pub fn raise(result: &mut HexResult, target: Option<&Target>, context: &Context) -> Result<()> {

@@ -2,7 +2,8 @@
 
 use super::assemble::BaseMesh;
 use super::cells::{least_scaled_jacobian, refined, valid_base};
-use super::options::{HexOptions, Stage, check_size, check_steps};
+use super::choices::Stage;
+use super::options::{HexOptions, check_size, check_steps};
 use super::refine::TubeMesh;
 use super::result::HexResult;
 use super::size::resized;

@@ -4,7 +4,7 @@ use super::atomic::write_atomically;
 use super::formats::{FORMATS, Format, format_of};
 use super::outputs::{ResultKind, check_format, holds_second_order};
 use super::source::{Source, WriteOptions, extension};
-use super::{obj, outputs};
+use super::{advice, obj};
 use crate::error::{Error, Place, Result};
 use crate::mesh::RawMesh;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub fn known_format(path: &Path) -> Result<&'static Format> {
         let known: Vec<&str> = FORMATS.iter().filter(|f| f.readable).flat_map(|f| f.extensions).copied().collect();
         let known = known.join(", ");
         let found = extension(path);
-        let what = match outputs::advice(&found) {
+        let what = match advice::advice(&found) {
             Some(advice) => {
                 format!("a '.{found}' file cannot be read as a mesh: {advice}. Formats that are read: {known}")
             }

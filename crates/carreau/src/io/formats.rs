@@ -7,7 +7,6 @@ use crate::mesh::RawMesh;
 use std::path::Path;
 
 pub type Reader = fn(&Source) -> Result<RawMesh>;
-
 /// Appends the file's bytes; returns warnings about what the format cannot hold.
 pub type Writer = fn(&RawMesh, &WriteOptions, &mut Vec<u8>) -> Result<Vec<String>>;
 

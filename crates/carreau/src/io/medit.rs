@@ -17,7 +17,8 @@
 //! What becomes of which section is said in [`super::medit_sections`]. Coordinates are read as written, in version 1
 //! too; version 2 is written.
 
-use super::medit_sections::{Contents, Keyword, Numbers, Sections};
+use super::medit_keywords::Keyword;
+use super::medit_sections::{Contents, Numbers, Sections};
 use super::source::{Source, WriteOptions};
 use super::text::{Scanner, parse_float, parse_integer, push_float, push_integer, shown};
 use crate::error::{Error, Place, Result};

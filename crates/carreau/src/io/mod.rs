@@ -1,6 +1,6 @@
 //! Reading and writing files: one file per format, one table of formats ([`FORMATS`]).
 //!
-//! A reader turns the bytes of a file into a [`RawMesh`]. It never panics, never allocates by a number that it has not checked
+//! A reader turns the bytes of a file into a [`RawMesh`](crate::mesh::RawMesh). It never panics, never allocates by a number that it has not checked
 //! against the size of the file, and says at which line or byte it stopped. A writer fills a buffer, which [`write()`] puts in
 //! place in one step: the file appears whole or not at all.
 //!
@@ -12,8 +12,12 @@
 //! | `skeleton` | formats of skeletons |
 //! | `cad`, `step`, `iges` | CAD models, which are only written |
 //! | `text`, `binary`, `limits`, `names`, `percent` | what readers and writers share |
+//! | `vtk_cells`, `vtk_arrays`, `medit_sections`, `medit_keywords`, `small_faces` | what some of the formats share |
+//! | `source`, `formats`, `files` | what a reader is given; the table of formats; reading and writing whole files |
 //! | `outputs`, `atomic` | checks of an output before any work; writing in one step |
+//! | `advice` | what to do about files that are not read |
 
+mod advice;
 mod atomic;
 mod binary;
 pub mod cad;
@@ -26,6 +30,7 @@ mod gmsh;
 pub mod iges;
 mod limits;
 mod medit;
+mod medit_keywords;
 mod medit_sections;
 mod names;
 mod obj;

@@ -15,3 +15,4 @@ pub(super) use write::write;
 
 #[cfg(test)]
 mod tests;
+mod walker;

@@ -37,6 +37,8 @@ mod edit;
 mod half_edges;
 mod hex_mesh;
 mod id;
+mod marks;
+mod middle_nodes;
 mod nesting;
 mod polygons;
 mod prepare;
@@ -62,6 +64,7 @@ pub use edit::{CollapseError, Compact, Corner, EditMesh, Keep, OutgoingHalfEdges
 pub use half_edges::{EdgeGroup, HalfEdges};
 pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_edges};
 pub use id::{CornerId, FaceId, VertexId};
+pub use middle_nodes::SecondOrder;
 pub use polygons::Polygons;
 pub use prepare::{
     Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, keep_pieces,
@@ -70,7 +73,7 @@ pub use prepare::{
 pub use raw::{Cells, RawMesh};
 pub use repair::{RepairOptions, RepairReport, Repaired, repair, sound};
 pub(crate) use repair::{divided, is_flawed};
-pub use second_order::{HEX_EDGE_NODES, MiddleNodes, SecondOrder};
+pub use second_order::{HEX_EDGE_NODES, MiddleNodes};
 pub use surface::{Side, SurfaceMesh, TaggedEdge};
 pub use topology::{BoundaryLoop, Places, Topology};
 pub use triangles::{NONE, Triangles};

@@ -11,7 +11,7 @@ pub struct Polygons {
 }
 
 /// Ids from here up mark what is missing.
-const CORNER_LIMIT: usize = super::surface::SurfaceMesh::FIRST_MARK as usize;
+const CORNER_LIMIT: usize = super::marks::FIRST_MARK as usize;
 
 fn fits(corners: usize) -> bool {
     corners <= CORNER_LIMIT

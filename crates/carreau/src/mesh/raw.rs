@@ -2,8 +2,8 @@
 
 use super::attributes::Attributes;
 use super::id::VertexId;
+use super::middle_nodes::SecondOrder;
 use super::polygons::Polygons;
-use super::second_order::SecondOrder;
 use super::surface::{SurfaceMesh, TaggedEdge};
 use crate::error::{Error, Result};
 use glam::DVec3;

@@ -1,6 +1,7 @@
 //! Hexahedra of second order: a node in the middle of every edge, every face and the cell.
 
 use super::hex_mesh::{HEX_FACES, HexMesh};
+use super::middle_nodes::SecondOrder;
 use super::raw::RawMesh;
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -21,15 +22,6 @@ pub const HEX_EDGE_NODES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 /// The faces of a hexahedron in the order of VTK's nodes 20 to 25, as places in [`HEX_FACES`].
 pub const HEX_FACE_NODES: [usize; 6] = [5, 3, 2, 4, 0, 1];
-
-/// The nodes of hexahedra beyond their corners, as indices of points.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct SecondOrder {
-    /// Of every hexahedron: edges, faces, the middle, in the order of VTK's triquadratic hexahedron.
-    pub hexes: Vec<[u32; 19]>,
-    /// Of every face: its four sides, from the first corner, and its middle.
-    pub quads: Vec<[u32; 5]>,
-}
 
 impl SecondOrder {
     /// The nodes of a mesh with straight edges, and their places, which follow the points of the mesh: edges, faces, cells, each in

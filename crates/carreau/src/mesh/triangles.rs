@@ -1,5 +1,6 @@
 //! A triangular mesh seen as raw arrays: what inner loops walk on.
 
+use super::marks::FIRST_MARK;
 use super::surface::SurfaceMesh;
 use glam::DVec3;
 
@@ -67,7 +68,7 @@ impl<'a> Triangles<'a> {
     #[inline]
     pub fn opposite(&self, c: u32) -> u32 {
         let o = self.opposite[c as usize];
-        if o < SurfaceMesh::FIRST_MARK { o } else { NONE }
+        if o < FIRST_MARK { o } else { NONE }
     }
 
     /// The vertex that half-edge `c` leaves.

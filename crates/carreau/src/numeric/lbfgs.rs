@@ -61,21 +61,9 @@ pub fn minimise(
         if !(slope < 0.0) || !reach.is_finite() || reach == 0.0 {
             break;
         }
-        let mut step = (FARTHEST / reach).min(if memory.is_empty() { 0.1 / reach } else { 1.0 });
-        let mut found = None;
-        for _ in 0..30 {
-            next.par_iter_mut()
-                .with_min_len(CHUNK)
-                .zip(&*x)
-                .zip(&direction)
-                .for_each(|((y, x), d)| *y = *x + *d * step);
-            let there = function(&next, &mut next_gradient)?;
-            if there <= value + DECREASE * step * slope {
-                found = Some(there);
-                break;
-            }
-            step *= if there.is_finite() { 0.5 } else { 0.3 };
-        }
+        let step = (FARTHEST / reach).min(if memory.is_empty() { 0.1 / reach } else { 1.0 });
+        let allowed = |step: f64| value + DECREASE * step * slope;
+        let found = line_search(x, &direction, step, allowed, &mut next, |next| function(next, &mut next_gradient))?;
         let Some(there) = found else {
             if memory.is_empty() {
                 break;
@@ -101,6 +89,27 @@ pub fn minimise(
         }
     }
     Ok(value)
+}
+
+/// Goes along a direction, first by `step`, then by ever smaller ones, until the function is `allowed` there; the value at
+/// `next`, the point where that is so.
+fn line_search(
+    x: &[DVec3],
+    direction: &[DVec3],
+    mut step: f64,
+    allowed: impl Fn(f64) -> f64,
+    next: &mut [DVec3],
+    mut function: impl FnMut(&[DVec3]) -> Result<f64>,
+) -> Result<Option<f64>> {
+    for _ in 0..30 {
+        next.par_iter_mut().with_min_len(CHUNK).zip(x).zip(direction).for_each(|((y, x), d)| *y = *x + *d * step);
+        let there = function(next)?;
+        if there <= allowed(step) {
+            return Ok(Some(there));
+        }
+        step *= if there.is_finite() { 0.5 } else { 0.3 };
+    }
+    Ok(None)
 }
 
 /// A step, the change of the gradient over it, and 1 / (their product).

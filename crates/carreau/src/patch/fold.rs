@@ -18,7 +18,7 @@
 //! Integrators sample such a face on both sides of J = 0 or miss the triangle altogether, and the area of the model comes
 //! out wrong by up to twice the folded area.
 
-use super::quality::by_position;
+use super::position::by_position;
 use crate::mesh::Triangles;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -20,68 +20,16 @@
 //! A side that cannot grow once can never grow: later attempts contain the failed one. So the growth of a rectangle
 //! costs its area plus four failed rows.
 
+mod partial;
+
 use super::grid::{Grid, Patch};
 use super::quality::Candidates;
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{FaceId, NONE, VertexId};
+use partial::{Above, Base, IMPOSSIBLE, JOINS_LEFT, JOINS_RIGHT, Layer, Node, Partial};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-
-/// State of a triangle that joins its left neighbour.
-const JOINS_LEFT: usize = 0;
-/// State of a triangle that joins its right neighbour.
-const JOINS_RIGHT: usize = 1;
-
-/// One cell above a border edge.
-#[derive(Clone, Copy)]
-struct Above {
-    /// Half-edge of T on the border edge, running against the side.
-    base: u32,
-    /// Half-edge of the diagonal, in T, and its opposite in P.
-    diagonal: u32,
-    partner: u32,
-    left: u32,
-    right: u32,
-    top: u32,
-}
-
-/// What the inner loop reads of a triangle: all of it in one cache line, for rectangles are grown all over the mesh.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Node {
-    /// For each half-edge the one across, unless a border or a barrier is in the way.
-    across: [u32; 3],
-    /// [`USED`] in a finished patch, the current epoch in the rectangle being grown.
-    mark: u32,
-    /// For each half-edge the cost of the pair; infinite if the pair is no candidate.
-    cost: [f64; 3],
-}
-
-/// One way to build the row so far: what the next cell's left side must be, and the total cost.
-#[derive(Clone, Copy)]
-struct Partial {
-    joint: u32,
-    total: f64,
-}
-
-/// A partial row that cannot be.
-const IMPOSSIBLE: Partial = Partial { joint: NONE, total: f64::INFINITY };
-
-/// A row or column added to a side.
-struct Layer {
-    side: usize,
-    /// `base` and `diagonal` of every cell, along the side.
-    cells: Vec<(u32, u32)>,
-}
-
-/// What a rectangle starts from.
-enum Base {
-    /// The pair of triangles across a half-edge.
-    Pair(u32),
-    /// A finished patch.
-    Patch(Patch),
-}
 
 /// Grows one rectangle at a time; reusable, so that nothing is allocated per rectangle.
 pub(super) struct Grower<'a> {

@@ -7,6 +7,8 @@
 //!
 //! | stage | file | paper |
 //! |---|---|---|
+//! | options; the result | `options`, `result` | – |
+//! | the order of the stages | `decomposition` | – |
 //! | edges that limit patches | `creases` | §5 |
 //! | which pairs are quads, and how good | `quality` | §3.1, equation 1 |
 //! | which reflex quads fold too much | `fold` | – |
@@ -42,6 +44,7 @@ mod options;
 mod output;
 mod pairing;
 mod polygon;
+mod position;
 mod positions;
 mod quality;
 mod rectangles;

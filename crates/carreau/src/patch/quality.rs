@@ -18,6 +18,7 @@
 
 use super::cad::{OffLimit, cell_weighs_right};
 use super::fold::FoldLimit;
+use super::position::by_position;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{AngleLimit, angle_between};
@@ -100,11 +101,6 @@ fn shape(p: [DVec3; 3]) -> Shape {
 fn power_of_two(x: f64) -> f64 {
     let power = f64::from_bits(x.to_bits() & (0x7ff << 52));
     if power > 0.0 { power } else { x }
-}
-
-/// Lexicographic order of positions.
-pub(super) fn by_position(a: DVec3, b: DVec3) -> Ordering {
-    a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
 impl<'a> Candidates<'a> {

@@ -12,7 +12,7 @@ pub struct PatchResult {
     pub patches: Vec<Patch>,
     /// Triangles that belong to no patch, in order.
     pub leftover: Vec<FaceId>,
-    /// The polygons that the patches were cut from, for trimmed surfaces; `None` for [`Strategy::Grow`], which has none.
+    /// The polygons that the patches were cut from, for trimmed surfaces; `None` for [`Strategy::Grow`](super::Strategy::Grow), which has none.
     pub polygons: Option<PolygonLayout>,
     /// The figures of the layout.
     pub figures: Figures,

@@ -58,20 +58,7 @@ impl Work<'_> {
                 self.relocate(Accept::Harmless, context)?;
             }
         }
-        {
-            let _stage = context.stage("reshape");
-            for _ in 0..2 {
-                self.swap(4, context)?;
-                self.relocate(Accept::Better, context)?;
-            }
-            // The tips of equilateral triangles are no aim where edges are to be stretched.
-            for _ in 0..if self.stretch.is_empty() { reshapings } else { 0 } {
-                self.reshape(context)?;
-                self.regularise(context)?;
-                self.reshape(context)?;
-                self.swap(2, context)?;
-            }
-        }
+        self.reshape_all(reshapings, context)?;
         let _stage = context.stage("polish");
         self.polish(context)?;
         if let Some(wanted) = wanted {
@@ -93,6 +80,23 @@ impl Work<'_> {
             if self.limits.clean {
                 self.close_gaps(context)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Makes triangles better shaped, by swaps and relocations.
+    fn reshape_all(&mut self, rounds: usize, context: &Context) -> Result<()> {
+        let _stage = context.stage("reshape");
+        for _ in 0..2 {
+            self.swap(4, context)?;
+            self.relocate(Accept::Better, context)?;
+        }
+        // The tips of equilateral triangles are no aim where edges are to be stretched.
+        for _ in 0..if self.stretch.is_empty() { rounds } else { 0 } {
+            self.reshape(context)?;
+            self.regularise(context)?;
+            self.reshape(context)?;
+            self.swap(2, context)?;
         }
         Ok(())
     }

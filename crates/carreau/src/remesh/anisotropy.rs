@@ -11,7 +11,8 @@
 
 use super::curves::Rank;
 use super::rings::Rings;
-use super::support::{Support, rounds};
+use super::smoothed::rounds;
+use super::support::Support;
 use crate::numeric::eigen3::outer;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;

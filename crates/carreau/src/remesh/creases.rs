@@ -6,6 +6,7 @@
 //! of it, and the cavity had nothing as bad before. Curves that are there for a tag or a label alone count as smooth edges. On
 //! scans noise has angles of any size, and nothing is tested.
 
+use super::dihedral::Dihedral;
 use super::work::Work;
 use crate::geometry::normals::unit;
 use crate::mesh::{NONE, next, previous, triangle_area_vector};
@@ -30,22 +31,6 @@ impl Strain {
     /// Whether this may follow upon another.
     pub fn may_follow(self, before: Strain) -> bool {
         self.smooth <= before.smooth + NO_STRAIN && self.ridge <= before.ridge + NO_STRAIN
-    }
-}
-
-/// What dihedral angles must respect, as cosines of the angle between the normals of the two faces.
-#[derive(Debug, Clone, Copy)]
-pub struct Dihedral {
-    /// Smooth edges stay above.
-    pub smooth: f64,
-    /// Sharp ridges stay below.
-    pub ridge: f64,
-}
-
-impl Dihedral {
-    /// A little inside of what is asked for: ridges above `feature_angle`, in degrees, and none besides.
-    pub fn within(feature_angle: f64) -> Self {
-        Dihedral { smooth: (0.97 * feature_angle).to_radians().cos(), ridge: (0.6 * feature_angle).to_radians().cos() }
     }
 }
 

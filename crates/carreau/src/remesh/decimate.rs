@@ -123,13 +123,9 @@ impl Work<'_> {
         let (gone, kept) = mesh.gone_and_kept(h, keep);
         let o = mesh.opposite(h);
         let p = self.point(kept);
-        // Wedges of the kept vertex left and right of the edge, seen from the vertex that goes.
         let (side_h, side_o) = (h / 3, if o == NONE { NONE } else { o / 3 });
-        let wedge_in = |t: u32| (3 * t..3 * t + 3).find(|&c| mesh.vertex(c) == kept).map(|c| mesh.wedge(c));
         let (left_triangle, right_triangle) = if keep == Keep::Head { (side_h, side_o) } else { (side_o, side_h) };
-        let left = if left_triangle == NONE { None } else { wedge_in(left_triangle) };
-        let right = if right_triangle == NONE { None } else { wedge_in(right_triangle) };
-        let (left, right) = (left.or(right)?, right.or(left)?);
+        let [left, right] = self.wedges_beside(kept, [left_triangle, right_triangle])?;
         let apexes = [mesh.apex(h), if o == NONE { NONE } else { mesh.apex(o) }];
         // Lengths come first: they are what forbids most collapses, and the soonest known.
         let stays = |w: u32| w == kept || apexes.contains(&w);
@@ -142,11 +138,7 @@ impl Work<'_> {
         let mut after = before;
         let on_curve = self.rank[gone as usize] == Rank::Curve;
         // Counter-clockwise from the left triangle; behind the next curve comes the right side.
-        let first = if left_triangle == NONE {
-            NONE
-        } else {
-            (3 * left_triangle..3 * left_triangle + 3).find(|&c| mesh.vertex(c) == gone)?
-        };
+        let first = self.corner_in(left_triangle, gone)?;
         let mut at = if first == NONE || mesh.is_border(gone) { mesh.around(gone).next()? } else { first };
         let begin = at;
         let mut wedge = if first == NONE { right } else { left };
@@ -169,27 +161,39 @@ impl Work<'_> {
                     return None;
                 }
             }
-            let turned = mesh.opposite(c_before(at));
-            if turned == NONE {
-                if !holds(mesh.vertex(c_before(at))) {
-                    return None;
-                }
-                break;
+            match mesh.opposite(c_before(at)) {
+                NONE if !holds(mesh.vertex(c_before(at))) => return None,
+                NONE => break,
+                turned if turned == begin => break,
+                turned => at = turned,
             }
-            if turned == begin {
-                break;
-            }
-            at = turned;
         }
         let shape_holds = after.shape >= SHAPE_LOSS * before.shape
             && (after.shape >= demand.least_shape || after.shape >= before.shape);
-        if !shape_holds || !self.allows_cosine(after.cosine, before.cosine) {
-            return None;
+        let holds = shape_holds
+            && self.allows_cosine(after.cosine, before.cosine)
+            && (!on_curve || self.curve_collapse_holds(h, gone, kept, demand))
+            && self.strain_allows(gone, p, kept);
+        holds.then_some(after.shape)
+    }
+
+    /// The corner of a triangle at a vertex; none where there is no triangle.
+    #[inline]
+    fn corner_in(&self, triangle: u32, vertex: u32) -> Option<u32> {
+        if triangle == NONE {
+            return Some(NONE);
         }
-        if on_curve && !self.curve_collapse_holds(h, gone, kept, demand) {
-            return None;
-        }
-        self.strain_allows(gone, p, kept).then_some(after.shape)
+        (3 * triangle..3 * triangle + 3).find(|&c| self.mesh.vertex(c) == vertex)
+    }
+
+    /// Wedges of the kept vertex left and right of the edge, seen from the vertex that goes, by the triangles there; at a border
+    /// both are the same.
+    #[inline]
+    fn wedges_beside(&self, kept: u32, triangles: [u32; 2]) -> Option<[u32; 2]> {
+        let mesh = &self.mesh;
+        let wedge_in = |t: u32| (3 * t..3 * t + 3).find(|&c| mesh.vertex(c) == kept).map(|c| mesh.wedge(c));
+        let [left, right] = triangles.map(|t| if t == NONE { None } else { wedge_in(t) });
+        Some([left.or(right)?, right.or(left)?])
     }
 
     #[inline]

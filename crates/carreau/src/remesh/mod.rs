@@ -6,10 +6,11 @@
 //!
 //! | stage, in the order of the calls | file | paper |
 //! |---|---|---|
+//! | options | `options` | – |
 //! | polygons that are not plane are divided | `warped` | – |
 //! | the edges that stay (ridges), also where they fade out | `features`, `fading`, `curves` | §4.5, §4.7 |
 //! | vertices where the surface comes to a point | `tips` | – |
-//! | the surface as curved patches: normals, radii, walking | `support` | Part I |
+//! | the surface as curved patches: normals, radii, walking | `support`, `smoothed`, `radii` | Part I |
 //! | the size map: sizes, gradation, lengths in the metric | `source`, `size`, `rings` | §3, remark; H-shock |
 //! | smaller sizes where sheets are close to each other | `sheets` | – |
 //! | longer edges where the surface bends less | `anisotropy` | announced |
@@ -19,13 +20,13 @@
 //! | splits of long edges | `divide` | Part I |
 //! | flips | `swap` | §2 |
 //! | few, even edges along ridges | `spacing` | – |
-//! | edges across which the surface is smooth stay so | `creases` | – |
+//! | edges across which the surface is smooth stay so | `creases`, `dihedral` | – |
 //! | relocation of vertices | `relocate` | §3, "bougé de points" |
 //! | the same for all vertices at once, in classes without neighbours | `sweep` | – |
 //! | the worst triangles one by one | `polish` | – |
 //! | new vertices where the surface is farthest from the mesh | `gaps` | – |
 //! | vertices moved to where the mesh is nearest to the surface | `fit` | – |
-//! | scaling the sizes until a number of triangles or a distance is met | `search`, `target` | – |
+//! | scaling the sizes until a number of triangles or a distance is met | `search`, `target`, `predicted` | – |
 //! | without regard to shape: collapses of least quadric error, from a priority queue | `geometric`, `buckets` | – |
 //! | the result with the input's attributes; its figures | `output`; `quality` | §4 |
 
@@ -35,6 +36,7 @@ mod buckets;
 mod creases;
 mod curves;
 mod decimate;
+mod dihedral;
 mod divide;
 mod fading;
 mod features;
@@ -44,12 +46,15 @@ mod geometric;
 mod options;
 mod output;
 mod polish;
+mod predicted;
 mod quality;
+mod radii;
 mod relocate;
 mod rings;
 mod search;
 mod sheets;
 mod size;
+mod smoothed;
 mod source;
 mod spacing;
 mod support;
@@ -106,8 +111,8 @@ impl Remeshed {
 /// ```
 ///
 /// # Errors
-/// [`Error::Options`] for options out of range, [`Error::Input`] for a mesh without faces, [`Error::Numeric`] where a
-/// distance cannot be reached, [`Error::Cancelled`], [`Error::Deadline`].
+/// [`Error::Options`](crate::Error::Options) for options out of range, [`Error::Input`](crate::Error::Input) for a mesh without faces, [`Error::Numeric`](crate::Error::Numeric) where a
+/// distance cannot be reached, [`Error::Cancelled`](crate::Error::Cancelled), [`Error::Deadline`](crate::Error::Deadline).
 pub fn simplify(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Result<Remeshed> {
     options.validate()?;
     if let Some(found) = in_unit_scale(mesh, options, |mesh, options| simplify(mesh, options, context)) {

@@ -3,6 +3,7 @@
 use super::geometric::{Geometric, Goal};
 use super::options::RemeshOptions;
 use super::output::{self, Made};
+use super::predicted::predicted;
 use super::source::Source;
 use super::target;
 use crate::context::Context;
@@ -79,7 +80,7 @@ pub(super) fn within_distance(
     for _ in 0..DISTANCE_RUNS {
         let options = RemeshOptions { scale, triangles: None, ..options.clone() };
         source.set_sizes(&options, context)?;
-        if target::predicted(&source.support) > MOST_GROWTH * mesh.face_count() as f64 + 1e4 {
+        if predicted(&source.support) > MOST_GROWTH * mesh.face_count() as f64 + 1e4 {
             break;
         }
         let out = source.adapted(mesh, &options, false, context)?;

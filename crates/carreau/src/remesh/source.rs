@@ -1,12 +1,13 @@
 //! The source with its size map: what an angle, a gradation and given sizes ask for.
 
-use super::creases::Dihedral;
 use super::curves::{Curves, Kind};
+use super::dihedral::Dihedral;
 use super::options::RemeshOptions;
 use super::output::{self, Made};
-use super::support::{Radius, Support};
+use super::radii::Radius;
+use super::support::Support;
 use super::work::{self, Limits, Work};
-use super::{anisotropy, features, sheets, size, target};
+use super::{anisotropy, features, predicted, sheets, size};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FoundFeatures, USUAL_ELEMENTS, length_of_squares};
@@ -197,7 +198,7 @@ fn reading(mesh: &SurfaceMesh, options: &RemeshOptions, context: &Context) -> Re
             }
             let mut source = Source::new(mesh, &first, context)?;
             source.set_size_map(options, context)?;
-            features::read(mesh, &at(length_of_triangles(mesh, target::predicted(&source.support))), context)
+            features::read(mesh, &at(length_of_triangles(mesh, predicted::predicted(&source.support))), context)
         }
         _ => features::read(mesh, options, context),
     }

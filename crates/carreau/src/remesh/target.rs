@@ -7,13 +7,12 @@
 
 use super::decimate::Demand;
 use super::options::RemeshOptions;
+use super::predicted::predicted;
 use super::relocate::Accept;
 use super::source::Source;
-use super::support::Support;
 use super::work::{BALANCE, Work};
 use crate::context::Context;
 use crate::error::Result;
-use crate::mesh::triangle_area_vector;
 
 /// Excess of the predicted count, as a logarithm, from which one more step is good enough: on scans, where no tolerance
 /// bounds the sizes, and on clean models.
@@ -22,20 +21,6 @@ const NEARLY: [f64; 2] = [0.1, 0.02];
 pub const MET: f64 = 0.009;
 /// The same before gaps ask for their vertices.
 pub const WITHIN: f64 = MET - super::gaps::ADDED;
-
-/// The number of triangles that a size map asks for.
-pub(super) fn predicted(support: &Support) -> f64 {
-    let sum: f64 = (0..support.mesh.triangle_slots())
-        .map(|t| {
-            let [a, b, c] = support.mesh.positions(t);
-            let stretch = |v: u32| support.stretch.get(v as usize).map_or(0.0, |w| w.length_squared());
-            let inverse =
-                support.mesh.triangle(t).map(|v| (1.0 - stretch(v)).sqrt() * support.size[v as usize].powi(-2));
-            triangle_area_vector(a, b, c).length() * (inverse[0] + inverse[1] + inverse[2]) / 3.0
-        })
-        .sum();
-    sum * 4.0 / 3f64.sqrt()
-}
 
 /// The scale of the sizes for which the integral predicts a number of triangles, nearly: the run itself does the rest.
 ///

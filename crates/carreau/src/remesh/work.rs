@@ -1,8 +1,8 @@
 //! The mesh at work: an [`EditMesh`] with the size of every vertex, the normal of every wedge, and the worst of every
 //! triangle, so that a cavity is judged without computing what was there before.
 
-use super::creases::Dihedral;
 use super::curves::{Chain, Curves, Kind, Rank};
+use super::dihedral::Dihedral;
 use super::size::{Metric, length_between, length_quality, metric_length};
 use super::support::{Seat, Support};
 use crate::mesh::{EditMesh, NONE};

@@ -211,7 +211,6 @@ pub const SAMPLES: &[Sample] = &[
 
 /// Radius of the tube of the named tori.
 const TUBE: f64 = 0.4;
-
 /// Side of an icosahedron in the unit sphere, as an arc.
 const ICOSAHEDRON_SIDE: f64 = 1.107;
 

@@ -12,9 +12,9 @@
 //!
 //! Round ends have no such place: their branches end where the paper's do.
 
+use super::body::Body;
 use super::lids::{LEAST_WIDTH, Lid};
-use super::limbs::{room, section};
-use super::tidy::{Body, middle_of_section};
+use super::sections::{middle_of_section, room, section};
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 use std::f64::consts::TAU;

@@ -13,8 +13,9 @@
 //!
 //! The rim of a flat end is far from a branch that stops before it, but no limb: the branch will be led to the end.
 
+use super::body::Body;
 use super::ends::{Known, reach_ends};
-use super::tidy::Body;
+use super::sections::{ROOM, room, section};
 use crate::geometry::search_tree::TriangleTree;
 use crate::mesh::{CurveNet, NONE, SurfaceMesh};
 use glam::DVec3;
@@ -37,18 +38,14 @@ const LEAST_LENGTH: f64 = 1.1;
 const THIN: f64 = 0.1;
 /// The section at the tip of a short limb is that of its ball, within this factor.
 const ROUND_TIP: f64 = 1.3;
-/// Number of directions in which a section is measured.
-const SECTION_RAYS: usize = 16;
+
 /// Distance, in radii, within which a limb's first point must have a node of the skeleton to start from.
 const REACH: f64 = 3.0;
-/// Least room along the way to that node, as a share of the room at its ends.
-const ROOM: f64 = 0.35;
+
 /// Most limbs that are looked for.
 const LIMBS: usize = 64;
 /// Rounds of smoothing of a new branch.
 const SMOOTHING: usize = 10;
-/// Points at which each segment of a new branch must be inside.
-const SAMPLES: usize = 8;
 
 /// Gives lost limbs a branch; returns how many. `preimage` is the node of every vertex; nodes need radii.
 pub fn grow_limbs(net: &mut CurveNet, preimage: &mut [u32], body: &Body, known: &Known) -> usize {
@@ -191,17 +188,6 @@ fn is_stub(net: &CurveNet, way: &[DVec3], radius: f64, body: &Body) -> bool {
     off > radius && section(tip, tip - way[way.len() - 2], body) < ROUND_TIP * radius
 }
 
-/// The radius of a circle as large as the section of the body across a direction, as far as it is seen from a point.
-pub fn section(p: DVec3, direction: DVec3, body: &Body) -> f64 {
-    let Some(tangent) = direction.try_normalize() else { return f64::INFINITY };
-    let (u, v) = tangent.any_orthonormal_pair();
-    let square = |k: usize| {
-        let (sin, cos) = (k as f64 * std::f64::consts::TAU / SECTION_RAYS as f64).sin_cos();
-        body.tree.first_hit(p, u * cos + v * sin).map_or(f64::INFINITY, |hit| hit.t * hit.t)
-    };
-    ((0..SECTION_RAYS).map(square).sum::<f64>() / SECTION_RAYS as f64).sqrt()
-}
-
 /// The node from which a limb is best reached, and the point of the limb that it is joined to: the nearest, straight on
 /// rather than around a corner.
 fn root(net: &CurveNet, limb: &[DVec3], body: &Body) -> Option<(u32, usize)> {
@@ -222,13 +208,6 @@ fn root(net: &CurveNet, limb: &[DVec3], body: &Body) -> Option<(u32, usize)> {
         }
     }
     None
-}
-
-/// The least room on the way between two points; zero where it leaves the body.
-pub fn room(from: DVec3, to: DVec3, body: &Body) -> f64 {
-    let at = |k: usize| from.lerp(to, k as f64 / SAMPLES as f64);
-    let room = |p: DVec3| if body.inside.contains(p) { body.tree.distance(p) } else { 0.0 };
-    (0..=SAMPLES).map(|k| room(at(k))).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a branch leaves the body between its nodes.

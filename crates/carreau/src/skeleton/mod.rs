@@ -6,6 +6,7 @@
 //!
 //! | stage, in the order of the calls | file |
 //! |---|---|
+//! | options | `options` |
 //! | open ends get lids | `lids` |
 //! | plane pieces of the surface that may be ends (used by `hex`) | `flat_ends` |
 //! | surfaces with a wall (pipes with an inside) are refused | `wall` |
@@ -17,7 +18,7 @@
 //! | the thin surface becomes curves | `curves` |
 //! | the axis of a thick tube is straight where a thin one leaves it | `mouths` |
 //! | limbs that the flow has lost get branches | `limbs` |
-//! | stubs are dropped, radii measured, nodes outside brought in | `tidy` |
+//! | stubs are dropped, radii measured, nodes outside brought in | `tidy`; `body`, `sections` for all three |
 //! | branches are extended to flat ends | `ends` |
 //!
 //! Departures from the paper:
@@ -27,6 +28,7 @@
 //! - The result is checked: as many cycles as the surface has handles, and every node inside. If the number of cycles is
 //!   wrong, the flow is repeated at a finer scale.
 
+mod body;
 mod cavities;
 mod curves;
 mod divide;
@@ -38,6 +40,7 @@ mod limbs;
 mod mouths;
 mod options;
 mod poles;
+mod sections;
 mod straight;
 #[cfg(test)]
 mod tests;
@@ -52,8 +55,8 @@ use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
 use crate::mesh::{CurveNet, RepairOptions, SurfaceMesh, Topology, UnitScale, repair};
 use crate::words::counted;
+use body::Body;
 use serde::Serialize;
-use tidy::Body;
 use tuning::{EMPTY, FINER, THINNEST};
 
 pub(crate) use ends::Reach;
@@ -142,64 +145,66 @@ pub(crate) fn extract_with(
         let closed = found.closed.moved(scale.back());
         return Ok(Skeleton { net: scale.back().moved_net(found.net), closed, ..found });
     }
-    context.install(|| {
-        let (closed, genus, components, mut warnings) = close_and_check(mesh, context)?;
-        let sharp = flat_ends::sharp(&closed);
-        if reach == Reach::All
-            && let Some(net) = straight_net(&closed)
-        {
-            let preimage = nearest_nodes(&closed.mesh, &net);
-            let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), 0, 0);
-            return Ok(Skeleton { net, preimage, closed, figures, warnings });
+    context.install(|| extract_in_unit_scale(mesh, options, reach, context))
+}
+
+fn extract_in_unit_scale(
+    mesh: &SurfaceMesh,
+    options: &SkeletonOptions,
+    reach: Reach,
+    context: &Context,
+) -> Result<Skeleton> {
+    let (closed, genus, components, mut warnings) = close_and_check(mesh, context)?;
+    let sharp = flat_ends::sharp(&closed);
+    if reach == Reach::All
+        && let Some(net) = straight_net(&closed)
+    {
+        let preimage = nearest_nodes(&closed.mesh, &net);
+        let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), 0, 0);
+        return Ok(Skeleton { net, preimage, closed, figures, warnings });
+    }
+    let divided = divide::divided(&closed.mesh, context)?;
+    let surface = divided.as_ref().unwrap_or(&closed.mesh);
+    let triangles = surface.faces().fan().0;
+    let tree = TriangleTree::new(surface.points(), &triangles);
+    let normals = face_normals(surface);
+    let poles = {
+        let _stage = context.stage("inner balls");
+        poles::poles(surface, context)?
+    };
+    let mut found = (0, 0);
+    for share in FINER {
+        let options = SkeletonOptions { detail: share * options.detail, ..options.clone() };
+        let thin = flow::contract(surface, &poles, &options, context)?;
+        let steps = thin.steps;
+        let _stage = context.stage("curves");
+        let curves = curves::curves(thin);
+        found = (curves.net.cycles().iter().sum(), curves.net.components().1);
+        if found != (genus, components) {
+            tracing::debug!(?found, genus, components, share, "cycles");
+            continue;
         }
-        let divided = divide::divided(&closed.mesh, context)?;
-        let surface = divided.as_ref().unwrap_or(&closed.mesh);
-        let triangles = surface.faces().fan().0;
-        let tree = TriangleTree::new(surface.points(), &triangles);
-        let normals = face_normals(surface);
-        let poles = {
-            let _stage = context.stage("inner balls");
-            poles::poles(surface, context)?
-        };
-        let mut found = (0, 0);
-        for share in FINER {
-            let options = SkeletonOptions { detail: share * options.detail, ..options.clone() };
-            let thin = flow::contract(surface, &poles, &options, context)?;
-            let steps = thin.steps;
-            let _stage = context.stage("curves");
-            let curves = curves::curves(thin);
-            found = (curves.net.cycles().iter().sum(), curves.net.components().1);
-            if found != (genus, components) {
-                tracing::debug!(?found, genus, components, share, "cycles");
-                continue;
-            }
-            let (mut net, mut preimage) = (curves.net, curves.preimage);
-            let inside = WindingTree::new(&tree);
-            let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
-            let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
-            let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
-            if brought_in > 0 {
-                warnings.push(format!("{brought_in} nodes lay outside and were moved inside"));
-            }
-            if grown > 0 {
-                warnings.push(format!("{grown} limbs had no branch and were given one"));
-            }
-            let is_thin = |v: &usize| !(net.radii[*v] > THINNEST * surface.diagonal());
-            if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
-                return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
-            }
-            let ends = ends::reach_ends(&mut net, &body, &known);
-            tidy::drop_beside(&mut net, &mut preimage, &ends);
-            preimage.truncate(closed.mesh.vertex_count());
-            let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
-            return Ok(Skeleton { net, preimage, closed, figures, warnings });
+        let (mut net, mut preimage) = (curves.net, curves.preimage);
+        let inside = WindingTree::new(&tree);
+        let body = Body { surface, poles: &poles, tree: &tree, normals: &normals, inside: &inside };
+        let known = ends::Known { lids: &sharp, alone: reach == Reach::Sharp };
+        let (brought_in, grown) = tidy::tidy(&mut net, &mut preimage, &body, &known, options.prune);
+        warnings.extend(told_of_mends(brought_in, grown));
+        let is_thin = |v: &usize| !(net.radii[*v] > THINNEST * surface.diagonal());
+        if let Some(p) = (0..net.points.len()).find(is_thin).map(|v| net.points[v]) {
+            return Err(no_room(format!("near {:.6} {:.6} {:.6}", p.x, p.y, p.z)));
         }
-        let (cycles, parts) = found;
-        Err(Error::Numeric(format!(
-            "the skeleton came out with {cycles} cycles in {parts} parts, the surface has {genus} handles in {components}; \
-             refine the surface, or look for tunnels in it"
-        )))
-    })
+        let ends = ends::reach_ends(&mut net, &body, &known);
+        tidy::drop_beside(&mut net, &mut preimage, &ends);
+        preimage.truncate(closed.mesh.vertex_count());
+        let figures = SkeletonFigures::of(&net, genus, closed.lids.len(), brought_in, steps);
+        return Ok(Skeleton { net, preimage, closed, figures, warnings });
+    }
+    let (cycles, parts) = found;
+    Err(Error::Numeric(format!(
+        "the skeleton came out with {cycles} cycles in {parts} parts, the surface has {genus} handles in {components}; \
+         refine the surface, or look for tunnels in it"
+    )))
 }
 
 /// The skeleton of straight tubes from one point, if the surface is one of such.
@@ -212,6 +217,13 @@ pub(crate) fn straight_net(closed: &Closed) -> Option<CurveNet> {
     let (normals, inside) = (face_normals(&closed.mesh), WindingTree::new(&tree));
     let body = Body { surface: &closed.mesh, poles: &[], tree: &tree, normals: &normals, inside: &inside };
     straight::straight(closed, &flat_ends::sharp(closed), &body)
+}
+
+/// What had to be mended, in words.
+fn told_of_mends(brought_in: usize, grown: usize) -> impl Iterator<Item = String> {
+    let inside = (brought_in > 0).then(|| format!("{brought_in} nodes lay outside and were moved inside"));
+    let limbs = (grown > 0).then(|| format!("{grown} limbs had no branch and were given one"));
+    inside.into_iter().chain(limbs)
 }
 
 /// The node nearest to every vertex.

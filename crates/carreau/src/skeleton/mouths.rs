@@ -7,8 +7,8 @@
 //!         ║•║                       ║ │ ║
 //! ```
 
-use super::limbs::room;
-use super::tidy::Body;
+use super::body::Body;
+use super::sections::room;
 use crate::mesh::{CurveNet, Incidence};
 use glam::DVec3;
 

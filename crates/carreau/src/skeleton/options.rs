@@ -30,7 +30,7 @@ impl SkeletonOptions {
     /// Refuses values out of range.
     ///
     /// # Errors
-    /// [`Error::Options`].
+    /// [`Error::Options`](crate::Error::Options).
     pub fn validate(&self) -> Result<()> {
         let above_zero = |most: f64| (Bound::Excluded(0.0), Bound::Included(most));
         within("speed", self.speed, above_zero(10.0), "")?;

@@ -10,9 +10,10 @@
 //! The flow needs tubes that are longer than thick, and the fittings of pipes are short: a pipe as long as wide has no axis
 //! for it, and the side of a short tee vanishes in the ball of the run.
 
+use super::body::Body;
 use super::lids::{BENT, Closed, Lid};
-use super::limbs::{distances, section};
-use super::tidy::{Body, is_round};
+use super::limbs::distances;
+use super::sections::{is_round, section};
 use crate::geometry::closest::closest_to_lines;
 use crate::mesh::CurveNet;
 use glam::DVec3;

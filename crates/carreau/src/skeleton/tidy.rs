@@ -1,13 +1,15 @@
 //! Turns the curves into a skeleton: nodes outside are brought in, nodes get radii, branches within the ball of their
 //! branching are dropped.
 
+use super::body::Body;
 use super::ends::{End, Known};
 use super::limbs::{farthest, grow_limbs, leaves};
 use super::mouths;
+use super::sections::middle_of_section;
 use crate::geometry::closest::closest_on_triangle;
 use crate::geometry::search_tree::TriangleTree;
 use crate::geometry::winding::WindingTree;
-use crate::mesh::{CurveNet, Incidence, NONE, SurfaceMesh, branches};
+use crate::mesh::{CurveNet, Incidence, NONE, branches};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -29,25 +31,9 @@ const LONGEST_CURL: f64 = 8.0;
 const MERGED: f64 = 0.9;
 /// A node within this share of the radius of a branch is in its middle.
 const TWIN: f64 = 0.5;
-/// Number of rays across a branch.
-const MIDDLE_RAYS: usize = 24;
-/// Rounds of moving to the middle of what the rays meet.
-const MIDDLES: usize = 4;
-/// Longest ray over the shortest in a round section: more than in one with eight sides, less than in a square.
-const ROUND_SECTION: f64 = 1.2;
+
 /// Rounds of drawing them to their neighbours.
 const RADIUS_ROUNDS: usize = 20;
-
-/// A closed surface, and what is asked of it.
-pub struct Body<'a> {
-    pub surface: &'a SurfaceMesh,
-    /// The centre of the inner ball at every vertex.
-    pub poles: &'a [DVec3],
-    pub tree: &'a TriangleTree,
-    /// Unit normals of its triangles.
-    pub normals: &'a [DVec3],
-    pub inside: &'a WindingTree,
-}
 
 /// Tidies the net of a body; returns how many nodes were brought in, and how many limbs got a branch. `preimage` is the node
 /// of every vertex of the surface.
@@ -144,40 +130,6 @@ pub fn centre(net: &mut CurveNet, tree: &TriangleTree, inside: &WindingTree) {
         _ => net.points[v],
     };
     net.points = (0..net.points.len()).into_par_iter().map(in_middle).collect();
-}
-
-/// The middle of the section across a direction, where that is round: seen from beside the middle of a circle, by d, rays in a
-/// direction e are about e · d shorter. Elsewhere the point itself.
-pub fn middle_of_section(p: DVec3, along: DVec3, tree: &TriangleTree) -> DVec3 {
-    let (u, v) = along.any_orthonormal_pair();
-    let mut middle = p;
-    for round in 0..=MIDDLES {
-        let (mut sum, mut least, mut most) = (DVec3::ZERO, f64::INFINITY, 0f64);
-        for k in 0..MIDDLE_RAYS {
-            let (sin, cos) = (k as f64 * std::f64::consts::TAU / MIDDLE_RAYS as f64).sin_cos();
-            let ray = u * cos + v * sin;
-            let Some(hit) = tree.first_hit(middle, ray) else { return p };
-            sum += ray * hit.t;
-            (least, most) = (least.min(hit.t), most.max(hit.t));
-        }
-        if round == MIDDLES {
-            return if most < ROUND_SECTION * least { middle } else { p };
-        }
-        middle += sum * (2.0 / MIDDLE_RAYS as f64);
-    }
-    p
-}
-
-/// Whether the section across a direction is round about a point.
-pub fn is_round(p: DVec3, along: DVec3, tree: &TriangleTree) -> bool {
-    let (u, v) = along.any_orthonormal_pair();
-    let (mut least, mut most) = (f64::INFINITY, 0f64);
-    for k in 0..MIDDLE_RAYS {
-        let (sin, cos) = (k as f64 * std::f64::consts::TAU / MIDDLE_RAYS as f64).sin_cos();
-        let far = tree.first_hit(p, u * cos + v * sin).map_or(f64::INFINITY, |hit| hit.t);
-        (least, most) = (least.min(far), most.max(far));
-    }
-    most < ROUND_SECTION * least
 }
 
 /// An articulation farther from the surface, across the direction of its branch; a branching in any direction, but not

@@ -1,7 +1,7 @@
 //! B-spline curves in space.
 
 use super::knots::Knots;
-use super::surface::{MAX_HALVINGS, MAX_STEPS, TINY};
+use super::tuning::{MAX_HALVINGS, MAX_STEPS, TINY};
 use crate::error::{Error, Result};
 use glam::DVec3;
 

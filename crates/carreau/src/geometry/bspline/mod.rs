@@ -5,6 +5,7 @@
 mod curve;
 mod knots;
 mod surface;
+mod tuning;
 
 pub use curve::BSplineCurve;
 pub use knots::{Knots, MAX_DEGREE};

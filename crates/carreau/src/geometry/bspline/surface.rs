@@ -2,6 +2,7 @@
 
 use super::curve::BSplineCurve;
 use super::knots::{Basis, Knots};
+use super::tuning::{MAX_HALVINGS, MAX_STEPS, TINY};
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -145,13 +146,6 @@ impl BSplineSurface {
         at
     }
 }
-
-/// Most steps of Newton's method.
-pub(super) const MAX_STEPS: usize = 20;
-/// Most halvings of such a step.
-pub(super) const MAX_HALVINGS: i32 = 16;
-/// Steps that matter no more, as a share of the domain: their effect on the distance is of second order.
-pub(super) const TINY: f64 = 1e-8;
 
 /// The step towards the foot point; Gauss-Newton where the full Hessian is not positive definite.
 fn newton_step(jet: &Jet, r: DVec3) -> Option<[f64; 2]> {

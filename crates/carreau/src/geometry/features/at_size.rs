@@ -15,20 +15,18 @@
 //! 4. Strands with free tips that are shorter than two elements for every tip are dropped, and jagged ones, whatever their
 //!    length. Loops stay, and strands that end at corners or at each other.
 
+use super::DroppedStrand;
+use super::marked::{Features, length_of_squares, sides};
 use super::network::Network;
-use super::{DroppedStrand, Features, length_of_squares, sides};
+use super::noise::Noise;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{angle_between, unit};
 use crate::mesh::{CornerId, FaceId, NONE, SurfaceMesh, area_vector};
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// Free tips per length, in edges of the usual size, from which sharp edges are looked at one by one. Parts have up to .16 and
-/// scans .26 to 3.2.
-const NOISY: f64 = 0.2;
 /// Number of squares that cover the surface where elements have the usual size.
 pub const USUAL_ELEMENTS: f64 = 3000.0;
 /// Edges above this share of the angle continue a strand.
@@ -41,24 +39,6 @@ const LEAST_EDGES: f64 = 2.0;
 const ELEMENTS_PER_TIP: f64 = 2.0;
 /// Faces on one side of an edge that are looked at, the nearest first.
 const MOST_FACES: usize = 2000;
-
-/// How noisy the sharp edges of a surface are.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Noise {
-    /// Free tips of sharp edges over their length, times the length of an edge of the usual size.
-    pub tips: f64,
-    /// The same for the pieces that they are in.
-    pub pieces: f64,
-    /// Root mean square of the angles at the other edges, in degrees.
-    pub spread_deg: f64,
-}
-
-impl Noise {
-    /// Whether sharp edges are noise to a part.
-    pub fn is_high(&self) -> bool {
-        self.tips >= NOISY
-    }
-}
 
 /// What is looked at: the faces of a mesh.
 struct Look<'a> {

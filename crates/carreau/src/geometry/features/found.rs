@@ -1,17 +1,10 @@
 //! What was found of features, for records and pictures.
 
-use super::{Features, Noise};
+use super::Noise;
+use super::dropped::DroppedStrand;
+use super::marked::Features;
 use crate::mesh::{CornerId, SurfaceMesh, UnitScale};
 use glam::DVec3;
-
-/// A strand of edges above the angle that are no features.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DroppedStrand {
-    /// Its length.
-    pub length: f64,
-    /// The middle of its longest edge.
-    pub place: DVec3,
-}
 
 /// The features of a model as it is, and what was no feature at the size of the elements.
 #[derive(Debug, Clone, Default, PartialEq)]

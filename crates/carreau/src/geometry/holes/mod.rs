@@ -20,7 +20,7 @@ mod tests;
 
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::mesh::{Attributes, CornerId, SurfaceMesh, UnitScale, gather_columns};
+use crate::mesh::{Attributes, CornerId, Polygons, SurfaceMesh, UnitScale, gather_columns};
 use glam::DVec3;
 use loops::Loop;
 use patch::Patch;
@@ -64,9 +64,7 @@ pub fn fill(mesh: &SurfaceMesh, most: Option<usize>, context: &Context) -> Resul
     let wanted: Vec<&Loop> = borders.iter().filter(is_wanted).collect();
     let left = borders.len() - wanted.len();
     let half_edges = mesh.half_edges();
-    let (mut points, mut faces) = (mesh.points().to_vec(), mesh.faces().clone());
-    let (mut holes, mut vertex_source, mut face_source, mut corner_source) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut filling = Filling::of(mesh);
     for border in wanted {
         context.check()?;
         let ring: Vec<u32> = border.corners.iter().map(|&c| mesh.vertex(CornerId(c)).0).collect();
@@ -77,10 +75,41 @@ pub fn fill(mesh: &SurfaceMesh, most: Option<usize>, context: &Context) -> Resul
         else {
             continue;
         };
-        let first = points.len() as u32;
+        let first = filling.points.len() as u32;
         let mut patch = Patch { points: Vec::new(), triangles };
         refine::refine(&mut patch, mesh, &ring, first, context)?;
         fair::fair(&mut patch, mesh, &ring, first, context)?;
+        filling.add(mesh, border, &ring, &patch);
+    }
+    let (mesh, holes) = filling.finish(mesh)?;
+    Ok(Filled { mesh, holes, left })
+}
+
+/// A surface while its holes are filled; where new elements come from.
+struct Filling {
+    points: Vec<DVec3>,
+    faces: Polygons,
+    holes: Vec<Hole>,
+    vertex_source: Vec<u32>,
+    face_source: Vec<u32>,
+    corner_source: Vec<u32>,
+}
+
+impl Filling {
+    fn of(mesh: &SurfaceMesh) -> Self {
+        Filling {
+            points: mesh.points().to_vec(),
+            faces: mesh.faces().clone(),
+            holes: Vec::new(),
+            vertex_source: Vec::new(),
+            face_source: Vec::new(),
+            corner_source: Vec::new(),
+        }
+    }
+
+    /// Fills a hole; new elements are like the nearest ones of its border, whose vertices are `ring`.
+    fn add(&mut self, mesh: &SurfaceMesh, border: &Loop, ring: &[u32], patch: &Patch) {
+        let first = self.points.len() as u32;
         let nearest = |p: DVec3| {
             let near = |a: usize, b: usize| {
                 p.distance_squared(mesh.points()[ring[a] as usize])
@@ -90,36 +119,41 @@ pub fn fill(mesh: &SurfaceMesh, most: Option<usize>, context: &Context) -> Resul
         };
         let sources: Vec<usize> = patch.points.iter().map(|&p| nearest(p)).collect();
         let face = mesh.face_of(CornerId(border.corners[0])).0;
-        let from = faces.len() as u32;
+        let from = self.faces.len() as u32;
         for t in &patch.triangles {
-            faces.push(t);
-            face_source.push(face);
-            corner_source.extend(t.iter().map(|&v| {
+            self.faces.push(t);
+            self.face_source.push(face);
+            self.corner_source.extend(t.iter().map(|&v| {
                 let k =
                     if v >= first { Some(sources[(v - first) as usize]) } else { ring.iter().position(|&r| r == v) };
                 border.corners[k.unwrap_or(0)]
             }));
         }
-        vertex_source.extend(sources.into_iter().map(|k| ring[k]));
-        points.extend(&patch.points);
-        holes.push(Hole {
+        self.vertex_source.extend(sources.into_iter().map(|k| ring[k]));
+        self.points.extend(&patch.points);
+        self.holes.push(Hole {
             edges: ring.len(),
-            faces: [from, faces.len() as u32],
-            vertices: [first, points.len() as u32],
+            faces: [from, self.faces.len() as u32],
+            vertices: [first, self.points.len() as u32],
         });
     }
-    if !faces.fits() {
-        return Err(Error::input("the filled surface has more corners than a mesh can number", "", "fill fewer holes"));
+
+    /// The filled surface, with the attributes of what its new elements come from.
+    fn finish(self, mesh: &SurfaceMesh) -> Result<(SurfaceMesh, Vec<Hole>)> {
+        if !self.faces.fits() {
+            let what = "the filled surface has more corners than a mesh can number";
+            return Err(Error::input(what, "", "fill fewer holes"));
+        }
+        let all = |n: usize, more: Vec<u32>| (0..n as u32).chain(more).collect::<Vec<u32>>();
+        let from = &mesh.attributes;
+        let attributes = Attributes {
+            vertex: gather_columns(&from.vertex, &all(mesh.vertex_count(), self.vertex_source)),
+            face: gather_columns(&from.face, &all(mesh.face_count(), self.face_source)),
+            corner: gather_columns(&from.corner, &all(mesh.corner_count(), self.corner_source)),
+            ..Attributes::words_of(from)
+        };
+        let mut out = SurfaceMesh::new(self.points, self.faces)?;
+        (out.attributes, out.tagged_edges) = (attributes, mesh.tagged_edges.clone());
+        Ok((out, self.holes))
     }
-    let all = |n: usize, more: Vec<u32>| (0..n as u32).chain(more).collect::<Vec<u32>>();
-    let from = &mesh.attributes;
-    let attributes = Attributes {
-        vertex: gather_columns(&from.vertex, &all(mesh.vertex_count(), vertex_source)),
-        face: gather_columns(&from.face, &all(mesh.face_count(), face_source)),
-        corner: gather_columns(&from.corner, &all(mesh.corner_count(), corner_source)),
-        ..Attributes::words_of(from)
-    };
-    let mut out = SurfaceMesh::new(points, faces)?;
-    (out.attributes, out.tagged_edges) = (attributes, mesh.tagged_edges.clone());
-    Ok(Filled { mesh: out, holes, left })
 }

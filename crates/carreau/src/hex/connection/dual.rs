@@ -12,9 +12,9 @@
 //!   3 ═══ 4 ─ ─ 4 ═══ 3        doubled, removed, doubled: all have four
 //! ```
 
-use super::Connection;
 use super::hull::convex_hull;
 use super::map::Map;
+use super::partition::Connection;
 use glam::DVec3;
 use std::f64::consts::TAU;
 

@@ -8,7 +8,7 @@
 //!        pole 1
 //! ```
 
-use super::Connection;
+use super::partition::Connection;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

@@ -1,6 +1,7 @@
 //! Chooses the best of many partitions for a branching. Memory is kept from one branching to the next.
 
-use super::{Connection, QuadsAtVertices, dual, orange};
+use super::partition::{Connection, QuadsAtVertices};
+use super::{dual, orange};
 use glam::DVec3;
 
 /// Axes that orange slices are tried on.

@@ -16,10 +16,8 @@ pub struct Layers {
 
 /// Default growth: the usual value for solvers of turbulent flow.
 pub const GROWTH: f64 = 1.2;
-
 /// Most layers: more of them would be thicker than any tube.
 pub const MOST_LAYERS: u32 = 50;
-
 /// Largest growth: the third layer would be nine times as thick as the first.
 pub const STEEPEST: f64 = 3.0;
 

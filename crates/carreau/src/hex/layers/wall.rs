@@ -4,7 +4,7 @@ use super::options::{LayerFigures, Layers};
 use crate::error::{Error, Result};
 use crate::geometry::hexes::is_certified;
 use crate::geometry::search_tree::TriangleTree;
-use crate::hex::extend::disc;
+use crate::hex::disc::disc;
 use crate::mesh::{HexMesh, boundary_faces, split_quad};
 use glam::DVec3;
 use rustc_hash::FxHashMap;

@@ -11,7 +11,8 @@
 
 use super::corners::corner_energy;
 use super::energy::CellEnergy;
-use super::{CONVERGED, MANY_CELLS, Optimiser};
+use super::optimiser::Optimiser;
+use super::tuning::{CONVERGED, MANY_CELLS};
 use crate::context::Context;
 use crate::error::Result;
 use crate::numeric::lbfgs::Stop;

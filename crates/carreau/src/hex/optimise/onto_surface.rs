@@ -64,7 +64,7 @@ pub fn seat(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Spring;
+    use super::super::optimiser::Spring;
     use super::super::patches::tests::{SIDE, block};
     use super::*;
     use crate::geometry::hexes::uncertified;

@@ -11,7 +11,7 @@
 //! └──┴──┴──┴──┴──┘
 //! ```
 
-use super::{Optimiser, Spring};
+use super::optimiser::{Optimiser, Spring};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::hexes::{scaled_jacobian, uncertified};
@@ -61,7 +61,7 @@ pub struct Mesh<'a> {
 
 impl<'a> Mesh<'a> {
     pub fn new(vertices: usize, hexes: &'a [[u32; 8]]) -> Self {
-        let (offsets, corners) = super::corners_at(vertices, hexes);
+        let (offsets, corners) = super::optimiser::corners_at(vertices, hexes);
         Mesh { hexes, offsets, cells: corners.into_iter().map(|c| c / 8).collect() }
     }
 

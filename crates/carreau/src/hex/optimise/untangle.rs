@@ -1,7 +1,9 @@
 //! Untangles folded cells, each with its surroundings only.
 
+use super::effort::Effort;
+use super::optimiser::Optimiser;
 use super::patches::{Mesh, Patch};
-use super::{Effort, Optimiser, VALID};
+use super::tuning::VALID;
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
@@ -88,7 +90,7 @@ fn unfolded(
 
 #[cfg(test)]
 mod tests {
-    use super::super::FINE;
+    use super::super::effort::FINE;
     use super::super::patches::tests::{SIDE, block, held};
     use super::*;
     use crate::geometry::hexes::uncertified;

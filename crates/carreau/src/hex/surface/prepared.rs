@@ -4,7 +4,8 @@
 use super::joining::Joining;
 use crate::context::Context;
 use crate::error::{Error, Result};
-use crate::hex::options::{HexOptions, Stage, check_size, check_steps};
+use crate::hex::choices::Stage;
+use crate::hex::options::{HexOptions, check_size, check_steps};
 use crate::hex::resample::{self, Step};
 use crate::hex::size::finest;
 use crate::hex::target::Target;

@@ -26,6 +26,6 @@ pub(super) use nastran::write as write_bdf;
 
 /// These files are not read: says what to do instead.
 pub(super) fn read(source: &Source) -> Result<RawMesh> {
-    let advice = super::outputs::advice(&super::source::extension(source.path)).unwrap_or("it is written only");
+    let advice = super::advice::advice(&super::source::extension(source.path)).unwrap_or("it is written only");
     Err(source.error(Place::File, advice))
 }

@@ -120,18 +120,7 @@ impl Asset {
         }
         if column.is_some() {
             asset.add_lines(mesh);
-            let mut used = vec![false; mesh.points.len()];
-            mesh.faces.corners().iter().for_each(|&v| used[v as usize] = true);
-            let used = used.iter().filter(|&&u| u).count();
-            if used < mesh.points.len() {
-                let lost =
-                    counted(mesh.points.len() - used, "vertex that no face uses is", "vertices that no face uses are");
-                warnings.push(format!("{lost} left out, bodies have none"));
-            }
-            if written - copies > used {
-                let shared = counted(written - copies - used, "vertex is", "vertices are");
-                warnings.push(format!("{shared} written again, because bodies share them"));
-            }
+            warnings.extend(told_of_bodies(mesh, written - copies));
         }
         if reordered || parts.iter().any(|p| p.triangles.windows(2).any(|w| w[1] != w[0] + 1)) {
             warnings.push("faces are in the order of their bodies and materials".to_string());
@@ -319,6 +308,23 @@ impl Asset {
         }
         document
     }
+}
+
+/// What vertices go through where bodies are written one by one, `written` of them in all.
+fn told_of_bodies(mesh: &RawMesh, written: usize) -> Vec<String> {
+    let mut used = vec![false; mesh.points.len()];
+    mesh.faces.corners().iter().for_each(|&v| used[v as usize] = true);
+    let used = used.iter().filter(|&&u| u).count();
+    let mut warnings = Vec::new();
+    if used < mesh.points.len() {
+        let lost = counted(mesh.points.len() - used, "vertex that no face uses is", "vertices that no face uses are");
+        warnings.push(format!("{lost} left out, bodies have none"));
+    }
+    if written > used {
+        let shared = counted(written - used, "vertex is", "vertices are");
+        warnings.push(format!("{shared} written again, because bodies share them"));
+    }
+    warnings
 }
 
 /// The labels of materials.

@@ -25,6 +25,7 @@ mod library;
 mod read;
 #[cfg(test)]
 mod tests;
+mod values;
 mod words;
 mod write;
 

@@ -9,6 +9,7 @@
 //! | `polylines` | the lines of `.vtp`, `.vtk`, `.vtu`, `.obj` files with a radius column |
 
 mod cg;
+mod extensions;
 mod lines;
 mod polylines;
 mod skel;
@@ -21,18 +22,10 @@ use super::source::{Source, extension};
 use super::write_atomically;
 use crate::error::{Error, Place, Result};
 use crate::mesh::CurveNet;
+use extensions::POLYLINE_EXTENSIONS;
 use std::path::Path;
 
-/// Extensions of files that hold skeletons only.
-pub const SKELETON_EXTENSIONS: &[&str] = &["cgr", "cg", "skel", "swc", "tgf"];
-
-/// Extensions of mesh files whose lines may be a skeleton.
-const POLYLINE_EXTENSIONS: &[&str] = &["vtp", "vtk", "vtu", "obj"];
-
-/// Whether a path names a skeleton file by its extension alone.
-pub fn is_skeleton_file(path: &Path) -> bool {
-    SKELETON_EXTENSIONS.contains(&extension(path).as_str())
-}
+pub use extensions::{SKELETON_EXTENSIONS, is_skeleton_file};
 
 /// Reads a skeleton; the extension decides the format. What was mended stands in the notes.
 ///

@@ -9,7 +9,7 @@ use super::super::repair::degenerate::{self, Removed};
 use super::super::repair::{Soup, outward};
 use super::super::surface::SurfaceMesh;
 use super::separate::{first_of_sheet, separate};
-use super::sheets::Sides;
+use super::sides::Sides;
 use super::{body_labels, doubles, folds};
 use crate::context::Context;
 use crate::error::Result;

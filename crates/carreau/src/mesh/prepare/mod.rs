@@ -33,6 +33,7 @@ mod scan;
 mod seams;
 mod separate;
 mod sheets;
+mod sides;
 #[cfg(test)]
 mod tests;
 mod trace;

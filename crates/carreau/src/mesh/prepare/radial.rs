@@ -12,7 +12,7 @@
 //! with beginnings and ends exchanged; else the smaller wedges tell.
 
 use super::super::area::area_vector;
-use super::sheets::Sides;
+use super::sides::Sides;
 use std::f64::consts::TAU;
 
 /// Faces at angles that differ by less lie on each other, in radians.

@@ -27,6 +27,7 @@
 //! repaired mesh is left as it is by a second repair with the same options.
 
 pub(super) mod degenerate;
+mod flaws;
 mod options;
 mod orient;
 mod report;
@@ -36,11 +37,12 @@ mod soup;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use flaws::is_flawed;
+pub(super) use flaws::is_umbrella;
 pub use options::RepairOptions;
 pub(super) use orient::outward;
 pub use report::RepairReport;
 pub use run::{Repaired, repair};
-pub(super) use sound::is_umbrella;
+pub(crate) use sound::divided;
 pub use sound::sound;
-pub(crate) use sound::{divided, is_flawed};
 pub(super) use soup::Soup;

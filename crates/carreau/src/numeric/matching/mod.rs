@@ -6,7 +6,7 @@
 //!
 //! 1. `graph`: edges become pairs of darts; leaving a node unmatched is a private edge to a boundary.
 //! 2. `start`: a greedy feasible dual and a matching of tight edges that covers most nodes.
-//! 3. `search`: from each node left, one alternating tree at a time, driven by a queue of events (among the variants in
+//! 3. `search`, `blossoms`: from each node left, one alternating tree at a time, driven by a queue of events (among the variants in
 //!    V. Kolmogorov, *Blossom V*, Math. Prog. Comp. 1, 2009, this is single-tree growth). A tree touches only the nodes
 //!    it reaches before an augmenting path is found. `solve` below says in which order the trees grow.
 //! 4. `family`: blossoms in a union–find forest without path compression, so that they can be opened again, with
@@ -14,7 +14,9 @@
 //!    literature, where look-up structures are rebuilt or repaired when a blossom is expanded.
 //! 5. `certificate`: the dual solution is kept and checked against the matching, always.
 
+mod blossoms;
 mod certificate;
+mod event;
 mod family;
 mod graph;
 mod problem;
@@ -42,10 +44,10 @@ pub use problem::{Certificate, Edge, Matching, NO_BLOSSOM, UNMATCHED};
 /// blossoms. Large regular grids come near it when their free nodes are dear to leave and far apart.
 ///
 /// # Errors
-/// - [`Error::Input`]: an edge has an end that is not a node, or two equal ends.
-/// - [`Error::Options`]: nodes and edges are together 2³¹ or more; or the largest absolute cost times the number of
+/// - [`Error::Input`](crate::Error::Input): an edge has an end that is not a node, or two equal ends.
+/// - [`Error::Options`](crate::Error::Options): nodes and edges are together 2³¹ or more; or the largest absolute cost times the number of
 ///   nodes (but at least 64) exceeds 2⁶¹, so that sums might overflow.
-/// - [`Error::Deadline`], [`Error::Cancelled`].
+/// - [`Error::Deadline`](crate::Error::Deadline), [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn minimum_cost_matching(edges: &[Edge], unmatched: &[i64], context: &Context) -> Result<Matching> {
     check_input(edges, unmatched)?;
     context.check()?;

@@ -10,7 +10,7 @@
 //! Cells that are far off are refused only where all of them together matter: then the limit falls until they do not. Such quads
 //! become two planes.
 
-use super::off_limit::{area, bilinear_area, twelfth};
+use super::off_limit::{OffLimit, area, bilinear_area, twelfth};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::{NONE, SurfaceMesh, Triangles};
@@ -19,15 +19,11 @@ use crate::patch::decomposition::decompose;
 use crate::patch::options::PatchOptions;
 use crate::patch::result::PatchResult;
 
-use super::off_limit::OffLimit;
-
 /// Largest difference of area and volume between all cells and their triangles, as a share of the mesh's: half of what a user
 /// who compares the model with the mesh may find.
 const OFF: f64 = 5e-4;
-
 /// The first limit for one cell, as a share of its area, and of the volume that it would have if the mesh were a plate.
 const FIRST: f64 = 1e-2;
-
 /// Meshes with less volume than this share of their area to the power of 1.5 enclose none to speak of.
 const FLAT: f64 = 1e-6;
 

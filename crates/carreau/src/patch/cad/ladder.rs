@@ -120,12 +120,7 @@ pub fn build(
             }
             return ladder.finish(pieces, chains, candidates, &curves);
         }
-        let fit = |&k: &usize| {
-            ctx.check()?;
-            fit::smooth(scene, candidates[k].0, k, &chains, &curves, tolerance)
-        };
-        let trials: Vec<Result<Option<Smooth>>> = ctx.install(|| open.par_iter().map(fit).collect());
-        for (&k, trial) in open.iter().zip(trials) {
+        for (&k, trial) in open.iter().zip(ladder.trials(&candidates, &open, &chains, &curves, tolerance)) {
             candidates[k].1 = trial?;
         }
         candidates.retain(|(_, smooth)| smooth.is_some());
@@ -201,6 +196,22 @@ impl Ladder<'_, '_> {
         (0..b.size[0]).flat_map(row)
     }
 
+    /// Bicubic surfaces for some of the candidates; none where one cannot be had.
+    fn trials(
+        &self,
+        candidates: &[Candidate],
+        open: &[usize],
+        chains: &Chains,
+        curves: &Curves,
+        tolerance: f64,
+    ) -> Vec<Result<Option<Smooth>>> {
+        let fit = |&k: &usize| {
+            self.ctx.check()?;
+            fit::smooth(self.scene, candidates[k].0, k, chains, curves, tolerance)
+        };
+        self.ctx.install(|| open.par_iter().map(fit).collect())
+    }
+
     /// Candidates, then planes, divided patches and triangles of the rest.
     fn pieces(&self, candidates: &[Candidate]) -> Result<Vec<Piece>> {
         let patches = self.scene.patches;
@@ -219,31 +230,7 @@ impl Ladder<'_, '_> {
             out.push(piece);
         }
         let mut alone = self.alone.clone();
-        let mut planes = Vec::new();
-        if let Some(triangles) = Triangles::of(self.scene.mesh) {
-            let mut sets: Vec<Vec<u32>> = vec![Vec::new(); self.flats.normals.len()];
-            let own = (0..).zip(&self.flats.of).filter(|(t, region)| **region != NONE && !gone[*t as usize]);
-            own.for_each(|(t, &region)| sets[region as usize].push(t));
-            let mut parts = Parts::new(triangles);
-            for (k, (set, &normal)) in sets.into_iter().zip(&self.flats.normals).enumerate() {
-                self.ctx.check_every(k)?;
-                for part in parts.cut(set, normal) {
-                    match part.triangles[..] {
-                        [t] => alone.push(FaceId(t)),
-                        _ => {
-                            let cells =
-                                part.triangles.iter().map(|&t| triangles.triangle(t)).map(|[a, b, c]| [a, b, c, c]);
-                            let cells = cells.collect();
-                            planes.push(Piece {
-                                source: Source::Flat(Flat { normal, first: part.triangles[0] }),
-                                cells,
-                                loops: part.loops,
-                            });
-                        }
-                    }
-                }
-            }
-        }
+        let mut planes = self.planes(&gone, &mut alone)?;
         self.mark_corners(&mut planes, &curves);
         out.extend(planes);
         let kind = |patch: usize, r: u32, c: u32| {
@@ -269,6 +256,34 @@ impl Ladder<'_, '_> {
         alone.sort_unstable();
         out.extend(alone.into_iter().map(|t| Piece::triangle(self.scene, t)));
         Ok(out)
+    }
+
+    /// The parts of flat regions; single triangles are `alone`.
+    fn planes(&self, gone: &[bool], alone: &mut Vec<FaceId>) -> Result<Vec<Piece>> {
+        let mut planes = Vec::new();
+        let Some(triangles) = Triangles::of(self.scene.mesh) else { return Ok(planes) };
+        let mut sets: Vec<Vec<u32>> = vec![Vec::new(); self.flats.normals.len()];
+        let own = (0..).zip(&self.flats.of).filter(|(t, region)| **region != NONE && !gone[*t as usize]);
+        own.for_each(|(t, &region)| sets[region as usize].push(t));
+        let mut parts = Parts::new(triangles);
+        for (k, (set, &normal)) in sets.into_iter().zip(&self.flats.normals).enumerate() {
+            self.ctx.check_every(k)?;
+            for part in parts.cut(set, normal) {
+                match part.triangles[..] {
+                    [t] => alone.push(FaceId(t)),
+                    _ => {
+                        let cells = part.triangles.iter().map(|&t| triangles.triangle(t)).map(|[a, b, c]| [a, b, c, c]);
+                        let cells = cells.collect();
+                        planes.push(Piece {
+                            source: Source::Flat(Flat { normal, first: part.triangles[0] }),
+                            cells,
+                            loops: part.loops,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(planes)
     }
 
     /// Marks where the borders of planes turn, but for those that are curves of bicubic faces.

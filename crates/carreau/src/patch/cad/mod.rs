@@ -27,6 +27,7 @@
 mod auto_tests;
 mod chain;
 mod crossed;
+mod cuts;
 mod divide;
 mod exact;
 mod faithful;
@@ -39,6 +40,7 @@ mod model;
 pub(crate) mod models;
 mod off_limit;
 mod piece;
+mod quad_polygon;
 mod region;
 mod runs;
 mod scene;
@@ -61,11 +63,12 @@ use model::finish;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-pub use super::cad::off_limit::OffLimit;
+pub use super::cad::quad_polygon::{QuadCell, QuadPolygon};
 pub(super) use divide::cell_weighs_right;
 pub use faithful::decompose_for_faces;
 pub use model::{CadModel, Faces};
-pub use trimmed::{QuadCell, QuadPolygon, to_trimmed_brep};
+pub use off_limit::OffLimit;
+pub use trimmed::to_trimmed_brep;
 
 /// What the faces of patches are to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
