@@ -14,6 +14,7 @@
 //! | 6 | radius; half angle of a cone, times its size; major radius of a torus |
 //! | 7 | minor radius of a torus |
 
+use super::tuning::NAMED_DISTANCE;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::Primitive;
@@ -33,6 +34,9 @@ const ADJUST_STEPS: usize = 40;
 const STUCK_STEPS: usize = 8;
 /// A share of the diagonal: conditions are met when all are nearer than this, some hundred roundings of a double.
 const MET_DISTANCE: f64 = 1e-13;
+/// A share of the diagonal: conditions that come no nearer are taken for met from here on, because edges that are half of
+/// a named curve's distance off their surfaces are as good as exact.
+const NEARLY_MET_DISTANCE: f64 = 0.5 * NAMED_DISTANCE;
 /// A share of the diagonal: a step below this changes nothing, because motions that change nothing go on by their
 /// roundings.
 const SETTLED_STEP: f64 = 1e-7;
@@ -205,11 +209,14 @@ pub fn adjust(
         tracing::debug!(worst, moved, "step");
         // Conditions that contradict each other stop at what they disagree by.
         let stuck = worst > 0.5 * std::mem::replace(&mut before[k % STUCK_STEPS], worst) && worst > MET_DISTANCE;
-        if stuck || !(worst.is_finite() && moved < 1.0) {
+        if !(worst.is_finite() && moved < 1.0) {
             return Ok(None);
         }
         if worst <= MET_DISTANCE && moved <= SETTLED_STEP {
             return Ok(Some(multipliers));
+        }
+        if stuck || k + 1 == ADJUST_STEPS {
+            return Ok((worst <= NEARLY_MET_DISTANCE).then_some(multipliers));
         }
     }
     Ok(None)

@@ -2,7 +2,7 @@
 
 use super::model::Obstacle;
 use super::regions::Map;
-use super::tuning::MODEL_DISTANCE;
+use super::tuning::{MODEL_DISTANCE, NOISY_DISTANCE};
 use crate::brep::Brep;
 use crate::brep::validate::{Finding, Limits, Reference, validate};
 use crate::context::Context;
@@ -18,7 +18,8 @@ pub fn obstacles(map: &Map<'_>, mesh: &SurfaceMesh, brep: &Brep, context: &Conte
     }
     let region_of: Vec<u32> = map.label.iter().map(|&l| map.pieces[l as usize].region).collect();
     let reference = Reference { mesh, region_of: &region_of };
-    let mut limits = Limits::new(map.diagonal, map.tolerance.max(MODEL_DISTANCE * map.diagonal));
+    let noise = if map.is_noisy() { NOISY_DISTANCE * map.tolerance } else { map.tolerance };
+    let mut limits = Limits::new(map.diagonal, noise.max(MODEL_DISTANCE * map.diagonal));
     limits.tolerance = map.gap();
     let findings = validate(brep, Some(&reference), &limits, context)?;
     Ok(findings.iter().map(|f| obstacle(brep, f)).collect())

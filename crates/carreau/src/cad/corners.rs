@@ -5,7 +5,7 @@ use super::draft::Draft;
 use super::model::Obstacle;
 use super::regions::{Map, Rung};
 use super::topology::Graph;
-use super::tuning::{FREE_EIGENVALUE, NEWTON_STEPS};
+use super::tuning::{BRANCH_DISTANCE, FREE_EIGENVALUE, NEWTON_STEPS};
 use crate::brep::Curve;
 use crate::mesh::NONE;
 use crate::numeric::eigen3::{Eigen3, outer};
@@ -46,7 +46,9 @@ pub fn place(map: &Map<'_>, graph: &Graph, tracks: &mut [Track], draft: &mut Dra
                 _ => track.range[side] = t,
             }
         }
-        let room = map.tolerance.max(map.gap()) * 10.0;
+        // Along a contact a corner of noisy data is anywhere; the validator sees whether faces follow the mesh.
+        let branch = if map.is_noisy() { BRANCH_DISTANCE * map.diagonal } else { 0.0 };
+        let room = (map.tolerance.max(map.gap()) * 10.0).max(branch);
         if !(off <= map.gap()) {
             let share = off / map.diagonal;
             obstacles.push(Obstacle {

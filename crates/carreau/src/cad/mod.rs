@@ -92,7 +92,7 @@ use glam::DVec3;
 use misfits::Share;
 use regions::Map;
 use serde::{Deserialize, Serialize};
-use tuning::{EXACT_TOLERANCE, NEARLY_ALL_AREA, SOME_AREA};
+use tuning::{EXACT_TOLERANCE, MODEL_DISTANCE, NEARLY_ALL_AREA, SOME_AREA};
 
 pub use ladder::Fallback;
 pub use organic::{Angles, Smooth};
@@ -232,7 +232,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         segmentation: Some(segmentation),
         smooth: None,
         relations,
-        warnings: Vec::new(),
+        warnings: far_vertices(distance_max / mesh.diagonal()).into_iter().collect(),
         areas,
         area,
         volume,
@@ -240,6 +240,14 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         distance_rms,
     };
     allowed(model, options)
+}
+
+/// What a user should know where vertices are far off their faces, by a share of the diagonal.
+fn far_vertices(share: f64) -> Option<String> {
+    (share > MODEL_DISTANCE).then(|| {
+        let percent = 100.0 * share;
+        format!("vertices are up to {percent:.2} % of the diagonal off their faces, because the mesh has noise; set a smaller tolerance for nearer faces")
+    })
 }
 
 /// Goes down the ladder with other places of the vertices, if there are any, and with those of the mesh if there is no model then.
@@ -280,7 +288,8 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     map.absorb_scraps();
     arcs::round(&mut map)?;
     map.measure_precision();
-    if map.exact_share() > SOME_AREA {
+    // Planes of a part stay exact where its round surfaces have noise.
+    if !map.is_noisy() && map.exact_share() > SOME_AREA {
         map.part_misfits(Share::Most);
         if map.is_exact() {
             map.part_misfits(Share::Round);
@@ -288,7 +297,7 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
         map.settle_ties();
     }
     swept::sweep(&mut map)?;
-    if map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
+    if !map.is_noisy() && map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
         swept::sweep(&mut map)?;
     }
     if map.is_exact() && map.part_flats() {

@@ -161,6 +161,7 @@ impl Seams<'_> {
         known.sort_by(|x, y| x.0.total_cmp(&y.0));
         let start = self.unrolled[a].samples[0].0[self.k];
         places.extend((0..count).map(|j| (start + period * f64::from(j) / f64::from(count), 0)));
+        places.extend(self.between_holes(a, b).map(|x| (x, 0)));
         let mut best: Option<(f64, Crossing, f64)> = None;
         for (x, fixed) in places {
             if self.is_along(x) {
@@ -205,15 +206,43 @@ impl Seams<'_> {
         })
     }
 
+    /// The middles between holes that follow each other around the period, because where two bores cross there is
+    /// but a narrow bridge between them.
+    fn between_holes(&self, a: usize, b: Option<usize>) -> impl Iterator<Item = f64> + '_ {
+        let period = self.period();
+        let mut spans: Vec<[f64; 2]> = self
+            .holes(a, b)
+            .map(|hole| {
+                let along = hole.samples.iter().map(|s| s.0[self.k]);
+                let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
+                let turns = period * (low / period).floor();
+                [low - turns, high - turns]
+            })
+            .collect();
+        spans.sort_by(|x, y| x[0].total_cmp(&y[0]));
+        spans.extend(spans.first().map(|s| [s[0] + period, s[1] + period]));
+        let mut reached = f64::NEG_INFINITY;
+        let middle = move |w: [[f64; 2]; 2]| {
+            reached = w[0][1].max(reached);
+            (w[1][0] > reached).then_some(0.5 * (reached + w[1][0]))
+        };
+        let pairs: Vec<[[f64; 2]; 2]> = spans.windows(2).map(|w| [w[0], w[1]]).collect();
+        pairs.into_iter().filter_map(middle)
+    }
+
+    /// The loops that are neither of two rings.
+    fn holes(&self, a: usize, b: Option<usize>) -> impl Iterator<Item = &Unrolled> {
+        self.unrolled.iter().enumerate().filter(move |(k, _)| *k != a && Some(*k) != b).map(|(_, u)| u)
+    }
+
     /// Smallest distance of the holes from a parameter, in that parameter.
     fn clearance(&self, x: f64, a: usize, b: Option<usize>) -> f64 {
         let period = self.period();
-        let holes = self.unrolled.iter().enumerate().filter(|(k, _)| *k != a && Some(*k) != b);
         let off = |y: f64| {
             let d = (y - x).rem_euclid(period);
             d.min(period - d)
         };
-        holes.flat_map(|(_, u)| u.samples.iter().map(|s| off(s.0[self.k]))).fold(period, f64::min)
+        self.holes(a, b).flat_map(|u| u.samples.iter().map(|s| off(s.0[self.k]))).fold(period, f64::min)
     }
 
     /// The parameter of an edge where it crosses a seam, from a nearby one.
@@ -257,5 +286,49 @@ impl Seams<'_> {
         let (range, vertices) =
             if against { ([t, s], [ends[1].0, ends[0].0]) } else { ([s, t], [ends[0].0, ends[1].0]) };
         (range[1] > range[0]).then(|| (draft.seam(curve, range, vertices), against))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::primitive::Primitive;
+    use crate::mesh::{SurfaceMesh, Triangles};
+
+    /// Two bores that cross and are of nearly one radius: the holes of the larger one leave two narrow bridges.
+    #[test]
+    fn a_bridge_between_two_holes_is_found() {
+        let corners = vec![DVec3::X, DVec3::Y, DVec3::Z];
+        let mesh = SurfaceMesh::from_triangles(corners, &[[0, 1, 2]]).unwrap();
+        let p = Primitive::Cylinder { origin: DVec3::ZERO, axis: DVec3::Z, radius: 1.0 };
+        let piece = Piece::on(Triangles::of(&mesh).unwrap(), vec![0], Surface::of_primitive(&p), Some(p), 0);
+        let around = |at: Vec<[f64; 2]>, turns: i32| Unrolled {
+            samples: at.into_iter().map(|p| (p, 0, 0.0)).collect(),
+            winding: [turns, 0],
+        };
+        let ring = |v: f64, turns: i32| around((0..=40).map(|k| [TAU * f64::from(k) / 40.0, v]).collect(), turns);
+        // From one angle to the other and back.
+        let hole = |low: f64, high: f64| {
+            let place = |k: i32| {
+                let s = TAU * f64::from(k) / 40.0;
+                [0.5 * (low + high) - 0.5 * (high - low) * s.cos(), 0.5 * s.sin()]
+            };
+            around((0..=40).map(place).collect(), 0)
+        };
+        for shift in [0.0, 1.0, 5.0, -20.0] {
+            let holes = [hole(0.02 + shift, 3.12 + shift), hole(3.18 + shift, 6.24 + shift)];
+            let unrolled: Vec<Unrolled> = [ring(-2.0, 1), ring(2.0, -1)].into_iter().chain(holes).collect();
+            let seams = Seams { piece: &piece, unrolled: &unrolled, k: 0 };
+            let places: Vec<f64> = seams.between_holes(0, Some(1)).collect();
+            assert_eq!(places.len(), 2, "{places:?}");
+            for x in places {
+                assert!(seams.clearance(x, 0, Some(1)) > 0.02, "{x} for a shift of {shift}");
+            }
+        }
+        // Rings alone leave all room, and one hole all but itself.
+        let unrolled = vec![ring(-2.0, 1), ring(2.0, -1), hole(0.5, 1.5)];
+        let seams = Seams { piece: &piece, unrolled: &unrolled, k: 0 };
+        let places: Vec<f64> = seams.between_holes(0, Some(1)).collect();
+        assert!(places.len() == 1 && seams.clearance(places[0], 0, Some(1)) > 2.5, "{places:?}");
     }
 }

@@ -62,6 +62,9 @@ pub const NOISY_BRANCH: f64 = 4.0;
 /// also is four times the chord of the polygons in which the validator looks for loops that cross, and faces may be
 /// thin.
 pub const MODEL_DISTANCE: f64 = 1e-3;
+/// Multiple of the tolerance of noisy data: the same, because triangles that noise has put into the wrong piece are twice
+/// as far from it as the others may be.
+pub const NOISY_DISTANCE: f64 = 2.0;
 /// A factor: a gap that is stated exceeds what was measured by this, because it is sampled here and in the validator at
 /// different places.
 pub const STATED_FACTOR: f64 = 1.5;
