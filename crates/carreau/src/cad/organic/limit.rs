@@ -16,6 +16,7 @@ use super::disc::Disc;
 use super::net::{Net, next, previous};
 use super::refine::{Refined, Value, refine};
 use crate::mesh::NONE;
+use glam::DVec3;
 
 /// A bicubic piece: uniform B-spline control points and where it lies in its part.
 pub struct Piece<V> {
@@ -180,5 +181,13 @@ impl<V: Value> Piece<V> {
     pub fn point(&self, at: [f64; 2]) -> V {
         let [u, v] = self.local(at).map(basis);
         self.mix(&u[0], &v[0])
+    }
+}
+
+impl Piece<DVec3> {
+    /// The point at a place of the part, and the derivatives there by the parameters of the piece.
+    pub fn tangents(&self, at: [f64; 2]) -> [DVec3; 3] {
+        let [u, v] = self.local(at).map(basis);
+        [self.mix(&u[0], &v[0]), self.mix(&u[1], &v[0]), self.mix(&u[0], &v[1])]
     }
 }

@@ -2,7 +2,7 @@
 
 use super::blocks::{Block, Layout};
 use super::control::{Sheet, from_part};
-use super::fit::Sample;
+use super::feet::Sample;
 use super::net::{Net, next};
 use crate::brep::{Brep, Surface};
 use crate::context::Context;

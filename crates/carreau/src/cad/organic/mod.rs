@@ -8,7 +8,8 @@
 //! | the grids between its walls, and the edges between them | `blocks` |
 //! | control points of Catmull–Clark's surface: one step, and around irregular vertices | `refine`, `disc` |
 //! | its bicubic pieces | `limit` |
-//! | control points by least squares from the scan | `fit` |
+//! | points of the scan and their feet | `feet` |
+//! | control points by least squares, in rounds; evened out | `fit`, `rounds`; `relax` |
 //! | faces on graded knots | `control` |
 //! | tangent planes at irregular vertices | `polish` |
 //! | the model; distances and angles | `assemble`; `measure` |
@@ -20,12 +21,15 @@ mod assemble;
 mod blocks;
 mod control;
 mod disc;
+mod feet;
 mod fit;
 mod limit;
 mod measure;
 mod net;
 mod polish;
 mod refine;
+mod relax;
+mod rounds;
 #[cfg(test)]
 mod tests;
 mod tracks;
@@ -41,11 +45,12 @@ use crate::mesh::{DisjointSets, SurfaceMesh, Triangles};
 use crate::quad::{QuadOptions, quads};
 use blocks::{Block, Layout, blocks, layout};
 use control::{Sheet, sheet};
-use fit::{Fit, Sample, find_feet, samples};
+use feet::{Scan, find_feet};
 use glam::DVec3;
 use limit::Limit;
 pub use measure::Angles;
 use net::Net;
+use rounds::{Goal, run};
 use tracks::Walls;
 
 /// A count: quads of a body between which the blocks are drawn, because with fewer, quads of thin parts get worse, and
@@ -74,6 +79,9 @@ const MEAN_DISTANCE: f64 = 0.1;
 const BULGE_FACTOR: f64 = 4.0;
 /// A share of the diagonal: the same in any case, because facets bulge where all vertices are on the faces as well.
 const LEAST_BULGE: f64 = 4e-3;
+/// Radians: faces that differ by less from the facets near them are not turned over, because a smooth face that rounds a sharp rim
+/// of the scan off differs from the facets on both sides by nearly as much.
+const TURNED_OVER: f64 = std::f64::consts::FRAC_PI_2;
 /// A count: divisions towards irregular vertices for the faces: twice as fine as their knots, because feet near them
 /// are to be right.
 const FACE_LEVELS: usize = control::GRADES + 2;
@@ -210,13 +218,15 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
 /// The control points, after as many divisions as the tolerance needs.
 fn fitted(cage: Cage, mesh: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<Cage> {
     let _stage = context.stage("surface");
-    let mut cage = cage;
+    let (mut cage, scan) = (cage, Scan::new(mesh));
+    let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
+    let mut vertices = scan.fitted(mesh);
     for division in 0..=DIVISIONS {
-        let mut feet = samples(mesh, cage.net.edge.len());
-        let [max, rms] = Fit::new(&cage.net).run(&mut cage.points, &mut feet, context)?;
+        let way = (division == 0, goal);
+        let [max, rms] = run(&cage.net, &mut cage.points, &mut vertices, &scan, way, context)?;
         tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
         let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
-        if division == DIVISIONS || max <= tolerance && (rms <= MEAN_DISTANCE * tolerance || !finer) {
+        if division == DIVISIONS || max <= goal.max && (rms <= goal.rms || !finer) {
             return Ok(cage);
         }
         cage = cage.divided()?;
@@ -258,10 +268,10 @@ fn finish(
 ) -> Result<CadModel> {
     let _stage = context.stage("check");
     brep.check()?;
-    let mut feet: Vec<Sample> = mesh.points().iter().map(|&point| Sample::new(point, 1.0)).collect();
-    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), cage.net.edge.len(), context)?;
+    let mut feet = Scan::new(mesh).vertices();
+    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), &cage.net, &cage.points, context)?;
     let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
-    let off: Vec<f64> = off.into_iter().zip(fit::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
+    let off: Vec<f64> = off.into_iter().zip(feet::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
     let distance_max = off.iter().copied().fold(0.0, f64::max);
     let distance_rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len().max(1) as f64).sqrt();
     check(mesh, &brep, distance_max, context)?;
@@ -293,7 +303,8 @@ fn finish(
 /// What the validator of [`crate::brep`] has against a model that is so near to its scan.
 fn check(mesh: &SurfaceMesh, brep: &Brep, near: f64, context: &Context) -> Result<()> {
     let region_of = vec![0; mesh.face_count()];
-    let limits = Limits::new(mesh.diagonal(), (BULGE_FACTOR * near).max(LEAST_BULGE * mesh.diagonal()));
+    let distance = (BULGE_FACTOR * near).max(LEAST_BULGE * mesh.diagonal());
+    let limits = Limits { angle: TURNED_OVER, ..Limits::new(mesh.diagonal(), distance) };
     let findings = validate(brep, Some(&Reference { mesh, region_of: &region_of }), &limits, context)?;
     let Some(f) = findings.first() else { return Ok(()) };
     tracing::debug!(count = findings.len(), ?findings, "findings");

@@ -1,0 +1,124 @@
+//! The fit in rounds: feet of the samples, then least squares (Hoschek, *Intrinsic parametrization for approximation*, CAGD 5,
+//! 1988). Feet only creep along the surface from round to round; Anderson's extrapolation of the rounds before (*Iterative
+//! procedures for nonlinear integral equations*, J. ACM 12, 1965) takes many of their steps at once.
+
+use super::feet::{Sample, Scan, find_feet, find_first_feet, own};
+use super::fit::{FIT_LEVELS, Fit};
+use super::limit::Limit;
+use super::net::Net;
+use super::relax::relax;
+use crate::context::Context;
+use crate::error::Result;
+use crate::numeric::dense;
+use glam::DVec3;
+
+/// Weight of fairness for a control point in the first rounds, for all the samples of one: large first, because these untangle.
+const FIRST_FAIRNESS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+/// The same in all other rounds: small, because the samples are to decide there.
+const LEAST_FAIRNESS: f64 = 1e-5;
+/// A count: most rounds with the least fairness.
+const ROUNDS: usize = 12;
+/// A share of the distances before: rounds go on while they bring one of them below, because each costs as much as the first.
+const ROUND_GAIN: f64 = 0.95;
+/// A count: rounds that are remembered, because older ones were about other feet.
+const MEMORY: usize = 5;
+/// A share of the squares of the steps: what keeps the extrapolation from making much of steps that are nearly the same.
+const RIDGE: f64 = 1e-8;
+
+/// How near the surface is to be.
+#[derive(Debug, Clone, Copy)]
+pub struct Goal {
+    /// The largest distance of a vertex.
+    pub max: f64,
+    /// The root mean square of the distances.
+    pub rms: f64,
+}
+
+/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns the largest and the root mean square
+/// distance of the vertices.
+pub fn run(
+    net: &Net,
+    points: &mut Vec<DVec3>,
+    vertices: &mut [Sample],
+    scan: &Scan,
+    (is_first, goal): (bool, Goal),
+    context: &Context,
+) -> Result<[f64; 2]> {
+    let mut fit = Fit::new(net);
+    let feet = |points: &[DVec3], vertices: &mut [Sample]| {
+        find_feet(vertices, &Limit::new(net, points, FIT_LEVELS), net, points, context)
+    };
+    if !is_first {
+        relax(net, points);
+    }
+    let mut off = [f64::INFINITY; 2];
+    if is_first {
+        find_first_feet(vertices, net, points, context)?;
+    } else {
+        off = feet(points, vertices)?;
+    }
+    let mut memory = Memory::default();
+    let first: &[f64] = if is_first { &FIRST_FAIRNESS } else { &[] };
+    for round in 0..first.len() + ROUNDS {
+        let is_last_fairness = round >= first.len();
+        let fairness = first.get(round).copied().unwrap_or(LEAST_FAIRNESS);
+        let mut samples = vertices.to_vec();
+        if !(is_first && round == 0) {
+            samples.extend(own(net, &Limit::new(net, points, FIT_LEVELS), points, scan, context)?);
+        }
+        let solved = fit.solve(points, &samples, fairness, context)?;
+        let guess = if is_last_fairness { memory.extrapolated(points, &solved) } else { None };
+        let before = off;
+        *points = guess.as_ref().unwrap_or(&solved).clone();
+        if !is_last_fairness {
+            relax(net, points);
+        }
+        off = feet(points, vertices)?;
+        if guess.is_some() && off[1] > before[1] {
+            *points = solved;
+            memory = Memory::default();
+            off = feet(points, vertices)?;
+        }
+        tracing::debug!(max = off[0], rms = off[1], extrapolated = guess.is_some(), "surface");
+        let is_near = off[0] <= goal.max && off[1] <= goal.rms;
+        let gains = off[0] < ROUND_GAIN * before[0] || off[1] < ROUND_GAIN * before[1];
+        if is_last_fairness && (is_near || !gains) {
+            break;
+        }
+    }
+    Ok(off)
+}
+
+/// What the last rounds began with and came to.
+#[derive(Default)]
+struct Memory {
+    /// Control points that were solved for, and how far they were from those before.
+    rounds: Vec<(Vec<DVec3>, Vec<DVec3>)>,
+}
+
+impl Memory {
+    /// Remembers a round. Returns where the steps of all of them would come to rest, if there are several.
+    fn extrapolated(&mut self, from: &[DVec3], to: &[DVec3]) -> Option<Vec<DVec3>> {
+        let step: Vec<DVec3> = to.iter().zip(from).map(|(a, b)| a - b).collect();
+        self.rounds.push((to.to_vec(), step));
+        if self.rounds.len() > MEMORY {
+            self.rounds.remove(0);
+        }
+        let (last, before) = self.rounds.split_last()?;
+        let change =
+            |of: &[DVec3], other: &[DVec3]| -> Vec<DVec3> { of.iter().zip(other).map(|(a, b)| a - b).collect() };
+        let changes: Vec<[Vec<DVec3>; 2]> =
+            before.iter().map(|r| [change(&last.0, &r.0), change(&last.1, &r.1)]).collect();
+        let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let n = changes.len();
+        let mut matrix: Vec<f64> = (0..n * n).map(|k| dot(&changes[k / n][1], &changes[k % n][1])).collect();
+        (0..n).for_each(|k| matrix[k * n + k] *= 1.0 + RIDGE);
+        let rhs: Vec<f64> = changes.iter().map(|c| dot(&c[1], &last.1)).collect();
+        let shares = dense::solve(&dense::cholesky(&matrix, n)?, n, &rhs);
+        let mut out = to.to_vec();
+        for (share, [change, _]) in shares.iter().zip(&changes) {
+            out.iter_mut().zip(change).for_each(|(p, c)| *p -= share * c);
+        }
+        (n > 0 && out.iter().all(|p| p.is_finite())).then_some(out)
+    }
+}
