@@ -5,6 +5,7 @@ use crate::brep::Surface;
 use crate::cad::{Style, rebuild};
 use crate::mesh::test_models::{grid, moved, sphere, together, torus};
 use crate::mesh::{TaggedEdge, VertexId};
+use feet::find_first_feet;
 
 /// A cube of quads, each side in n × n.
 fn cage(n: u32) -> (Vec<DVec3>, Vec<[u32; 4]>) {
@@ -182,4 +183,45 @@ fn a_scan_becomes_a_solid() {
     assert_eq!(model.face_of_triangle.len(), mesh.face_count());
     let few = CadOptions { max_faces: Some(3), ..options };
     assert!(matches!(rebuild(&mesh, &few, &Context::new()), Err(Error::Numeric(_))));
+}
+
+#[test]
+fn a_foot_is_on_the_side_of_a_thin_part_that_looks_the_same_way() {
+    let (points, quads) = cage(2);
+    let points: Vec<DVec3> = points.into_iter().map(|p| p * DVec3::new(1.0, 1.0, 0.01)).collect();
+    let net = Net::new(&points, quads, &[]).unwrap();
+    // Nearer to the bottom than to the top.
+    let scan = moved(&grid(1), |p| DVec3::new(0.2 + 0.1 * p.x, 0.3 + 0.1 * p.y, 0.002));
+    let mut samples = Scan::new(&scan).vertices();
+    for turned in [1.0, -1.0] {
+        samples.iter_mut().for_each(|s| s.normal *= turned);
+        find_first_feet(&mut samples, &net, &points, &Context::new()).unwrap();
+        let side = if samples[0].normal.z > 0.0 { 0.01 } else { 0.0 };
+        for sample in &samples {
+            let quad = net.quads[sample.part as usize / 4];
+            assert!(quad.iter().all(|&v| points[v as usize].z == side), "{sample:?}");
+        }
+    }
+}
+
+#[test]
+fn control_points_are_evened_out_along_the_surface() {
+    let n = 6;
+    let quads: Vec<[u32; 4]> =
+        (0..n * n).map(|k| [k + k / n, k + k / n + 1, k + k / n + n + 2, k + k / n + n + 1]).collect();
+    // A strip drawn together within a tilted plane.
+    let uneven = |p: DVec3| DVec3::new(if p.x == 3.0 { 2.05 } else { p.x }, p.y, 0.5 * p.y);
+    let first: Vec<DVec3> = grid(n).points().iter().map(|&p| uneven(p)).collect();
+    let net = Net::new(&first, quads, &[]).unwrap();
+    let mut points = first.clone();
+    relax::relax(&net, &mut points);
+    let narrowest = |points: &[DVec3]| {
+        let ends = net.ends.iter().map(|e| e.map(|v| points[v as usize]));
+        let along = ends.filter(|[a, b]| (a.y - b.y).abs() < 1e-9);
+        along.map(|[a, b]| (a.x - b.x).abs()).fold(f64::INFINITY, f64::min)
+    };
+    assert!(narrowest(&first) < 0.06 && narrowest(&points) > 0.3, "{}", narrowest(&points));
+    assert!(points.iter().all(|p| (p.z - 0.5 * p.y).abs() < 1e-12));
+    let borders = |p: &DVec3| [p.x, p.y].map(|x| x.abs() < 1e-12 || (x - f64::from(n)).abs() < 1e-12);
+    assert!(first.iter().zip(&points).all(|(a, b)| borders(a) == borders(b)));
 }
