@@ -5,7 +5,7 @@
 //! | `id` | typed ids |
 //! | `polygons` | faces in two flat arrays |
 //! | `half_edges` | half-edges grouped by edge |
-//! | `second_order` | [`SecondOrder`]: nodes in the middle of the edges, faces and cells of hexahedra |
+//! | `second_order` | [`MiddleNodes`]: nodes in the middle of the edges, faces and cells of hexahedra, as they are found |
 //! | `hex_mesh` | [`HexMesh`]: hexahedra with tagged boundary faces |
 //! | `surface` | [`SurfaceMesh`]: the input of every room |
 //! | `triangles` | [`Triangles`]: a triangle mesh as raw arrays, for inner loops |
@@ -24,6 +24,9 @@
 //! | `topology` | [`Topology`]: counts, genus, defects with their places |
 //! | `repair` | [`repair`]: weld, drop, orient, split |
 //! | `prepare` | [`prepare`]: how a file's surface is made ready for a room |
+//! | `marks` | what stands for the opposite corner where there is none |
+//! | `middle_nodes` | [`SecondOrder`]: these nodes as a mesh has them |
+//! | `position` | the order of places |
 //! | `unit_scale` | scaling by a power of two, so that results do not depend on the unit |
 
 mod area;
@@ -41,6 +44,7 @@ mod marks;
 mod middle_nodes;
 mod nesting;
 mod polygons;
+mod position;
 mod prepare;
 mod raw;
 mod repair;
@@ -66,6 +70,7 @@ pub use hex_mesh::{HEX_EDGES, HEX_FACES, HexMesh, boundary_faces, irregular_hex_
 pub use id::{CornerId, FaceId, VertexId};
 pub use middle_nodes::SecondOrder;
 pub use polygons::Polygons;
+pub(crate) use position::by_position;
 pub use prepare::{
     Bodies, Body, Keep as KeepPieces, PrepareOptions, PreparePlaces, PrepareReport, Prepared, Takes, keep_pieces,
     prepare, prepare_fans,

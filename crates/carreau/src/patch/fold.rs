@@ -18,8 +18,7 @@
 //! Integrators sample such a face on both sides of J = 0 or miss the triangle altogether, and the area of the model comes
 //! out wrong by up to twice the folded area.
 
-use super::position::by_position;
-use crate::mesh::Triangles;
+use crate::mesh::{Triangles, by_position};
 use glam::DVec3;
 use rayon::prelude::*;
 

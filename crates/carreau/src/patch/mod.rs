@@ -44,7 +44,6 @@ mod options;
 mod output;
 mod pairing;
 mod polygon;
-mod position;
 mod positions;
 mod quality;
 mod rectangles;

@@ -18,11 +18,10 @@
 
 use super::cad::{OffLimit, cell_weighs_right};
 use super::fold::FoldLimit;
-use super::position::by_position;
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::normals::{AngleLimit, angle_between};
-use crate::mesh::{NONE, Triangles};
+use crate::mesh::{NONE, Triangles, by_position};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

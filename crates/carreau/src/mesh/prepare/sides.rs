@@ -2,6 +2,7 @@
 
 use crate::mesh::disjoint_sets::SignedSets;
 use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::position::by_position;
 use crate::mesh::repair::Soup;
 use crate::mesh::triangles::NONE;
 use glam::DVec3;
@@ -25,8 +26,7 @@ pub struct Crowded {
 
 /// Whether a place comes before another one.
 pub fn is_lower(a: DVec3, b: DVec3) -> bool {
-    let order = a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z));
-    order.is_lt()
+    by_position(a, b).is_lt()
 }
 
 impl<'a> Sides<'a> {
