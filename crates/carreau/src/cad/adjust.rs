@@ -195,6 +195,7 @@ pub fn adjust(
     let mut plan = None;
     let mut stated = conditions(bodies);
     let mut before = [f64::INFINITY; STUCK_STEPS];
+    let mut nearly_met = None;
     for k in 0..ADJUST_STEPS {
         context.check()?;
         let system = System::new(bodies, &stated);
@@ -215,11 +216,12 @@ pub fn adjust(
         if worst <= MET_DISTANCE && moved <= SETTLED_STEP {
             return Ok(Some(multipliers));
         }
-        if stuck || k + 1 == ADJUST_STEPS {
-            return Ok((worst <= NEARLY_MET_DISTANCE).then_some(multipliers));
+        nearly_met = (worst <= NEARLY_MET_DISTANCE).then_some(multipliers);
+        if stuck {
+            break;
         }
     }
-    Ok(None)
+    Ok(nearly_met)
 }
 
 /// ½ Σ (d / σ)² + Σ (m c + ½ w c²), all linearised, with unknowns scaled so that every surface has a largest curvature of one.

@@ -31,6 +31,12 @@ impl Map<'_> {
         self.share(|p| p.rung < Rung::Spline)
     }
 
+    /// Whether what is off its surface may be something else than noise, because some of the data is exact. Where there is
+    /// noise that says nothing: planes stay exact beside round surfaces that have it.
+    pub fn has_misfits(&self) -> bool {
+        !self.is_noisy() && self.exact_share() > SOME_AREA
+    }
+
     /// Whether the data is exact: most of what is taken for round lies on its surface to the precision of the file, which noise would
     /// leave nothing of, and vertices on the chords of something round nothing but planes.
     pub fn is_exact(&self) -> bool {

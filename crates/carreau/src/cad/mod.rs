@@ -288,8 +288,7 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
     map.absorb_scraps();
     arcs::round(&mut map)?;
     map.measure_precision();
-    // Planes of a part stay exact where its round surfaces have noise.
-    if !map.is_noisy() && map.exact_share() > SOME_AREA {
+    if map.has_misfits() {
         map.part_misfits(Share::Most);
         if map.is_exact() {
             map.part_misfits(Share::Round);
@@ -297,7 +296,7 @@ fn mapped<'a>(mesh: &SurfaceMesh, t: Triangles<'a>, segmentation: &Segmentation,
         map.settle_ties();
     }
     swept::sweep(&mut map)?;
-    if !map.is_noisy() && map.exact_share() > SOME_AREA && map.part_misfits(Share::Half) {
+    if map.has_misfits() && map.part_misfits(Share::Half) {
         swept::sweep(&mut map)?;
     }
     if map.is_exact() && map.part_flats() {

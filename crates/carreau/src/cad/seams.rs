@@ -161,7 +161,7 @@ impl Seams<'_> {
         known.sort_by(|x, y| x.0.total_cmp(&y.0));
         let start = self.unrolled[a].samples[0].0[self.k];
         places.extend((0..count).map(|j| (start + period * f64::from(j) / f64::from(count), 0)));
-        places.extend(self.between_holes(a, b).map(|x| (x, 0)));
+        places.extend(self.between_holes(a, b).into_iter().map(|x| (x, 0)));
         let mut best: Option<(f64, Crossing, f64)> = None;
         for (x, fixed) in places {
             if self.is_along(x) {
@@ -208,7 +208,7 @@ impl Seams<'_> {
 
     /// The middles between holes that follow each other around the period, because where two bores cross there is
     /// but a narrow bridge between them.
-    fn between_holes(&self, a: usize, b: Option<usize>) -> impl Iterator<Item = f64> + '_ {
+    fn between_holes(&self, a: usize, b: Option<usize>) -> Vec<f64> {
         let period = self.period();
         let mut spans: Vec<[f64; 2]> = self
             .holes(a, b)
@@ -222,12 +222,14 @@ impl Seams<'_> {
         spans.sort_by(|x, y| x[0].total_cmp(&y[0]));
         spans.extend(spans.first().map(|s| [s[0] + period, s[1] + period]));
         let mut reached = f64::NEG_INFINITY;
-        let middle = move |w: [[f64; 2]; 2]| {
+        let mut middles = Vec::new();
+        for w in spans.windows(2) {
             reached = w[0][1].max(reached);
-            (w[1][0] > reached).then_some(0.5 * (reached + w[1][0]))
-        };
-        let pairs: Vec<[[f64; 2]; 2]> = spans.windows(2).map(|w| [w[0], w[1]]).collect();
-        pairs.into_iter().filter_map(middle)
+            if w[1][0] > reached {
+                middles.push(0.5 * (reached + w[1][0]));
+            }
+        }
+        middles
     }
 
     /// The loops that are neither of two rings.
@@ -319,7 +321,7 @@ mod tests {
             let holes = [hole(0.02 + shift, 3.12 + shift), hole(3.18 + shift, 6.24 + shift)];
             let unrolled: Vec<Unrolled> = [ring(-2.0, 1), ring(2.0, -1)].into_iter().chain(holes).collect();
             let seams = Seams { piece: &piece, unrolled: &unrolled, k: 0 };
-            let places: Vec<f64> = seams.between_holes(0, Some(1)).collect();
+            let places = seams.between_holes(0, Some(1));
             assert_eq!(places.len(), 2, "{places:?}");
             for x in places {
                 assert!(seams.clearance(x, 0, Some(1)) > 0.02, "{x} for a shift of {shift}");
@@ -328,7 +330,7 @@ mod tests {
         // Rings alone leave all room, and one hole all but itself.
         let unrolled = vec![ring(-2.0, 1), ring(2.0, -1), hole(0.5, 1.5)];
         let seams = Seams { piece: &piece, unrolled: &unrolled, k: 0 };
-        let places: Vec<f64> = seams.between_holes(0, Some(1)).collect();
+        let places = seams.between_holes(0, Some(1));
         assert!(places.len() == 1 && seams.clearance(places[0], 0, Some(1)) > 2.5, "{places:?}");
     }
 }

@@ -195,13 +195,14 @@ fn attempt(mesh: &SurfaceMesh, tolerance: f64, wanted: &QuadOptions, context: &C
 
 /// The model of a scan over given quads.
 fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<CadModel> {
-    let mut cage = fitted(Cage::new(quads, context)?, mesh, tolerance, context)?;
+    let scan = Scan::new(mesh);
+    let mut cage = fitted(Cage::new(quads, context)?, (mesh, &scan), tolerance, context)?;
     let blocks = blocks(&cage.net, &mut cage.walls, context)?;
     let layout = layout(&cage.net, &cage.walls, &blocks)?;
     let sheets = faces(&cage, &blocks, context)?;
     let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
     let label = enclosed(&cage, &blocks, &mut brep)?;
-    let mut model = finish(mesh, &cage, (&blocks, &layout, &sheets), brep, &label, context)?;
+    let mut model = finish((mesh, &scan), &cage, (&blocks, &layout, &sheets), brep, &label, context)?;
     if model.distance_max > tolerance {
         model.warnings.push(format!(
             "the scan is up to {:.3e} from the model, more than the tolerance of {tolerance:.3e}: where it bends within a \
@@ -216,14 +217,18 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
 }
 
 /// The control points, after as many divisions as the tolerance needs.
-fn fitted(cage: Cage, mesh: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<Cage> {
+fn fitted(
+    mut cage: Cage,
+    (mesh, scan): (&SurfaceMesh, &Scan),
+    tolerance: f64,
+    context: &Context,
+) -> Result<Cage> {
     let _stage = context.stage("surface");
-    let (mut cage, scan) = (cage, Scan::new(mesh));
     let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
     let mut vertices = scan.fitted(mesh);
     for division in 0..=DIVISIONS {
         let way = (division == 0, goal);
-        let [max, rms] = run(&cage.net, &mut cage.points, &mut vertices, &scan, way, context)?;
+        let [max, rms] = run(&cage.net, &mut cage.points, &mut vertices, scan, way, context)?;
         tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
         let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
         if division == DIVISIONS || max <= goal.max && (rms <= goal.rms || !finer) {
@@ -259,7 +264,7 @@ fn enclosed(cage: &Cage, blocks: &[Block], brep: &mut Brep) -> Result<Vec<u32>> 
 
 /// The check, and everything that is measured.
 fn finish(
-    mesh: &SurfaceMesh,
+    (mesh, scan): (&SurfaceMesh, &Scan),
     cage: &Cage,
     (blocks, layout, sheets): (&[Block], &Layout, &[Sheet]),
     brep: Brep,
@@ -268,7 +273,7 @@ fn finish(
 ) -> Result<CadModel> {
     let _stage = context.stage("check");
     brep.check()?;
-    let mut feet = Scan::new(mesh).vertices();
+    let mut feet = scan.vertices();
     find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), &cage.net, &cage.points, context)?;
     let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
     let off: Vec<f64> = off.into_iter().zip(feet::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();

@@ -45,26 +45,26 @@ pub fn run(
     context: &Context,
 ) -> Result<[f64; 2]> {
     let mut fit = Fit::new(net);
-    let feet = |points: &[DVec3], vertices: &mut [Sample]| {
-        find_feet(vertices, &Limit::new(net, points, FIT_LEVELS), net, points, context)
+    let on_surface = |points: &[DVec3], vertices: &mut [Sample]| -> Result<_> {
+        let surface = Limit::new(net, points, FIT_LEVELS);
+        let off = find_feet(vertices, &surface, net, points, context)?;
+        Ok((Some(surface), off))
     };
-    if !is_first {
-        relax(net, points);
-    }
-    let mut off = [f64::INFINITY; 2];
-    if is_first {
+    let (mut surface, mut off) = if is_first {
         find_first_feet(vertices, net, points, context)?;
+        (None, [f64::INFINITY; 2])
     } else {
-        off = feet(points, vertices)?;
-    }
+        relax(net, points);
+        on_surface(points, vertices)?
+    };
     let mut memory = Memory::default();
     let first: &[f64] = if is_first { &FIRST_FAIRNESS } else { &[] };
     for round in 0..first.len() + ROUNDS {
         let is_last_fairness = round >= first.len();
         let fairness = first.get(round).copied().unwrap_or(LEAST_FAIRNESS);
         let mut samples = vertices.to_vec();
-        if !(is_first && round == 0) {
-            samples.extend(own(net, &Limit::new(net, points, FIT_LEVELS), points, scan, context)?);
+        if let Some(surface) = &surface {
+            samples.extend(own(net, surface, points, scan, context)?);
         }
         let solved = fit.solve(points, &samples, fairness, context)?;
         let guess = if is_last_fairness { memory.extrapolated(points, &solved) } else { None };
@@ -73,11 +73,11 @@ pub fn run(
         if !is_last_fairness {
             relax(net, points);
         }
-        off = feet(points, vertices)?;
+        (surface, off) = on_surface(points, vertices)?;
         if guess.is_some() && off[1] > before[1] {
             *points = solved;
             memory = Memory::default();
-            off = feet(points, vertices)?;
+            (surface, off) = on_surface(points, vertices)?;
         }
         tracing::debug!(max = off[0], rms = off[1], extrapolated = guess.is_some(), "surface");
         let is_near = off[0] <= goal.max && off[1] <= goal.rms;
