@@ -9,6 +9,7 @@ use super::tuning::LADDER_ROUNDS;
 use crate::brep::Brep;
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::geometry::intersections::Intersections;
 use crate::geometry::primitive::Kind;
 use crate::mesh::{NONE, SurfaceMesh};
 use serde::Serialize;
@@ -64,11 +65,25 @@ pub fn descend(map: &mut Map<'_>, mesh: &SurfaceMesh, context: &Context) -> Resu
             }
             Ordering::Greater => {
                 let reason = obstacles.first().map_or("", |o| o.reason.as_str());
-                return Err(Error::Numeric(format!("not even the triangles make a valid model: {reason}")));
+                return Err(refusal(mesh, reason, context)?);
             }
         }
         round += 1;
     }
+}
+
+/// Why not even the triangles make a valid model: they cross each other, or else what the validator says.
+fn refusal(mesh: &SurfaceMesh, reason: &str, context: &Context) -> Result<Error> {
+    let crossing = Intersections::of(mesh, context)?;
+    let Some([a, b]) = crossing.places.first() else {
+        return Ok(Error::Numeric(format!("not even the triangles make a valid model: {reason}")));
+    };
+    let [least, plural] = [if crossing.more { "at least " } else { "" }, if crossing.pairs == 1 { "" } else { "s" }];
+    Ok(Error::Input {
+        what: format!("the surface crosses itself ({least}{} pair{plural} of faces), so that no solid has it for its border", crossing.pairs),
+        place: format!("faces {a} and {b}"),
+        remedy: "where a wall is thinner than its facets cut off, tessellate the part more finely; else move the crossing sheets apart".into(),
+    })
 }
 
 /// One attempt and what the validator says: a model, or what is in the way of one.
