@@ -150,7 +150,8 @@ def cad(
         The surface; polygons are cut into triangles.
     style : {"auto", "mechanical", "organic"}, optional
         What kind of model is made: the faces of a part, or smooth faces over all of a scan ("organic"); "auto" makes
-        these where no region has a surface with a name ("auto").
+        these where no region has a surface with a name, and where more than half of a part would be plane
+        facets ("auto").
     tolerance : float or str, optional
         Largest distance of a vertex from its face; from the data, for "organic" .1 % of the diagonal.
     labels : array_like of int, str or path, optional

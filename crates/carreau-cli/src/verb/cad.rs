@@ -42,7 +42,7 @@ pub struct Cad {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// The kind of model: the faces of a part, or smooth faces all over a scan (organic); auto chooses organic if no region
-    /// is a plane, cylinder, cone, sphere or torus [default: auto]
+    /// is a plane, cylinder, cone, sphere or torus, or if more than half of a part would be plane facets [default: auto]
     #[arg(long, value_name = "STYLE", value_parser = choice::<Style>(&["auto", "mechanical", "organic"]))]
     style: Option<Style>,
     /// Largest distance of a vertex from its face [default: from the data; organic: .1 % of the diagonal]

@@ -3,8 +3,9 @@
 use super::conics::candidates;
 use super::regions::Piece;
 use super::trace::{gap, signed, touch, trace};
-use super::tuning::{BRANCH_DISTANCE, NAMED_DISTANCE, TRACED_DISTANCE};
+use super::tuning::{BRANCH_DISTANCE, NAMED_DISTANCE, SAME_POINT, TRACED_DISTANCE};
 use crate::brep::{Curve, Surface};
+use crate::geometry::bspline::BSplineCurve;
 use glam::DVec3;
 
 /// A count: samples of a candidate between two points of the polyline, because it is to follow the border there and not
@@ -66,6 +67,13 @@ pub fn between(a: &Piece, b: &Piece, polyline: &[DVec3], closed: bool, diagonal:
             return best;
         }
     }
+    let cut = cut_profile(&a.surface, &b.surface).or_else(|| cut_profile(&b.surface, &a.surface));
+    if let Some(track) = cut.and_then(|curve| follow(curve, polyline, closed)).and_then(clipped) {
+        let track = measured(track, &a.surface, &b.surface, polyline.len());
+        if track.gap <= named && track.away <= most(&track, room.crossing) {
+            return Some(track);
+        }
+    }
     // A generator of a swept surface.
     if let Some(line) = straight(polyline, named) {
         let line = measured(line, &a.surface, &b.surface, polyline.len());
@@ -94,6 +102,46 @@ pub fn straight(polyline: &[DVec3], room: f64) -> Option<Track> {
     let (curve, range) = Curve::segment(a, b);
     let away = polyline.iter().map(|&p| curve.distance(p)).fold(0.0, f64::max);
     (away <= room).then_some(Track { curve, range, gap: 0.0, away })
+}
+
+/// The curve in which a plane cuts the extrusion of a spline: its profile, every point moved along the direction.
+fn cut_profile(swept: &Surface, plane: &Surface) -> Option<Curve> {
+    let (Surface::Extrusion { profile: Curve::Spline(profile), direction }, Surface::Plane { frame }) = (swept, plane)
+    else {
+        return None;
+    };
+    let across = frame.z.dot(*direction);
+    if across.abs() < LEAST_CROSSING {
+        return None;
+    }
+    let moved = |&p: &DVec3| p + frame.z.dot(frame.origin - p) / across * *direction;
+    let points = profile.points().iter().map(moved).collect();
+    BSplineCurve::new(profile.knots().clone(), points).ok().map(Curve::Spline)
+}
+
+/// A track on a spline with no more of it than the track needs; `None` where it goes on beyond its ends.
+fn clipped(track: Track) -> Option<Track> {
+    let [low, high] = track.curve.domain();
+    let [from, to] = track.range;
+    // A ring begins where the spline does.
+    if to - from > (1.0 - SAME_POINT) * (high - low) {
+        return Some(Track { range: [low, high], ..track });
+    }
+    let curve = part(&track.curve, track.range)?;
+    Some(Track { curve, ..track })
+}
+
+/// The part of a curve in a range: of a spline no more than that. `None` where the range goes on beyond the ends.
+pub fn part(curve: &Curve, [from, to]: [f64; 2]) -> Option<Curve> {
+    let Curve::Spline(whole) = curve else { return Some(curve.clone()) };
+    let [low, high] = whole.knots().domain();
+    if from < low || to > high {
+        return None;
+    }
+    let until = if to < high { whole.split(to).ok()?.into_iter().next() } else { Some(whole.clone()) };
+    let until = until?;
+    let both = if from > low { until.split(from).ok()?.into_iter().last() } else { Some(until) };
+    both.map(Curve::Spline)
 }
 
 /// A curve in the sense of a polyline, with the range between its ends; `None` where the polyline does not run along it.

@@ -1,6 +1,6 @@
 //! The model while it is made: edges may still be divided where a seam begins on them.
 
-use super::curves::Track;
+use super::curves::{Track, part};
 use super::topology::Graph;
 use super::tuning::{NEAR_VERTEX, SAME_POINT, STATED_FACTOR};
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Face, Surface, Vertex};
@@ -142,7 +142,9 @@ impl Draft {
             cuts.push((e.range[1], ends[1]));
             for w in cuts.windows(2) {
                 let (range, ends) = ([w[0].0, w[1].0], [w[0].1, w[1].1]);
-                brep.edges.push(Edge { curve: e.curve.clone(), range, ends, tolerance: STATED_FACTOR * e.gap });
+                // No more of a spline than the edge: on a closed one other programs had to guess which part is meant.
+                let curve = part(&e.curve, range).unwrap_or_else(|| e.curve.clone());
+                brep.edges.push(Edge { curve, range, ends, tolerance: STATED_FACTOR * e.gap });
             }
             pieces.push((first, cuts.len() as u32 - 1));
         }

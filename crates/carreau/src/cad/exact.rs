@@ -20,6 +20,11 @@ const LEAST_PRECISION: f64 = 1e-9;
 /// A share of the area of what is round: data is exact where so much of it is, because noise leaves nothing exact.
 const ROUND_EXACT: f64 = 0.5;
 
+/// A share of the area: below it the other faces of a model are worth more than that it has no facets.
+const FACETED_AREA: f64 = 0.5;
+/// A count: with fewer facets a model can still be edited.
+const MOST_FACETS: usize = 300;
+
 impl Map<'_> {
     /// The share of the area in pieces of some triangles whose vertices lie on their surface.
     pub fn exact_share(&self) -> f64 {
@@ -29,6 +34,12 @@ impl Map<'_> {
     /// The share of the area in pieces that have a surface.
     pub fn known_share(&self) -> f64 {
         self.share(|p| p.rung < Rung::Spline)
+    }
+
+    /// Whether more of the surface went down to facets than has a face of its own, so that nobody could edit the model.
+    pub fn is_faceted(&self) -> bool {
+        let facets = self.pieces.iter().filter(|p| p.rung >= Rung::Planes).count();
+        facets > MOST_FACETS && self.share(|p| p.rung >= Rung::Planes) > FACETED_AREA
     }
 
     /// Whether what is off its surface may be something else than noise, because some of the data is exact. Where there is

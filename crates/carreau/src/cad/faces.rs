@@ -12,9 +12,10 @@
 use super::conics::seam;
 use super::draft::{Draft, DraftFace, Merge};
 use super::regions::Piece;
-use super::seams::{Seams, Unrolled, points, unroll};
+use super::seams::{ALONG_SEAM, Seams, Unrolled, points, spline_period, unroll};
 use super::tuning::CAP_ANGLE;
-use crate::brep::{Frame, Surface};
+use crate::brep::{Curve, Frame, Surface};
+use crate::geometry::bspline::BSplineCurve;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -51,9 +52,10 @@ fn area_vector(rim: &[DVec3]) -> DVec3 {
     (0..rim.len()).map(|k| rim[k].cross(rim[(k + 1) % rim.len()])).sum()
 }
 
-/// The loops of a face, its seam, and which of its loops is the outer one.
+/// The loops of a face, its seam, and which of its loops is the outer one. The parameters of the surface begin at the seam from
+/// then on.
 pub fn face(
-    piece: &Piece,
+    piece: &mut Piece,
     draft: &mut Draft,
     loops: Vec<Vec<(u32, bool)>>,
     diagonal: f64,
@@ -77,6 +79,7 @@ pub fn face(
         if unrolled.iter().enumerate().any(is_wrong) {
             return Err("its loops run the wrong way round");
         }
+        begin_profile_outside(&mut piece.surface, &unrolled[face.outer]);
         return Ok(face);
     }
     let k = usize::from(unrolled[rings[0]].winding[0] == 0);
@@ -85,7 +88,7 @@ pub fn face(
     }
     // The material is on the left of every loop: above a ring that runs to larger u, and left of one that runs to larger v.
     let upward = |r: usize| f64::from(unrolled[r].winding[k]) * sense * if k == 0 { 1.0 } else { -1.0 } > 0.0;
-    let seams = Seams { piece, unrolled: &unrolled, k };
+    let seams = Seams { piece: &*piece, unrolled: &unrolled, k };
     if rings.len() == 1 {
         let end = point_of(surface, upward(rings[0])).ok_or("one ring alone bounds no face of its surface")?;
         let (crossing, x) = seams.best(draft, &face, rings[0], None, upward(rings[0])).ok_or("no seam is free")?;
@@ -95,6 +98,7 @@ pub fn face(
         let b = draft.vertex(end.0, 0.0);
         let seam = seams.edge(draft, x, [(a, crossing.at), (b, end.1)]).ok_or("its surface has no seam")?;
         face.merge = Some(Merge { first: (rings[0], a), second: (None, b), seam });
+        begin_at_seam(&mut piece.surface, k, x);
         return Ok(face);
     }
     let [a, b] = if upward(rings[0]) { [rings[0], rings[1]] } else { [rings[1], rings[0]] };
@@ -111,7 +115,70 @@ pub fn face(
     }
     let seam = seams.edge(draft, x, ends).ok_or("its surface has no seam")?;
     face.merge = Some(Merge { first: (a, ends[0].0), second: (Some(b), ends[1].0), seam });
+    begin_at_seam(&mut piece.surface, k, x);
     Ok(face)
+}
+
+/// Puts the circle that a cone is described by in the middle of its face, because other programs lose faces of cones that are
+/// described by their apex.
+pub fn center_cone(piece: &mut Piece, draft: &Draft, loops: &[Vec<(u32, bool)>]) {
+    let Surface::Cone { frame, radius, half_angle } = &mut piece.surface else { return };
+    let along = |p: DVec3| (p - frame.origin).dot(frame.z);
+    let places = loops.iter().flatten().flat_map(|&(e, r)| points(draft, e, r)).map(|(p, _)| along(p));
+    let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+    let middle = 0.5 * (low + high);
+    let wider = *radius + middle * half_angle.tan();
+    if middle.is_finite() && wider > 0.0 {
+        frame.origin += middle * frame.z;
+        *radius = wider;
+    }
+}
+
+/// Lets a closed profile begin outside of a face that does not go round it.
+fn begin_profile_outside(surface: &mut Surface, outer: &Unrolled) {
+    let Some(k) = spline_period(surface) else { return };
+    let [low, high] = outer.reach(k);
+    let [start, end] = surface.domain()[k];
+    let period = end - start;
+    if low + (start - low).rem_euclid(period) < high {
+        begin_profile(surface, k, 0.5 * (low + high + period));
+    }
+}
+
+/// Lets the parameters of a surface begin at its seam, because in OpenCASCADE a face that is wider than the period by a rounding
+/// cannot be tessellated.
+fn begin_at_seam(surface: &mut Surface, k: usize, x: f64) {
+    match surface {
+        Surface::Cylinder { frame, .. }
+        | Surface::Cone { frame, .. }
+        | Surface::Sphere { frame, .. }
+        | Surface::Torus { frame, .. }
+            if k == 0 =>
+        {
+            *frame = Frame::new(frame.origin, frame.z, frame.radial(x));
+        }
+        _ => begin_profile(surface, k, x),
+    }
+}
+
+/// Lets a closed profile begin at a parameter, because other programs do not go on beyond the ends of a spline.
+fn begin_profile(surface: &mut Surface, k: usize, x: f64) {
+    if spline_period(surface) != Some(k) {
+        return;
+    }
+    if let Surface::Extrusion { profile, .. } | Surface::Revolution { profile, .. } = surface
+        && let Curve::Spline(spline) = profile
+    {
+        let [low, high] = spline.knots().domain();
+        let at = low + (x - low).rem_euclid(high - low);
+        // At its end it begins already.
+        if (at - low).min(high - at) > ALONG_SEAM * (high - low)
+            && let Ok([before, behind]) = spline.split(at)
+            && let Ok(begun) = BSplineCurve::joined(&[behind, before.rescaled([high, high + (at - low)])])
+        {
+            *spline = begun;
+        }
+    }
 }
 
 /// The apex or the pole beyond a ring, with its v.

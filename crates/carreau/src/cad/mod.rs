@@ -31,6 +31,7 @@
 //! | loops in parameters and which is the outer one, spheres turned | `faces` |
 //! | loops unrolled, and where the seam between them is | `seams` |
 //! | the model while it is made | `draft` |
+//! | extrusions as spline surfaces | `spelled` |
 //! | one attempt, all of the above | `model` |
 //! | what stays from one attempt to the next | `memory` |
 //! | shells and bodies | `shells` |
@@ -72,6 +73,7 @@ mod runs;
 mod scraps;
 mod seams;
 mod shells;
+mod spelled;
 mod spline;
 mod swept;
 #[cfg(test)]
@@ -98,6 +100,10 @@ pub use ladder::Fallback;
 pub use organic::{Angles, Smooth};
 pub use regions::Rung;
 pub use relations::Adjusted;
+
+/// What a user should know where the default style gave up the surfaces that were found.
+const INSTEAD_OF_FACETS: &str = "smooth faces were made over all of the surface, because with the surfaces that were found more than \
+    half of it would be plane facets; the mechanical style gives that model";
 
 /// What kind of model is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -208,16 +214,23 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
             (segmentation, map) = (other, other_map);
         }
     }
-    if options.style == Style::Auto && options.labels.is_none() && map.is_free() {
-        match organic::organic(mesh, options, context) {
-            // Then trimmed spline surfaces are tried.
-            Err(Error::Numeric(reason)) => tracing::debug!(target: "carreau::cad", reason, "no smooth faces"),
-            done => return allowed(done?, options),
-        }
+    // Where there is no such model trimmed spline surfaces are tried.
+    if map.is_free()
+        && let Some(smooth) = smooth(mesh, options, context)?
+    {
+        return allowed(smooth, options);
     }
     let mut relations = settle(&mut map, options.snap, context)?;
     let places = if map.is_noisy() { Some(map.projected(context)?) } else { None };
     let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
+    // Facets are a valid model, too, but nobody can edit them.
+    if map.is_faceted()
+        && let Some(mut smooth) = smooth(mesh, options, context)?
+        && smooth.distance_max <= options.tolerance.unwrap_or(MODEL_DISTANCE * mesh.diagonal())
+    {
+        smooth.warnings.push(INSTEAD_OF_FACETS.into());
+        return allowed(smooth, options);
+    }
     let (distance_max, distance_rms) = distances(&map);
     let masses = brep.face_masses(context)?;
     let areas: Vec<f64> = masses.iter().map(|m| m.area).collect();
@@ -240,6 +253,20 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         distance_rms,
     };
     allowed(model, options)
+}
+
+/// Smooth faces over all of the surface, where the style is not given and there is a valid model of them.
+fn smooth(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<Option<CadModel>> {
+    if options.style != Style::Auto || options.labels.is_some() {
+        return Ok(None);
+    }
+    match organic::organic(mesh, options, context) {
+        Err(Error::Numeric(reason)) => {
+            tracing::debug!(target: "carreau::cad", reason, "no smooth faces");
+            Ok(None)
+        }
+        done => done.map(Some),
+    }
 }
 
 /// What a user should know where vertices are far off their faces, by a share of the diagonal.

@@ -4,10 +4,11 @@ use super::borders::border;
 use super::corners::place;
 use super::curves::{Room, Track, between, straight};
 use super::draft::{Draft, DraftFace};
-use super::faces::{face, turn_sphere};
+use super::faces::{center_cone, face, turn_sphere};
 use super::memory::Memory;
 use super::regions::{Map, Piece, Rung};
 use super::relations;
+use super::spelled::{lay_borders, spell_out};
 use super::spline::settle;
 use super::topology::{Chain, Graph};
 use super::trace::meet;
@@ -93,14 +94,13 @@ pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Res
             let middle = middle(map, p);
             turn_sphere(&mut map.pieces[p], &draft, &loops, middle);
         }
-        let piece = &map.pieces[p];
+        let piece = &mut map.pieces[p];
+        center_cone(piece, &draft, &loops);
         match face(piece, &mut draft, loops, map.diagonal) {
             Ok(drafted) => {
                 let mut face = Face::new(p as u32, Vec::new());
                 face.same_sense = piece.same_sense;
-                face.name = format!("{}_{p}", piece.surface.kind().name());
                 face.region = Some(piece.region);
-                face.trimmed = matches!(piece.surface, Surface::Spline(_));
                 faces.push((face, drafted));
             }
             Err(reason) => obstacles.push(Obstacle { pieces: vec![p as u32], reason: reason.into() }),
@@ -109,8 +109,19 @@ pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Res
     if !obstacles.is_empty() {
         return refused(obstacles);
     }
-    let surfaces = map.pieces.iter().map(|p| p.surface.clone()).collect();
-    Ok(Attempt { brep: draft.finish(surfaces, faces), obstacles })
+    let mut surfaces: Vec<Surface> = map.pieces.iter().map(|p| p.surface.clone()).collect();
+    let mut spelled = Vec::new();
+    for (k, ((face, drafted), surface)) in faces.iter_mut().zip(&mut surfaces).enumerate() {
+        if let Some(extrusion) = spell_out(surface, &draft, &drafted.loops) {
+            face.same_sense = !face.same_sense;
+            spelled.push((k, extrusion));
+        }
+        face.name = format!("{}_{}", surface.kind().name(), face.surface);
+        face.trimmed = matches!(surface, Surface::Spline(_));
+    }
+    let mut brep = draft.finish(surfaces, faces);
+    spelled.iter().for_each(|(face, extrusion)| lay_borders(&mut brep, *face, extrusion, map.diagonal));
+    Ok(Attempt { brep, obstacles })
 }
 
 /// The graph of the map, where the vertices at which boundaries of facets bend are corners as well.

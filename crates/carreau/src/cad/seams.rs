@@ -10,13 +10,23 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// A share of a period: what stays this near to a seam runs along it, because where it crosses is left to rounding.
-const ALONG_SEAM: f64 = 1e-6;
+pub const ALONG_SEAM: f64 = 1e-6;
 
 /// A loop as a polygon in the parameters.
 pub struct Unrolled {
     /// Parameters, the use that each sample is on, and the parameter of that edge; the last sample closes the loop.
     pub samples: Vec<([f64; 2], usize, f64)>,
     pub winding: [i32; 2],
+}
+
+/// The parameter in which a surface closes as its profile does, where that is a spline.
+pub fn spline_period(surface: &Surface) -> Option<usize> {
+    let k = match surface {
+        Surface::Extrusion { profile: Curve::Spline(_), .. } => 0,
+        Surface::Revolution { profile: Curve::Spline(_), .. } => 1,
+        _ => return None,
+    };
+    surface.periods()[k].map(|_| k)
 }
 
 /// A place where a loop crosses a line of constant parameter.
@@ -74,6 +84,12 @@ impl Unrolled {
     /// Area in the parameters, positive where the loop is counter-clockwise.
     pub fn area(&self) -> f64 {
         self.samples.windows(2).map(|w| 0.5 * (w[0].0[0] * w[1].0[1] - w[1].0[0] * w[0].0[1])).sum()
+    }
+
+    /// The least and the largest value of parameter `k`.
+    pub fn reach(&self, k: usize) -> [f64; 2] {
+        let values = || self.samples.iter().map(|s| s.0[k]);
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
     }
 
     /// Where the loop crosses parameter `k` = `at`, in any period.
@@ -156,6 +172,10 @@ impl Seams<'_> {
                     places.push((surface.project(draft.vertices[v as usize].point)[self.k], 1));
                 }
             }
+        }
+        // Where a spline begins is best of all: elsewhere it has to be divided.
+        if spline_period(surface) == Some(self.k) {
+            places.push((surface.domain()[self.k][0], 4));
         }
         let (mut known, count) = (places.clone(), 24);
         known.sort_by(|x, y| x.0.total_cmp(&y.0));

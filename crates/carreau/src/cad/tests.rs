@@ -137,7 +137,7 @@ fn an_extrusion_of_a_closed_curve_with_a_joint_is_one_face() {
     };
     let model = of(&loft(&(0..rings).map(ring).collect::<Vec<_>>()));
     assert!(model.fallback.is_empty(), "{:?}", model.fallback);
-    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Extrusion)), (3, 1));
+    assert_eq!((model.brep.faces.len(), count(&model, SurfaceKind::Spline)), (3, 1));
 }
 
 /// A plate with round corners, one of which was given the first column of the flat side beside it, which is so narrow that it lies on
@@ -236,4 +236,88 @@ fn noise_makes_no_facets_of_parts() {
         assert_eq!((model.brep.faces.len(), model.brep.solids.len()), (exact.brep.faces.len(), 1), "{name}");
         assert!((model.volume / exact.volume - 1.0).abs() < 1e-3, "{name}");
     }
+}
+
+/// A prism over a section that crosses itself bounds nothing, and the message says so, not what the validator thinks of it.
+#[test]
+fn a_surface_that_crosses_itself_is_refused_with_the_place() {
+    let section = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [2.0, -1.0], [1.0, 4.0], [0.0, 4.0]];
+    let ring = |z: f64| section.iter().map(|s| DVec3::new(s[0], s[1], z)).collect::<Vec<_>>();
+    let mesh = loft(&[ring(0.0), ring(3.0)]);
+    let refused = rebuild(&mesh, &CadOptions::default(), &Context::new()).unwrap_err();
+    assert!(
+        matches!(&refused, Error::Input { what, place, .. } if what.contains("crosses itself") && !place.is_empty()),
+        "{refused}"
+    );
+}
+
+/// A cylinder over an ellipse weighs right in programs that integrate by the default rule: its profile runs along v, and all of its
+/// borders have the knots of the profile. The seam is at both ends of it.
+#[test]
+fn an_extrusion_of_a_spline_weighs_right_in_other_programs() {
+    for turn in [0.0, 0.7] {
+        let turned = glam::DQuat::from_euler(glam::EulerRot::XYZ, turn, 0.4 * turn, 2.0 * turn);
+        let ring = |z: f64| -> Vec<DVec3> {
+            let at = |k: i32| std::f64::consts::TAU * f64::from(k) / 60.0;
+            (0..60).map(|k| turned * DVec3::new(3.0 * at(k).cos(), 2.0 * at(k).sin(), z)).collect()
+        };
+        let model = of(&loft(&[ring(0.0), ring(1.0)]));
+        assert!(model.fallback.is_empty(), "{:?}", model.fallback);
+        assert_eq!(model.brep.faces.len(), 3);
+        let side = model.brep.faces.iter().find(|f| f.trimmed).unwrap();
+        let crate::brep::Surface::Spline(surface) = model.brep.surface(side) else { panic!("{side:?}") };
+        let [u, v] = surface.knots();
+        assert!(u.degree() == 1 && v.degree() == 3 && u.breaks().len() == 2 && v.breaks().len() > 10);
+        let [from, to] = v.domain();
+        let mut seams = Vec::new();
+        for of in side.uses() {
+            let edge = &model.brep.edges[of.edge as usize];
+            assert!(of.parameters.len() >= 2, "{of:?}");
+            for (&[a, b], t) in [of.parameters[0], of.parameters[of.parameters.len() - 1]].iter().zip(edge.range) {
+                assert!(surface.point(a, b).distance(edge.curve.point(t)) < 1e-9);
+            }
+            if of.parameters.len() == 2 {
+                seams.push(of.parameters[0][1]);
+            } else {
+                assert_eq!(of.parameters.len(), v.breaks().len());
+            }
+        }
+        seams.sort_by(f64::total_cmp);
+        assert_eq!(seams, [from, to]);
+        // The spline through 60 points of an ellipse.
+        assert!((model.volume / (6.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{}", model.volume);
+    }
+}
+
+/// Cones are described by a circle in the middle of their face, not by their apex.
+#[test]
+fn the_circle_of_a_cone_is_inside_its_face() {
+    let ring = |radius: f64, z: f64| -> Vec<DVec3> {
+        let at = |k: i32| std::f64::consts::TAU * f64::from(k) / 40.0;
+        (0..40).map(|k| DVec3::new(radius * at(k).cos(), radius * at(k).sin(), z)).collect()
+    };
+    let model = of(&loft(&[ring(2.0, 0.0), ring(1.0, 1.0)]));
+    assert_eq!(count(&model, SurfaceKind::Cone), 1);
+    let cone = model.brep.surfaces.iter().find_map(|s| match s {
+        crate::brep::Surface::Cone { radius, .. } => Some(*radius),
+        _ => None,
+    });
+    assert!((cone.unwrap() - 1.5).abs() < 1e-6, "{cone:?}");
+}
+
+/// Where most of a part would be facets and its shape is smooth, smooth faces are made over all of it.
+#[test]
+fn a_lump_with_one_flat_side_is_no_heap_of_facets() {
+    let context = Context::new();
+    let sphere = sample::make("icosphere", None, &context).unwrap();
+    let lump = |p: DVec3| {
+        let q = p.normalize();
+        let r = 1.0 + 0.12 * (3.0 * q.x + 1.0).sin() * (2.5 * q.y).cos() + 0.1 * (2.0 * q.z + 4.0 * q.x).sin();
+        DVec3::new(1.3 * r * q.x, r * q.y, (0.8 * r * q.z).max(-0.4))
+    };
+    let points: Vec<DVec3> = sphere.points().iter().map(|&p| lump(p)).collect();
+    let triangles: Vec<[u32; 3]> = sphere.faces().iter().map(|f| [f[0], f[1], f[2]]).collect();
+    let model = of(&SurfaceMesh::from_triangles(points, &triangles).unwrap());
+    assert!(model.brep.faces.len() < 200, "{} {:?}", model.brep.faces.len(), model.fallback);
+    assert_eq!(model.brep.solids.len(), 1);
 }

@@ -217,12 +217,7 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
 }
 
 /// The control points, after as many divisions as the tolerance needs.
-fn fitted(
-    mut cage: Cage,
-    (mesh, scan): (&SurfaceMesh, &Scan),
-    tolerance: f64,
-    context: &Context,
-) -> Result<Cage> {
+fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, context: &Context) -> Result<Cage> {
     let _stage = context.stage("surface");
     let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
     let mut vertices = scan.fitted(mesh);
