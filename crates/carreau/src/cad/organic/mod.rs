@@ -41,24 +41,29 @@ use crate::brep::validate::{Limits, Reference, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
-use crate::mesh::{DisjointSets, SurfaceMesh, Triangles};
+use crate::mesh::{DisjointSets, SurfaceMesh, Triangles, area_vector};
 use crate::quad::{QuadOptions, quads};
 use blocks::{Block, Layout, blocks, layout};
-use control::{Sheet, sheet};
+use control::{GRADES, Sheet, sheet};
 use feet::{Scan, find_feet};
 use glam::DVec3;
 use limit::Limit;
 pub use measure::Angles;
 use net::Net;
-use rounds::{Goal, run};
+use rounds::{Goal, Turn, run};
+use rustc_hash::FxHashMap;
 use tracks::Walls;
 
 /// A count: quads of a body between which the blocks are drawn, because with fewer, quads of thin parts get worse, and
-/// with more, tracks meet less often. The second number is for scans with which the first makes no valid model.
-const QUADS_A_BODY: [usize; 2] = [800, 1600];
+/// with more, tracks meet less often. Each number is for scans with which the one before makes no valid model.
+const QUADS_A_BODY: [usize; 3] = [800, 1600, 3200];
 /// A count: quads for every vertex of the scan at most, because between these nothing is known; more where these make no valid model,
 /// or a coarse scan would be tried twice with the same quads.
-const QUADS_A_VERTEX: [usize; 2] = [1, 4];
+const QUADS_A_VERTEX: [usize; 3] = [1, 4, 4];
+/// A count: edges of quads around every hole, because with fewer the map of the surface has no room there.
+const EDGES_A_HOLE: f64 = 10.0;
+/// A count: quads for that at most, because time grows with them, and some holes are single triangles that are missing.
+const MOST_FOR_HOLES: usize = 5000;
 /// A count: quads in any case, because fewer have irregular vertices next to each other.
 const LEAST_QUADS: usize = 200;
 /// A count: bodies for which there are as many quads, because a scan with more has scraps among them, and time grows
@@ -69,6 +74,8 @@ const KINK_DEGREES: f64 = 0.5;
 /// A count: times that all quads are divided in four where the surface does not come near enough, because each takes
 /// four times as long.
 const DIVISIONS: usize = 2;
+/// A count: quads with more are not divided, because time and files grow with them.
+const MOST_DIVIDED: usize = 7000;
 /// A share of the diagonal: how near the scan has to be by default, because scans are hardly more exact.
 const ORGANIC_TOLERANCE: f64 = 1e-3;
 /// Root mean square distance for a largest one of 1: more quads are taken above it, but not so many that they would
@@ -82,10 +89,6 @@ const LEAST_BULGE: f64 = 4e-3;
 /// Radians: faces that differ by less from the facets near them are not turned over, because a smooth face that rounds a sharp rim
 /// of the scan off differs from the facets on both sides by nearly as much.
 const TURNED_OVER: f64 = std::f64::consts::FRAC_PI_2;
-/// A count: divisions towards irregular vertices for the faces: twice as fine as their knots, because feet near them
-/// are to be right.
-const FACE_LEVELS: usize = control::GRADES + 2;
-
 /// What is known of an organic model besides.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Smooth {
@@ -104,6 +107,8 @@ struct Cage {
     points: Vec<DVec3>,
     /// Edges at which the surface stays sharp, by their ends, smaller first; ascending.
     creases: Vec<[u32; 2]>,
+    /// How often the quads were divided.
+    divisions: usize,
 }
 
 impl Cage {
@@ -115,7 +120,7 @@ impl Cage {
         let mut walls = Walls::new(&net, &points, context)?;
         // Walls that blocks need.
         blocks(&net, &mut walls, context)?;
-        Ok(Cage { net, walls, points, creases })
+        Ok(Cage { net, walls, points, creases, divisions: 0 })
     }
 
     /// Every quad in four.
@@ -130,7 +135,17 @@ impl Cage {
         let points = [refined.vertex, refined.edge, refined.face].concat();
         let net = Net::new(&points, refine::refined_quads(&self.net), &creases)?;
         let walls = self.walls.divided(&net);
-        Ok(Cage { net, walls, points, creases })
+        Ok(Cage { net, walls, points, creases, divisions: self.divisions + 1 })
+    }
+
+    /// Number of knots that are halved towards an irregular vertex.
+    fn grades(&self) -> usize {
+        GRADES[self.divisions.min(GRADES.len() - 1)]
+    }
+
+    /// The surface, divided towards irregular vertices twice as finely as the faces' knots, because feet near them are to be right.
+    fn limit(&self) -> Limit<'_, DVec3> {
+        Limit::new(&self.net, &self.points, self.grades() + 2)
     }
 }
 
@@ -145,11 +160,18 @@ fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 /// Makes the model, from other quads where those at first make no valid one.
 pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
     let tolerance = options.tolerance.unwrap_or(ORGANIC_TOLERANCE * mesh.diagonal());
+    let least = LEAST_QUADS.max(around_holes(mesh));
     let bodies = bodies(mesh).min(MOST_BODIES);
+    let counts = QUADS_A_BODY.into_iter().zip(QUADS_A_VERTEX);
+    let mut tried: Vec<usize> =
+        counts.map(|(count, most)| (bodies * count).min(most * mesh.vertex_count()).max(least)).collect();
+    tried.dedup();
     let mut last = None;
-    for (count, per_vertex) in QUADS_A_BODY.into_iter().zip(QUADS_A_VERTEX) {
-        let count = (bodies * count).min((per_vertex * mesh.vertex_count()).max(LEAST_QUADS));
-        match attempt(mesh, tolerance, &quad_options(count, options.style), context) {
+    // Quads that are not of the map have so many irregular vertices that anything else comes first.
+    let all = tried.iter().map(|&count| (count, 1)).chain(tried.first().map(|&count| (count, 4)));
+    for (count, last_rung) in all {
+        let wanted = QuadOptions { last_rung, ..quad_options(count, options.style) };
+        match attempt(mesh, tolerance, &wanted, context) {
             Err(Error::Numeric(reason)) => last = Some(reason),
             done => return done,
         }
@@ -158,6 +180,21 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         "no valid model of smooth faces was found: {}; repair or smooth the mesh first (`carreau repair`, `carreau simplify`)",
         last.unwrap_or_default()
     )))
+}
+
+/// The number of quads with which edges are short enough for the smallest hole.
+fn around_holes(mesh: &SurfaceMesh) -> usize {
+    let mut sets = DisjointSets::new(mesh.vertex_count());
+    let half_edges = mesh.half_edges();
+    let borders: Vec<[u32; 2]> = half_edges.groups().filter(|e| e.len() == 1).map(|e| e.ends).collect();
+    borders.iter().for_each(|&[a, b]| sets.union(a, b));
+    let mut around: FxHashMap<u32, f64> = FxHashMap::default();
+    for &[a, b] in &borders {
+        *around.entry(sets.find(a)).or_default() += mesh.points()[a as usize].distance(mesh.points()[b as usize]);
+    }
+    let shortest = around.into_values().fold(f64::INFINITY, f64::min);
+    let area: f64 = mesh.faces().iter().map(|f| area_vector(mesh.points(), f).length()).sum();
+    ((area * (EDGES_A_HOLE / shortest).powi(2)) as usize).min(MOST_FOR_HOLES)
 }
 
 /// The number of connected parts.
@@ -217,21 +254,18 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
 }
 
 /// The control points, after as many divisions as the tolerance needs.
-fn fitted(
-    mut cage: Cage,
-    (mesh, scan): (&SurfaceMesh, &Scan),
-    tolerance: f64,
-    context: &Context,
-) -> Result<Cage> {
+fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, context: &Context) -> Result<Cage> {
     let _stage = context.stage("surface");
     let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
     let mut vertices = scan.fitted(mesh);
     for division in 0..=DIVISIONS {
-        let way = (division == 0, goal);
-        let [max, rms] = run(&cage.net, &mut cage.points, &mut vertices, scan, way, context)?;
-        tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
-        let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
-        if division == DIVISIONS || max <= goal.max && (rms <= goal.rms || !finer) {
+        let has_finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
+        let turn = Turn {
+            is_first: division == 0,
+            is_last: division == DIVISIONS || cage.net.quads.len() > MOST_DIVIDED,
+            has_finer,
+        };
+        if run(&cage.net, &mut cage.points, &mut vertices, scan, (turn, goal), context)? {
             return Ok(cage);
         }
         cage = cage.divided()?;
@@ -241,13 +275,13 @@ fn fitted(
 
 fn faces(cage: &Cage, blocks: &[Block], context: &Context) -> Result<Vec<Sheet>> {
     let _stage = context.stage("faces");
-    let surface = Limit::new(&cage.net, &cage.points, FACE_LEVELS);
+    let (surface, grades) = (cage.limit(), cage.grades());
     let one = |block: &Block| {
         context.check()?;
-        sheet(&cage.net, block, &surface)
+        sheet(&cage.net, block, &surface, grades)
     };
     let mut sheets = blocks.iter().map(one).collect::<Result<Vec<Sheet>>>()?;
-    polish::polish(&cage.net, blocks, &mut sheets, context)?;
+    polish::polish(&cage.net, blocks, &mut sheets, grades, context)?;
     Ok(sheets)
 }
 
@@ -274,7 +308,7 @@ fn finish(
     let _stage = context.stage("check");
     brep.check()?;
     let mut feet = scan.vertices();
-    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), &cage.net, &cage.points, context)?;
+    find_feet(&mut feet, &cage.limit(), &cage.net, &cage.points, context)?;
     let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
     let off: Vec<f64> = off.into_iter().zip(feet::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
     let distance_max = off.iter().copied().fold(0.0, f64::max);
