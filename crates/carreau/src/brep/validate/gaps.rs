@@ -2,7 +2,7 @@
 //! states.
 
 use super::{Fault, Finding, Limits};
-use crate::brep::{Brep, Curve, Edge};
+use crate::brep::{Brep, Curve, Edge, EdgeUse};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
@@ -63,7 +63,7 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
     let mut out = Vec::new();
     for of in face.uses() {
         let edge = &brep.edges[of.edge as usize];
-        let (gap, at) = largest_gap(brep, f, edge, edge.tolerance + rounding);
+        let (gap, at) = largest_gap(brep, f, edge, of, edge.tolerance + rounding);
         if gap > edge.tolerance + rounding {
             out.push(Finding::new(Fault::EdgeOffSurface, gap, edge.tolerance, at).of_face(f).of_edge(of.edge));
         }
@@ -72,7 +72,7 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
 }
 
 /// The largest distance of samples of an edge from the surface of a face; exact where it is more than `allowed`.
-fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
+fn largest_gap(brep: &Brep, f: u32, edge: &Edge, of: &EdgeUse, allowed: f64) -> (f64, DVec3) {
     let surface = brep.surface(&brep.faces[f as usize]);
     let spans = match &edge.curve {
         Curve::Spline(s) => s.knots().breaks().len() - 1,
@@ -86,11 +86,14 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
         at = surface.project_near(p, at);
         let mut off = surface.point(at[0], at[1]).distance(p);
         if off > worst.0.max(allowed) {
-            // A search from the place before may have stopped short.
-            let anew = surface.project(p);
-            let other = surface.point(anew[0], anew[1]).distance(p);
-            if other < off {
-                (off, at) = (other, surface.project_near(p, anew));
+            // A search from the place before may have stopped short, and so may one from all over a face whose cells are uneven: the
+            // use knows about where it is.
+            let known = known_place(of, k as f64 / n as f64);
+            for anew in known.into_iter().chain([surface.project(p)]) {
+                let other = surface.point(anew[0], anew[1]).distance(p);
+                if other < off {
+                    (off, at) = (other, surface.project_near(p, anew));
+                }
             }
         }
         if off > worst.0 {
@@ -100,8 +103,51 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
     worst
 }
 
+/// The parameters that a use has at a share of its edge, where it has them in proportion.
+fn known_place(of: &EdgeUse, share: f64) -> Option<[f64; 2]> {
+    let &[a, b] = of.parameters.as_slice() else { return None };
+    Some([0, 1].map(|k| a[k] + share * (b[k] - a[k])))
+}
+
 /// The length of a polygon through a few points of an edge: no longer than the edge.
 fn chord_length(edge: &Edge) -> f64 {
     let points: Vec<DVec3> = (0..=8).map(|k| edge.point_at(f64::from(k) / 8.0)).collect();
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::{Face, Surface, Vertex};
+    use crate::geometry::bspline::{BSplineSurface, Knots};
+
+    #[test]
+    fn an_edge_is_where_its_use_says_though_no_search_finds_it() {
+        // A strip that is rolled up in coils closer to each other than the samples of a search are.
+        let knots = [
+            Knots::from_breaks(1, &(0..=1600).map(f64::from).collect::<Vec<_>>(), 1),
+            Knots::from_breaks(1, &[0.0, 1.0], 1),
+        ];
+        let [u, v] = knots.map(Result::unwrap);
+        let coil = |k: u32| {
+            let angle = 0.1 * f64::from(k);
+            DVec3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + 1e-4 * angle)
+        };
+        let rows = [0.0, 1.0].map(|z| (0..=1600).map(move |k| coil(k) + z * DVec3::Z));
+        let surface = BSplineSurface::new(u, v, rows.into_iter().flatten().collect()).unwrap();
+        let curve = surface.sides().unwrap()[0].clone();
+        let range = curve.knots().domain();
+        let ends = curve.ends();
+        let edge = Edge { curve: Curve::Spline(curve), range, ends: [0, 1], tolerance: 0.0 };
+        let of = EdgeUse { edge: 0, reversed: false, parameters: vec![[0.0, 0.0], [1600.0, 0.0]] };
+        let brep = Brep {
+            vertices: ends.map(Vertex::exact).to_vec(),
+            edges: vec![edge.clone()],
+            faces: vec![Face::new(0, vec![vec![of.clone()]])],
+            surfaces: vec![Surface::Spline(surface)],
+            ..Brep::default()
+        };
+        assert!(largest_gap(&brep, 0, &edge, &EdgeUse::new(0, false), 1e-9).0 < 1e-2);
+        assert!(largest_gap(&brep, 0, &edge, &of, 1e-9).0 < 1e-9);
+    }
 }

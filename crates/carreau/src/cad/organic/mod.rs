@@ -45,12 +45,12 @@ use crate::mesh::{DisjointSets, SurfaceMesh, Triangles, area_vector};
 use crate::quad::{QuadOptions, quads};
 use blocks::{Block, Layout, blocks, layout};
 use control::{GRADES, Sheet, sheet};
-use feet::{Scan, find_feet};
+use feet::{Sample, Scan, find_feet};
 use glam::DVec3;
 use limit::Limit;
 pub use measure::Angles;
 use net::Net;
-use rounds::{Goal, Turn, run};
+use rounds::{Fitting, Goal, Turn, run};
 use rustc_hash::FxHashMap;
 use tracks::Walls;
 
@@ -60,10 +60,14 @@ const QUADS_A_BODY: [usize; 3] = [800, 1600, 3200];
 /// A count: quads for every vertex of the scan at most, because between these nothing is known; more where these make no valid model,
 /// or a coarse scan would be tried twice with the same quads.
 const QUADS_A_VERTEX: [usize; 3] = [1, 4, 4];
-/// A count: edges of quads around every hole, because with fewer the map of the surface has no room there.
-const EDGES_A_HOLE: f64 = 10.0;
-/// A count: quads for that at most, because time grows with them, and some holes are single triangles that are missing.
-const MOST_FOR_HOLES: usize = 5000;
+/// A count: edges of quads around every hole, because with fewer the map of the surface has no room there: eight, and one that whole
+/// numbers may take away.
+const EDGES_A_HOLE: f64 = 9.0;
+/// A count: holes that take more quads are left as they come, because time grows with the quads, and some holes are a triangle that
+/// is missing.
+const MOST_FOR_HOLES: f64 = 6000.0;
+/// A count: so many numbers of quads are tried for a model within the tolerance, more for one at all, because each takes as long.
+const TRIES_FOR_TOLERANCE: usize = 2;
 /// A count: quads in any case, because fewer have irregular vertices next to each other.
 const LEAST_QUADS: usize = 200;
 /// A count: bodies for which there are as many quads, because a scan with more has scraps among them, and time grows
@@ -166,15 +170,24 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let mut tried: Vec<usize> =
         counts.map(|(count, most)| (bodies * count).min(most * mesh.vertex_count()).max(least)).collect();
     tried.dedup();
-    let mut last = None;
+    let (mut best, mut last): (Option<CadModel>, _) = (None, None);
     // Quads that are not of the map have so many irregular vertices that anything else comes first.
     let all = tried.iter().map(|&count| (count, 1)).chain(tried.first().map(|&count| (count, 4)));
-    for (count, last_rung) in all {
+    for (k, (count, last_rung)) in all.enumerate() {
+        if best.is_some() && (k >= TRIES_FOR_TOLERANCE || last_rung > 1) {
+            break;
+        }
         let wanted = QuadOptions { last_rung, ..quad_options(count, options.style) };
         match attempt(mesh, tolerance, &wanted, context) {
+            Ok(model) if model.distance_max <= tolerance => return Ok(model),
+            Ok(model) if best.as_ref().is_none_or(|b| model.distance_max < b.distance_max) => best = Some(model),
+            Ok(_) => {}
             Err(Error::Numeric(reason)) => last = Some(reason),
-            done => return done,
+            Err(other) => return Err(other),
         }
+    }
+    if let Some(model) = best {
+        return Ok(model);
     }
     Err(Error::Numeric(format!(
         "no valid model of smooth faces was found: {}; repair or smooth the mesh first (`carreau repair`, `carreau simplify`)",
@@ -182,7 +195,7 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     )))
 }
 
-/// The number of quads with which edges are short enough for the smallest hole.
+/// The number of quads with which edges are short enough for the smallest hole that is to be kept.
 fn around_holes(mesh: &SurfaceMesh) -> usize {
     let mut sets = DisjointSets::new(mesh.vertex_count());
     let half_edges = mesh.half_edges();
@@ -192,9 +205,9 @@ fn around_holes(mesh: &SurfaceMesh) -> usize {
     for &[a, b] in &borders {
         *around.entry(sets.find(a)).or_default() += mesh.points()[a as usize].distance(mesh.points()[b as usize]);
     }
-    let shortest = around.into_values().fold(f64::INFINITY, f64::min);
     let area: f64 = mesh.faces().iter().map(|f| area_vector(mesh.points(), f).length()).sum();
-    ((area * (EDGES_A_HOLE / shortest).powi(2)) as usize).min(MOST_FOR_HOLES)
+    let needed = around.into_values().map(|length| area * (EDGES_A_HOLE / length).powi(2));
+    needed.filter(|&quads| quads <= MOST_FOR_HOLES).fold(0.0, f64::max) as usize
 }
 
 /// The number of connected parts.
@@ -230,16 +243,19 @@ fn attempt(mesh: &SurfaceMesh, tolerance: f64, wanted: &QuadOptions, context: &C
     Ok(model)
 }
 
-/// The model of a scan over given quads.
+/// The model of a scan over given quads. Where it is not valid the surface may be turned over: then it is unfolded, which takes it away
+/// from the scan.
 fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<CadModel> {
     let scan = Scan::new(mesh);
-    let mut cage = fitted(Cage::new(quads, context)?, (mesh, &scan), tolerance, context)?;
-    let blocks = blocks(&cage.net, &mut cage.walls, context)?;
-    let layout = layout(&cage.net, &cage.walls, &blocks)?;
-    let sheets = faces(&cage, &blocks, context)?;
-    let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
-    let label = enclosed(&cage, &blocks, &mut brep)?;
-    let mut model = finish((mesh, &scan), &cage, (&blocks, &layout, &sheets), brep, &label, context)?;
+    let mut vertices = scan.fitted(mesh);
+    let mut cage = fitted(Cage::new(quads, context)?, (mesh, &scan), &mut vertices, tolerance, context)?;
+    let mut model = match model(mesh, &scan, &mut cage, context) {
+        Err(Error::Numeric(_)) => {
+            Fitting::new(&cage.net, &scan, context).unfold(&mut cage.points, &mut vertices)?;
+            model(mesh, &scan, &mut cage, context)?
+        }
+        made => made?,
+    };
     if model.distance_max > tolerance {
         model.warnings.push(format!(
             "the scan is up to {:.3e} from the model, more than the tolerance of {tolerance:.3e}: where it bends within a \
@@ -253,11 +269,26 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
     Ok(model)
 }
 
+/// The model of a surface, if it is valid.
+fn model(mesh: &SurfaceMesh, scan: &Scan, cage: &mut Cage, context: &Context) -> Result<CadModel> {
+    let blocks = blocks(&cage.net, &mut cage.walls, context)?;
+    let layout = layout(&cage.net, &cage.walls, &blocks)?;
+    let sheets = faces(cage, &blocks, context)?;
+    let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
+    let label = enclosed(cage, &blocks, &mut brep)?;
+    finish((mesh, scan), cage, (&blocks, &layout, &sheets), brep, &label, context)
+}
+
 /// The control points, after as many divisions as the tolerance needs.
-fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, context: &Context) -> Result<Cage> {
+fn fitted(
+    mut cage: Cage,
+    (mesh, scan): (&SurfaceMesh, &Scan),
+    vertices: &mut [Sample],
+    tolerance: f64,
+    context: &Context,
+) -> Result<Cage> {
     let _stage = context.stage("surface");
     let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
-    let mut vertices = scan.fitted(mesh);
     for division in 0..=DIVISIONS {
         let has_finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
         let turn = Turn {
@@ -265,7 +296,7 @@ fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, c
             is_last: division == DIVISIONS || cage.net.quads.len() > MOST_DIVIDED,
             has_finer,
         };
-        if run(&cage.net, &mut cage.points, &mut vertices, scan, (turn, goal), context)? {
+        if run(&cage.net, &mut cage.points, vertices, scan, (turn, goal), context)? {
             return Ok(cage);
         }
         cage = cage.divided()?;

@@ -60,8 +60,7 @@ impl Turn {
     }
 }
 
-/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns whether no other fit comes after it; then it
-/// is not turned over either, if that can be helped.
+/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns whether no other fit comes after it.
 pub fn run(
     net: &Net,
     points: &mut Vec<DVec3>,
@@ -111,11 +110,7 @@ pub fn run(
         }
     }
     tracing::debug!(quads = net.quads.len(), max = off[0], rms = off[1], "fitted");
-    let ends = turn.ends(goal, off);
-    if ends && let Some(surface) = surface {
-        fitting.unfold(surface, points, vertices)?;
-    }
-    Ok(ends)
+    Ok(turn.ends(goal, off))
 }
 
 /// What rounds need.
@@ -140,12 +135,8 @@ impl<'a> Fitting<'a> {
     }
 
     /// Makes the surface stiffer where it is turned over, as long as that helps.
-    pub fn unfold(
-        &mut self,
-        mut surface: Limit<'a, DVec3>,
-        points: &mut Vec<DVec3>,
-        vertices: &mut [Sample],
-    ) -> Result<()> {
+    pub fn unfold(&mut self, points: &mut Vec<DVec3>, vertices: &mut [Sample]) -> Result<()> {
+        let (mut surface, _) = self.surface(points, vertices)?;
         let (mut least, mut waited) = (usize::MAX, 0);
         for _ in 0..UNFOLDING_ROUNDS {
             let (own, turned) = own(self.net, &surface, points, self.scan, self.context)?;
