@@ -21,6 +21,16 @@ pub struct DraftEdge {
     pub splits: Vec<(f64, u32)>,
 }
 
+impl DraftEdge {
+    /// The part of the edge between two places. Its curve is no more of a spline than that, because on a closed one other programs
+    /// would have to guess which part is meant.
+    fn between(&self, from: (f64, u32), to: (f64, u32)) -> Edge {
+        let range = [from.0, to.0];
+        let curve = part(&self.curve, range).unwrap_or_else(|| self.curve.clone());
+        Edge { curve, range, ends: [from.1, to.1], tolerance: STATED_FACTOR * self.gap }
+    }
+}
+
 /// A loop to which a second one, or a point, is joined by a seam.
 #[derive(Debug, Clone)]
 pub struct Merge {
@@ -141,10 +151,7 @@ impl Draft {
             cuts.extend(e.splits.iter().copied());
             cuts.push((e.range[1], ends[1]));
             for w in cuts.windows(2) {
-                let (range, ends) = ([w[0].0, w[1].0], [w[0].1, w[1].1]);
-                // No more of a spline than the edge: on a closed one other programs had to guess which part is meant.
-                let curve = part(&e.curve, range).unwrap_or_else(|| e.curve.clone());
-                brep.edges.push(Edge { curve, range, ends, tolerance: STATED_FACTOR * e.gap });
+                brep.edges.push(e.between(w[0], w[1]));
             }
             pieces.push((first, cuts.len() as u32 - 1));
         }

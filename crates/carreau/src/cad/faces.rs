@@ -72,13 +72,7 @@ pub fn face(
         if matches!(surface, Surface::Torus { .. }) && unrolled.iter().all(|u| sense * u.area() < 0.0) {
             return Err("a torus with holes has no border");
         }
-        let outer = (0..unrolled.len())
-            .max_by(|&a, &b| (unrolled[a].area() * sense).total_cmp(&(unrolled[b].area() * sense)).then(b.cmp(&a)));
-        face.outer = outer.unwrap_or(0);
-        let is_wrong = |(k, u): (usize, &Unrolled)| (u.area() * sense > 0.0) != (k == face.outer);
-        if unrolled.iter().enumerate().any(is_wrong) {
-            return Err("its loops run the wrong way round");
-        }
+        face.outer = outer(&unrolled, sense).ok_or("its loops run the wrong way round")?;
         begin_profile_outside(&mut piece.surface, &unrolled[face.outer]);
         return Ok(face);
     }
@@ -117,6 +111,13 @@ pub fn face(
     face.merge = Some(Merge { first: (a, ends[0].0), second: (Some(b), ends[1].0), seam });
     begin_at_seam(&mut piece.surface, k, x);
     Ok(face)
+}
+
+/// The loop around all others; `None` where one runs the wrong way round.
+fn outer(unrolled: &[Unrolled], sense: f64) -> Option<usize> {
+    let area = |k: usize| unrolled[k].area() * sense;
+    let outer = (0..unrolled.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)).then(b.cmp(&a)))?;
+    (0..unrolled.len()).all(|k| (area(k) > 0.0) == (k == outer)).then_some(outer)
 }
 
 /// Puts the circle that a cone is described by in the middle of its face, because other programs lose faces of cones that are

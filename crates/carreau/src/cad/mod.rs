@@ -92,6 +92,7 @@ use crate::mesh::{SurfaceMesh, Triangles};
 use crate::segment::{Rectify, SegmentOptions, Segmentation, segment};
 use glam::DVec3;
 use misfits::Share;
+use organic::Effort;
 use regions::Map;
 use serde::{Deserialize, Serialize};
 use tuning::{EXACT_TOLERANCE, MODEL_DISTANCE, NEARLY_ALL_AREA, SOME_AREA};
@@ -191,7 +192,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         if options.labels.is_some() {
             return Err(Error::Options("labels are faces of a part; style organic makes its own".into()));
         }
-        return allowed(organic::organic(mesh, options, context)?, options);
+        return allowed(organic::organic(mesh, options, Effort::Full, context)?, options);
     }
     let wanted = SegmentOptions {
         labels: options.labels.clone(),
@@ -199,24 +200,10 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
         rectify: if options.labels.is_some() { Rectify::None } else { Rectify::default() },
         ..SegmentOptions::default()
     };
-    let mut segmentation = segment(mesh, &wanted, context)?;
-    let mut map = mapped(mesh, triangles, &segmentation, context)?;
-    // Free surfaces in exact data look like noise, but with noise nothing would be exact.
-    let share = map.exact_share();
-    let doubtful = segmentation.chosen.noise > 0.0 && wanted.tolerance.is_none() && wanted.labels.is_none();
-    if doubtful && (SOME_AREA..NEARLY_ALL_AREA).contains(&share) {
-        let exact = SegmentOptions { tolerance: Some(EXACT_TOLERANCE * mesh.diagonal()), ..wanted };
-        let other = segment(mesh, &exact, context)?;
-        let other_map = mapped(mesh, triangles, &other, context)?;
-        let known = |map: &Map<'_>| map.known_share();
-        let is_better = other_map.exact_share() > share + SOME_AREA && known(&other_map) > known(&map) - SOME_AREA;
-        if is_better || (other_map.is_exact() && other_map.exact_share() >= share) {
-            (segmentation, map) = (other, other_map);
-        }
-    }
+    let (segmentation, mut map) = segmented(mesh, triangles, wanted, context)?;
     // Where there is no such model trimmed spline surfaces are tried.
     if map.is_free()
-        && let Some(smooth) = smooth(mesh, options, context)?
+        && let Some(smooth) = smooth(mesh, options, Effort::Full, context)?
     {
         return allowed(smooth, options);
     }
@@ -225,7 +212,7 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
     // Facets are a valid model, too, but nobody can edit them.
     if map.is_faceted()
-        && let Some(mut smooth) = smooth(mesh, options, context)?
+        && let Some(mut smooth) = smooth(mesh, options, Effort::Little, context)?
         && smooth.distance_max <= options.tolerance.unwrap_or(MODEL_DISTANCE * mesh.diagonal())
     {
         smooth.warnings.push(INSTEAD_OF_FACETS.into());
@@ -255,12 +242,37 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     allowed(model, options)
 }
 
+/// The regions of a mesh and the map of their pieces: as they are found by default, or as those of exact data.
+fn segmented<'a>(
+    mesh: &SurfaceMesh,
+    triangles: Triangles<'a>,
+    wanted: SegmentOptions,
+    context: &Context,
+) -> Result<(Segmentation, Map<'a>)> {
+    let mut segmentation = segment(mesh, &wanted, context)?;
+    let mut map = mapped(mesh, triangles, &segmentation, context)?;
+    // Free surfaces in exact data look like noise, but with noise nothing would be exact.
+    let share = map.exact_share();
+    let doubtful = segmentation.chosen.noise > 0.0 && wanted.tolerance.is_none() && wanted.labels.is_none();
+    if doubtful && (SOME_AREA..NEARLY_ALL_AREA).contains(&share) {
+        let exact = SegmentOptions { tolerance: Some(EXACT_TOLERANCE * mesh.diagonal()), ..wanted };
+        let other = segment(mesh, &exact, context)?;
+        let other_map = mapped(mesh, triangles, &other, context)?;
+        let known = |map: &Map<'_>| map.known_share();
+        let is_better = other_map.exact_share() > share + SOME_AREA && known(&other_map) > known(&map) - SOME_AREA;
+        if is_better || (other_map.is_exact() && other_map.exact_share() >= share) {
+            (segmentation, map) = (other, other_map);
+        }
+    }
+    Ok((segmentation, map))
+}
+
 /// Smooth faces over all of the surface, where the style is not given and there is a valid model of them.
-fn smooth(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<Option<CadModel>> {
+fn smooth(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context: &Context) -> Result<Option<CadModel>> {
     if options.style != Style::Auto || options.labels.is_some() {
         return Ok(None);
     }
-    match organic::organic(mesh, options, context) {
+    match organic::organic(mesh, options, effort, context) {
         Err(Error::Numeric(reason)) => {
             tracing::debug!(target: "carreau::cad", reason, "no smooth faces");
             Ok(None)

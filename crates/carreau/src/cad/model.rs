@@ -109,6 +109,11 @@ pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Res
     if !obstacles.is_empty() {
         return refused(obstacles);
     }
+    Ok(Attempt { brep: finished(map, draft, faces), obstacles })
+}
+
+/// The model of a draft, on the surfaces of the pieces; extrusions of splines are spelled out.
+fn finished(map: &Map<'_>, draft: Draft, mut faces: Vec<(Face, DraftFace)>) -> Brep {
     let mut surfaces: Vec<Surface> = map.pieces.iter().map(|p| p.surface.clone()).collect();
     let mut spelled = Vec::new();
     for (k, ((face, drafted), surface)) in faces.iter_mut().zip(&mut surfaces).enumerate() {
@@ -121,7 +126,7 @@ pub fn attempt(map: &mut Map<'_>, memory: &mut Memory, context: &Context) -> Res
     }
     let mut brep = draft.finish(surfaces, faces);
     spelled.iter().for_each(|(face, extrusion)| lay_borders(&mut brep, *face, extrusion, map.diagonal));
-    Ok(Attempt { brep, obstacles })
+    brep
 }
 
 /// The graph of the map, where the vertices at which boundaries of facets bend are corners as well.

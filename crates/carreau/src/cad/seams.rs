@@ -158,25 +158,8 @@ impl Seams<'_> {
         b: Option<usize>,
         upward: bool,
     ) -> Option<(Crossing, f64)> {
-        let surface = &self.piece.surface;
         let period = self.period();
-        let mut places: Vec<(f64, u32)> = Vec::new();
-        for ring in [Some(a), b].into_iter().flatten() {
-            for &(e, _) in &face.loops[ring] {
-                let edge = &draft.edges[e as usize];
-                if edge.ends.is_none() && matches!(edge.curve, Curve::Spline(_)) {
-                    places.push((surface.project(edge.curve.point(edge.range[0]))[self.k], 1));
-                }
-                let ends = edge.ends.into_iter().flatten().chain(edge.splits.iter().map(|s| s.1));
-                for v in ends {
-                    places.push((surface.project(draft.vertices[v as usize].point)[self.k], 1));
-                }
-            }
-        }
-        // Where a spline begins is best of all: elsewhere it has to be divided.
-        if spline_period(surface) == Some(self.k) {
-            places.push((surface.domain()[self.k][0], 4));
-        }
+        let mut places = self.known_places(draft, face, [Some(a), b]);
         let (mut known, count) = (places.clone(), 24);
         known.sort_by(|x, y| x.0.total_cmp(&y.0));
         let start = self.unrolled[a].samples[0].0[self.k];
@@ -211,6 +194,28 @@ impl Seams<'_> {
             }
         }
         best.map(|b| (b.1, b.2))
+    }
+
+    /// Places of vertices of the rings, and where a closed spline begins, with their worth: elsewhere that has to be divided.
+    fn known_places(&self, draft: &Draft, face: &DraftFace, rings: [Option<usize>; 2]) -> Vec<(f64, u32)> {
+        let surface = &self.piece.surface;
+        let mut places: Vec<(f64, u32)> = Vec::new();
+        for ring in rings.into_iter().flatten() {
+            for &(e, _) in &face.loops[ring] {
+                let edge = &draft.edges[e as usize];
+                if edge.ends.is_none() && matches!(edge.curve, Curve::Spline(_)) {
+                    places.push((surface.project(edge.curve.point(edge.range[0]))[self.k], 1));
+                }
+                let ends = edge.ends.into_iter().flatten().chain(edge.splits.iter().map(|s| s.1));
+                for v in ends {
+                    places.push((surface.project(draft.vertices[v as usize].point)[self.k], 1));
+                }
+            }
+        }
+        if spline_period(surface) == Some(self.k) {
+            places.push((surface.domain()[self.k][0], 4));
+        }
+        places
     }
 
     /// Whether a loop runs along a seam: where it crosses that is anybody's guess.

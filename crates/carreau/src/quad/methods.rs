@@ -7,7 +7,7 @@ use super::source::Source;
 use super::work::{Place, Work};
 use super::{QuadOptions, paired, sew, validate};
 use crate::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::features::{Creases, FeatureOptions};
 use crate::mesh::SurfaceMesh;
 
@@ -89,7 +89,11 @@ fn without_creases(
 /// What came of the map if it is of use, or what comes of the next methods.
 fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context) -> Result<Made> {
     let mut warnings = source.surface.repaired.clone();
-    let pairs = if map.will_do() { None } else { paired::quads(source, options, &mut warnings, context)? };
+    let pairs = if map.will_do() || options.last_rung < 3 {
+        None
+    } else {
+        paired::quads(source, options, &mut warnings, context)?
+    };
     let candidates = map.best.map(|b| (b, Method::Map)).into_iter().chain(pairs.map(|b| (b, Method::Pairs)));
     // What keeps all features of a part goes before what loses some, however many quads that takes.
     let best = candidates.min_by_key(|of| of.0.worth());
@@ -98,6 +102,9 @@ fn or_next(source: &Source, map: OfMap, options: &QuadOptions, context: &Context
     }
     if let Some((Judged { work, .. }, method)) = best {
         return Ok(Made { work, method, warnings });
+    }
+    if options.last_rung < 4 {
+        return Err(Error::Numeric(format!("no quads were found: {}", map.refused)));
     }
     warnings.push("every triangle becomes three quads".into());
     Ok(Made { work: thirds(source), method: Method::Thirds, warnings })

@@ -96,6 +96,9 @@ pub struct QuadOptions {
     pub edge_length: Option<f64>,
     /// The first rung that is tried, 1 to 4.
     pub rung: u32,
+    /// The last one: where none up to it gives quads there is an error.
+    #[serde(skip)]
+    pub last_rung: u32,
     /// Quads that are the same on both sides of a plane.
     pub symmetry: Symmetry,
     /// Smaller quads where the surface bends, larger ones where it is flat.
@@ -120,6 +123,7 @@ impl Default for QuadOptions {
             quads: 3000,
             edge_length: None,
             rung: 1,
+            last_rung: 4,
             symmetry: Symmetry::Off,
             adaptive: false,
             sizes: None,
@@ -189,7 +193,7 @@ const TAKE_BACK_ROUNDS: usize = 30;
 ///
 /// # Errors
 /// [`Error::Options`] for options out of range, or sizes that are no such property; [`Error::Input`] for a mesh without faces;
-/// [`Error::Numeric`] for a surface without the symmetry that is asked for, or more quads than are allowed; [`Error::Cancelled`],
+/// [`Error::Numeric`] for a surface without the symmetry that is asked for, more quads than are allowed, or none up to the last rung; [`Error::Cancelled`],
 /// [`Error::Deadline`].
 pub fn quads(mesh: &SurfaceMesh, options: &QuadOptions, context: &Context) -> Result<Quads> {
     options.validate()?;
@@ -297,7 +301,8 @@ impl QuadOptions {
         if self.adaptive && self.sizes.is_some() {
             return Err(Error::Options("sizes: either adaptive or by a property, not both".into()));
         }
-        within("rung", self.rung, 1..=4, "")
+        within("rung", self.rung, 1..=4, "")?;
+        within("last-rung", self.last_rung, self.rung..=4, "")
     }
 }
 

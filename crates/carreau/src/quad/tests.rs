@@ -413,3 +413,16 @@ fn a_rough_skin_is_followed_less_closely_on_rung_3() {
     check(&mesh, &result);
     assert!(result.rung() == 3 && (360..=600).contains(&result.mesh.face_count()), "{}", result.mesh.face_count());
 }
+
+#[test]
+fn no_rung_after_the_last_one_is_tried() {
+    let context = Context::new();
+    let mesh = sample::make("bracket", None, &context).unwrap();
+    let made = |rung, last_rung| {
+        quads(&mesh, &QuadOptions { quads: 900, rung, last_rung, ..QuadOptions::default() }, &context)
+    };
+    assert_eq!(made(1, 1).unwrap().rung(), 1);
+    // The second rung is none any more.
+    assert!(matches!(made(2, 2), Err(Error::Numeric(_))));
+    assert!(matches!(made(3, 2), Err(Error::Options(_))));
+}

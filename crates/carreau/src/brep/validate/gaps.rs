@@ -2,7 +2,7 @@
 //! states.
 
 use super::{Fault, Finding, Limits};
-use crate::brep::{Brep, Curve, Edge};
+use crate::brep::{Brep, Curve, Edge, EdgeUse};
 use crate::context::Context;
 use crate::error::Result;
 use glam::DVec3;
@@ -63,7 +63,7 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
     let mut out = Vec::new();
     for of in face.uses() {
         let edge = &brep.edges[of.edge as usize];
-        let (gap, at) = largest_gap(brep, f, edge, edge.tolerance + rounding);
+        let (gap, at) = largest_gap(brep, f, edge, of, edge.tolerance + rounding);
         if gap > edge.tolerance + rounding {
             out.push(Finding::new(Fault::EdgeOffSurface, gap, edge.tolerance, at).of_face(f).of_edge(of.edge));
         }
@@ -72,7 +72,7 @@ fn off_surface(brep: &Brep, f: u32, rounding: f64) -> Vec<Finding> {
 }
 
 /// The largest distance of samples of an edge from the surface of a face; exact where it is more than `allowed`.
-fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
+fn largest_gap(brep: &Brep, f: u32, edge: &Edge, of: &EdgeUse, allowed: f64) -> (f64, DVec3) {
     let surface = brep.surface(&brep.faces[f as usize]);
     let spans = match &edge.curve {
         Curve::Spline(s) => s.knots().breaks().len() - 1,
@@ -86,11 +86,14 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
         at = surface.project_near(p, at);
         let mut off = surface.point(at[0], at[1]).distance(p);
         if off > worst.0.max(allowed) {
-            // A search from the place before may have stopped short.
-            let anew = surface.project(p);
-            let other = surface.point(anew[0], anew[1]).distance(p);
-            if other < off {
-                (off, at) = (other, surface.project_near(p, anew));
+            // A search from the place before may have stopped short, and so may one from all over a face whose cells are uneven: the
+            // use knows about where it is.
+            let known = known_place(of, k as f64 / n as f64);
+            for anew in known.into_iter().chain([surface.project(p)]) {
+                let other = surface.point(anew[0], anew[1]).distance(p);
+                if other < off {
+                    (off, at) = (other, surface.project_near(p, anew));
+                }
             }
         }
         if off > worst.0 {
@@ -100,8 +103,31 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, allowed: f64) -> (f64, DVec3) {
     worst
 }
 
+/// The parameters that a use has at a share of its edge, where it has them in proportion.
+fn known_place(of: &EdgeUse, share: f64) -> Option<[f64; 2]> {
+    let &[a, b] = of.parameters.as_slice() else { return None };
+    Some([0, 1].map(|k| a[k] + share * (b[k] - a[k])))
+}
+
 /// The length of a polygon through a few points of an edge: no longer than the edge.
 fn chord_length(edge: &Edge) -> f64 {
     let points: Vec<DVec3> = (0..=8).map(|k| edge.point_at(f64::from(k) / 8.0)).collect();
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_use_knows_its_place_in_the_sense_of_the_edge() {
+        let of = |reversed, parameters| EdgeUse { edge: 0, reversed, parameters };
+        for reversed in [false, true] {
+            let place = known_place(&of(reversed, vec![[1.0, 4.0], [3.0, 8.0]]), 0.25);
+            assert_eq!(place, Some([1.5, 5.0]));
+        }
+        // One for each knot, or none.
+        assert_eq!(known_place(&of(false, vec![[0.0; 2]; 3]), 0.5), None);
+        assert_eq!(known_place(&of(false, Vec::new()), 0.5), None);
+    }
 }

@@ -6,7 +6,7 @@
 //! the limit surface is.
 //!
 //! ```text
-//!     ┌──┬──┬─────┬───────────┬──       knots 0, 1/16, 1/8, 1/4, 1/2, 1, 2, …
+//!     ┌──┬──┬─────┬───────────┬──       knots 0, 1/8, 1/4, 1/2, 1, 2, …
 //!     ├──┼──┼─────┼───────────┼──
 //!     ├──┼──┼─────┼───────────┼──
 //!     ●──┴──┴─────┴───────────┴──       only the first cell is not the limit surface
@@ -19,9 +19,9 @@ use crate::error::Result;
 use crate::geometry::bspline::Knots;
 use glam::DVec3;
 
-/// A count: knots that are halved towards an irregular vertex, because the face is to follow the limit surface there
-/// and each halves what it misses.
-pub const GRADES: usize = 4;
+/// A count: knots that are halved towards an irregular vertex, by how often the quads were divided, because the face is to follow
+/// the limit surface there, each halves what it misses, and smaller quads miss less.
+pub const GRADES: [usize; 3] = [3, 3, 2];
 
 /// The face of a block: knots and control points, u fastest.
 #[derive(Debug, Clone)]
@@ -82,9 +82,9 @@ pub fn from_part(quarter: usize, [a, b]: [f64; 2]) -> [f64; 2] {
 }
 
 /// The knots of a direction of so many quads, halved towards its ends where asked.
-fn graded(count: usize, ends: [bool; 2]) -> Result<Knots> {
+fn graded(count: usize, ends: [bool; 2], grades: usize) -> Result<Knots> {
     let mut breaks: Vec<f64> = (0..=count).map(|k| k as f64).collect();
-    for grade in 1..=GRADES {
+    for grade in 1..=grades {
         let step = 0.5f64.powi(grade as i32);
         breaks.extend(ends[0].then_some(step));
         breaks.extend(ends[1].then_some(count as f64 - step));
@@ -94,11 +94,12 @@ fn graded(count: usize, ends: [bool; 2]) -> Result<Knots> {
     Knots::from_breaks(3, &breaks, 1)
 }
 
-/// The face of a block.
-pub fn sheet(net: &Net, block: &Block, surface: &Limit<'_, DVec3>) -> Result<Sheet> {
+/// The face of a block, with so many knots halved towards irregular vertices.
+pub fn sheet(net: &Net, block: &Block, surface: &Limit<'_, DVec3>, grades: usize) -> Result<Sheet> {
     let irregular = [0, 1, 2, 3].map(|c| !net.is_regular(&net.fans[net.fan_of[block.corner(c) as usize] as usize]));
     let [a, b, c, d] = irregular;
-    let knots = [graded(block.size[0], [a || d, b || c])?, graded(block.size[1], [a || b, c || d])?];
+    let ends = [[a || d, b || c], [a || b, c || d]];
+    let knots = [graded(block.size[0], ends[0], grades)?, graded(block.size[1], ends[1], grades)?];
     let values = knots.each_ref().map(|k| k.values());
     let last = values.map(|v| v.len() - 5);
     // Cells at irregular corners are the ones that are not pieces of the limit surface.

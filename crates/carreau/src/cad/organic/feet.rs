@@ -78,33 +78,42 @@ impl Scan {
         self.vertices.iter().zip(used(mesh)).filter(|v| v.1).step_by(step).map(|v| *v.0).collect()
     }
 
-    /// The middle of a part as a sample at what is nearest of the scan that looks the same way; none where that is not near.
-    fn own(&self, part: u32, surface: &Limit<'_, DVec3>, reach: f64) -> Option<Sample> {
+    /// The middle of a part as a sample at what is nearest of the scan that looks the same way; none where that is not near. Besides
+    /// whether what is nearest of all looks the other way: then the surface is turned over there.
+    fn own(&self, part: u32, surface: &Limit<'_, DVec3>, reach: f64) -> (Option<Sample>, bool) {
         let at = [0.5; 2];
         let [point, u, v] = surface.piece(part, at).tangents(at);
         let normal = u.cross(v);
-        let cost = |c: &Closest| (self.normals[c.triangle as usize].dot(normal) > 0.0).then(|| c.distance());
-        let (_, near) = self.tree.cheapest(point, reach, cost)?;
-        Some(Sample { point: near.point, normal, weight: OWN_WEIGHT, part, at })
+        let looks_so = |c: &Closest| self.normals[c.triangle as usize].dot(normal) > 0.0;
+        let nearest = self.tree.closest(point);
+        let (found, is_turned) = match nearest.filter(|c| c.distance() <= reach) {
+            Some(near) if looks_so(&near) => (Some(near), false),
+            near => {
+                let same_way = self.tree.cheapest(point, reach, |c: &Closest| looks_so(c).then(|| c.distance()));
+                (same_way.map(|c| c.1), near.is_some())
+            }
+        };
+        (found.map(|near| Sample { point: near.point, normal, weight: OWN_WEIGHT, part, at }), is_turned)
     }
 }
 
-/// The samples that the middles of the parts are, on the scan.
+/// The samples that the middles of the parts are, on the scan, and the parts where the surface is turned over.
 pub fn own(
     net: &Net,
     surface: &Limit<'_, DVec3>,
     points: &[DVec3],
     scan: &Scan,
     context: &Context,
-) -> Result<Vec<Sample>> {
+) -> Result<(Vec<Sample>, Vec<u32>)> {
     let reach = REACH * side(net, points);
     let one = |part: usize| {
         context.check_every(part)?;
         Ok(scan.own(part as u32, surface, reach))
     };
-    let all: Vec<Option<Sample>> =
+    let all: Vec<(Option<Sample>, bool)> =
         context.install(|| (0..net.edge.len()).into_par_iter().map(one).collect::<Result<_>>())?;
-    Ok(all.into_iter().flatten().collect())
+    let turned = (0u32..).zip(&all).filter(|(_, of)| of.1).map(|(part, _)| part).collect();
+    Ok((all.into_iter().filter_map(|of| of.0).collect(), turned))
 }
 
 /// The mean length of an edge.

@@ -16,10 +16,17 @@ use rayon::prelude::*;
 /// A count: divisions towards irregular vertices during the fit, because no sample needs to be looked at nearer.
 pub const FIT_LEVELS: usize = 5;
 
+/// A factor: fairness counts so much more in every round in which the surface is turned over, because how much it takes is not known.
+const STIFFENING: f64 = 100.0;
+/// A factor: the most, because with it samples hardly count.
+const MOST_STIFFNESS: f64 = 1e9;
+
 /// The surface as sums over control points, and what fairness asks of these.
 pub struct Fit<'a> {
     rows: Limit<'a, Row>,
-    fair: Vec<Row>,
+    fair: Vec<(u32, Row)>,
+    /// Of every control point how much more its fairness counts: more where the surface has been turned over.
+    stiffness: Vec<f64>,
     /// Of every quad the control points of the surface on it, ascending: those of the quads that it has a corner in common with.
     controls: Vec<Vec<u32>>,
     /// How the normal equations are eliminated, which is the same in every round.
@@ -31,7 +38,19 @@ impl<'a> Fit<'a> {
     pub fn new(net: &'a Net) -> Self {
         let own: Vec<Row> = (0..net.role.len() as u32).map(|v| Row(vec![(v, 1.0)])).collect();
         let rows = Limit::new(net, &own, FIT_LEVELS);
-        Fit { rows, fair: fairness(net, &own), controls: controls(net), plan: None }
+        let stiffness = vec![1.0; own.len()];
+        Fit { rows, fair: fairness(net, &own), stiffness, controls: controls(net), plan: None }
+    }
+
+    /// Makes the surface stiffer around parts where it is turned over.
+    pub fn stiffen(&mut self, turned: &[u32]) {
+        let mut around: Vec<u32> = turned.iter().flat_map(|&p| self.controls[p as usize / 4].iter().copied()).collect();
+        around.sort_unstable();
+        around.dedup();
+        for v in around {
+            let stiffness = &mut self.stiffness[v as usize];
+            *stiffness = (STIFFENING * *stiffness).min(MOST_STIFFNESS);
+        }
     }
 
     /// The control points of least squares for samples at their feet; where samples say nothing, they stay where they are.
@@ -58,7 +77,8 @@ impl<'a> Fit<'a> {
             local.add_to(controls, &mut matrix, &mut rhs);
         }
         let weight = fairness * samples.iter().map(|s| s.weight).sum::<f64>() / n as f64;
-        for row in &self.fair {
+        for (v, row) in &self.fair {
+            let weight = weight * self.stiffness[*v as usize];
             for &(i, a) in &row.0 {
                 for &(j, b) in row.0.iter().filter(|t| t.0 <= i) {
                     matrix.add(i, j, weight * a * b);
@@ -151,7 +171,7 @@ impl Local {
 }
 
 /// The second Laplacian of every control point; along borders that of the border.
-fn fairness(net: &Net, own: &[Row]) -> Vec<Row> {
+fn fairness(net: &Net, own: &[Row]) -> Vec<(u32, Row)> {
     let mut around: Vec<Vec<u32>> = vec![Vec::new(); own.len()];
     for fan in &net.fans {
         let v = fan.vertex as usize;
@@ -169,5 +189,5 @@ fn fairness(net: &Net, own: &[Row]) -> Vec<Row> {
     };
     let once: Vec<Row> =
         (0..own.len()).map(|v| if around[v].is_empty() { Row(Vec::new()) } else { laplacian(own, v) }).collect();
-    (0..own.len()).filter(|&v| !around[v].is_empty()).map(|v| laplacian(&once, v)).collect()
+    (0..own.len()).filter(|&v| !around[v].is_empty()).map(|v| (v as u32, laplacian(&once, v))).collect()
 }

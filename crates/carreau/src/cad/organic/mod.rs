@@ -2,6 +2,7 @@
 //!
 //! | stage | file |
 //! |---|---|
+//! | how many quads | `counts` |
 //! | quads | [`crate::quad`] |
 //! | half-edges, fans, roles of the vertices | `net` |
 //! | the motorcycle graph of the quads | `tracks` |
@@ -20,6 +21,7 @@
 mod assemble;
 mod blocks;
 mod control;
+mod counts;
 mod disc;
 mod feet;
 mod fit;
@@ -41,34 +43,28 @@ use crate::brep::validate::{Limits, Reference, validate};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
-use crate::mesh::{DisjointSets, SurfaceMesh, Triangles};
+use crate::mesh::{SurfaceMesh, Triangles};
 use crate::quad::{QuadOptions, quads};
 use blocks::{Block, Layout, blocks, layout};
-use control::{Sheet, sheet};
-use feet::{Scan, find_feet};
+use control::{GRADES, Sheet, sheet};
+use counts::counts;
+use feet::{Sample, Scan, find_feet};
 use glam::DVec3;
 use limit::Limit;
 pub use measure::Angles;
 use net::Net;
-use rounds::{Goal, run};
+use rounds::{Fitting, Goal, Turn, run};
 use tracks::Walls;
 
-/// A count: quads of a body between which the blocks are drawn, because with fewer, quads of thin parts get worse, and
-/// with more, tracks meet less often. The second number is for scans with which the first makes no valid model.
-const QUADS_A_BODY: [usize; 2] = [800, 1600];
-/// A count: quads for every vertex of the scan at most, because between these nothing is known; more where these make no valid model,
-/// or a coarse scan would be tried twice with the same quads.
-const QUADS_A_VERTEX: [usize; 2] = [1, 4];
-/// A count: quads in any case, because fewer have irregular vertices next to each other.
-const LEAST_QUADS: usize = 200;
-/// A count: bodies for which there are as many quads, because a scan with more has scraps among them, and time grows
-/// with the quads.
-const MOST_BODIES: usize = 50;
+/// A count: so many numbers of quads are tried for a model within the tolerance, more for one at all, because each takes as long.
+const TRIES_FOR_TOLERANCE: usize = 2;
 /// Degrees: from this angle between faces on a user is told, because it is what CAD systems take as smooth.
 const KINK_DEGREES: f64 = 0.5;
 /// A count: times that all quads are divided in four where the surface does not come near enough, because each takes
 /// four times as long.
 const DIVISIONS: usize = 2;
+/// A count: quads with more are not divided, because time and files grow with them.
+const MOST_DIVIDED: usize = 7000;
 /// A share of the diagonal: how near the scan has to be by default, because scans are hardly more exact.
 const ORGANIC_TOLERANCE: f64 = 1e-3;
 /// Root mean square distance for a largest one of 1: more quads are taken above it, but not so many that they would
@@ -82,10 +78,6 @@ const LEAST_BULGE: f64 = 4e-3;
 /// Radians: faces that differ by less from the facets near them are not turned over, because a smooth face that rounds a sharp rim
 /// of the scan off differs from the facets on both sides by nearly as much.
 const TURNED_OVER: f64 = std::f64::consts::FRAC_PI_2;
-/// A count: divisions towards irregular vertices for the faces: twice as fine as their knots, because feet near them
-/// are to be right.
-const FACE_LEVELS: usize = control::GRADES + 2;
-
 /// What is known of an organic model besides.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Smooth {
@@ -104,6 +96,8 @@ struct Cage {
     points: Vec<DVec3>,
     /// Edges at which the surface stays sharp, by their ends, smaller first; ascending.
     creases: Vec<[u32; 2]>,
+    /// How often the quads were divided.
+    divisions: usize,
 }
 
 impl Cage {
@@ -115,7 +109,7 @@ impl Cage {
         let mut walls = Walls::new(&net, &points, context)?;
         // Walls that blocks need.
         blocks(&net, &mut walls, context)?;
-        Ok(Cage { net, walls, points, creases })
+        Ok(Cage { net, walls, points, creases, divisions: 0 })
     }
 
     /// Every quad in four.
@@ -130,7 +124,17 @@ impl Cage {
         let points = [refined.vertex, refined.edge, refined.face].concat();
         let net = Net::new(&points, refine::refined_quads(&self.net), &creases)?;
         let walls = self.walls.divided(&net);
-        Ok(Cage { net, walls, points, creases })
+        Ok(Cage { net, walls, points, creases, divisions: self.divisions + 1 })
+    }
+
+    /// Number of knots that are halved towards an irregular vertex.
+    fn grades(&self) -> usize {
+        GRADES[self.divisions.min(GRADES.len() - 1)]
+    }
+
+    /// The surface, divided towards irregular vertices twice as finely as the faces' knots, because feet near them are to be right.
+    fn limit(&self) -> Limit<'_, DVec3> {
+        Limit::new(&self.net, &self.points, self.grades() + 2)
     }
 }
 
@@ -142,33 +146,53 @@ fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
     out
 }
 
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// All that may lead to a model, because there is no other one.
+    Full,
+    /// The first quads, not divided beyond what the vertices say.
+    Little,
+}
+
+/// What a surface is to reach.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    /// Largest distance of the scan.
+    tolerance: f64,
+    /// A count: more quads than this are not divided.
+    most_divided: usize,
+}
+
 /// Makes the model, from other quads where those at first make no valid one.
-pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<CadModel> {
+pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context: &Context) -> Result<CadModel> {
     let tolerance = options.tolerance.unwrap_or(ORGANIC_TOLERANCE * mesh.diagonal());
-    let bodies = bodies(mesh).min(MOST_BODIES);
-    let mut last = None;
-    for (count, per_vertex) in QUADS_A_BODY.into_iter().zip(QUADS_A_VERTEX) {
-        let count = (bodies * count).min((per_vertex * mesh.vertex_count()).max(LEAST_QUADS));
-        match attempt(mesh, tolerance, &quad_options(count, options.style), context) {
-            Err(Error::Numeric(reason)) => last = Some(reason),
-            done => return done,
+    let most_divided = if effort == Effort::Full { MOST_DIVIDED } else { MOST_DIVIDED.min(mesh.vertex_count()) };
+    let asked = Asked { tolerance, most_divided };
+    let tried = counts(mesh);
+    let (mut best, mut last): (Option<CadModel>, _) = (None, None);
+    // Quads that are not of the map have so many irregular vertices that anything else comes first.
+    let all = tried.iter().map(|&count| (count, 1)).chain(tried.first().map(|&count| (count, 4)));
+    for (k, (count, last_rung)) in all.take(if effort == Effort::Full { usize::MAX } else { 1 }).enumerate() {
+        if best.is_some() && (k >= TRIES_FOR_TOLERANCE || last_rung > 1) {
+            break;
         }
+        let wanted = QuadOptions { last_rung, ..quad_options(count, options.style) };
+        match attempt(mesh, asked, &wanted, context) {
+            Ok(model) if model.distance_max <= tolerance => return Ok(model),
+            Ok(model) if best.as_ref().is_none_or(|b| model.distance_max < b.distance_max) => best = Some(model),
+            Ok(_) => {}
+            Err(Error::Numeric(reason)) => last = Some(reason),
+            Err(other) => return Err(other),
+        }
+    }
+    if let Some(model) = best {
+        return Ok(model);
     }
     Err(Error::Numeric(format!(
         "no valid model of smooth faces was found: {}; repair or smooth the mesh first (`carreau repair`, `carreau simplify`)",
         last.unwrap_or_default()
     )))
-}
-
-/// The number of connected parts.
-fn bodies(mesh: &SurfaceMesh) -> usize {
-    let mut sets = DisjointSets::new(mesh.vertex_count());
-    mesh.faces().iter().for_each(|f| f.windows(2).for_each(|w| sets.union(w[0], w[1])));
-    let mut used: Vec<u32> = mesh.faces().iter().map(|f| f[0]).collect();
-    used.iter_mut().for_each(|v| *v = sets.find(*v));
-    used.sort_unstable();
-    used.dedup();
-    used.len().max(1)
 }
 
 /// Creases are sought where the style is not given: a scan is smooth but for edges tagged in the file.
@@ -181,28 +205,32 @@ fn quad_options(quads: usize, style: Style) -> QuadOptions {
     QuadOptions { features, quads, curvature: 0.0, ..QuadOptions::default() }
 }
 
-fn attempt(mesh: &SurfaceMesh, tolerance: f64, wanted: &QuadOptions, context: &Context) -> Result<CadModel> {
+fn attempt(mesh: &SurfaceMesh, asked: Asked, wanted: &QuadOptions, context: &Context) -> Result<CadModel> {
     let made = {
         let _stage = context.stage("quads");
         quads(mesh, wanted, context)?
     };
-    let mut model = over(mesh, &made.mesh, tolerance, context)?;
+    let mut model = over(mesh, &made.mesh, asked, context)?;
     if made.rung() > 2 {
         model.warnings.push("no regular quads were found, so that there are many faces".to_string());
     }
     Ok(model)
 }
 
-/// The model of a scan over given quads.
-fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Context) -> Result<CadModel> {
+/// The model of a scan over given quads. Where it is not valid the surface may be turned over: then it is unfolded, which takes it away
+/// from the scan.
+fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, asked: Asked, context: &Context) -> Result<CadModel> {
+    let tolerance = asked.tolerance;
     let scan = Scan::new(mesh);
-    let mut cage = fitted(Cage::new(quads, context)?, (mesh, &scan), tolerance, context)?;
-    let blocks = blocks(&cage.net, &mut cage.walls, context)?;
-    let layout = layout(&cage.net, &cage.walls, &blocks)?;
-    let sheets = faces(&cage, &blocks, context)?;
-    let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
-    let label = enclosed(&cage, &blocks, &mut brep)?;
-    let mut model = finish((mesh, &scan), &cage, (&blocks, &layout, &sheets), brep, &label, context)?;
+    let mut vertices = scan.fitted(mesh);
+    let mut cage = fitted(Cage::new(quads, context)?, (mesh, &scan), &mut vertices, asked, context)?;
+    let mut model = match model(mesh, &scan, &mut cage, context) {
+        Err(Error::Numeric(_)) => {
+            Fitting::new(&cage.net, &scan, context).unfold(&mut cage.points, &mut vertices)?;
+            model(mesh, &scan, &mut cage, context)?
+        }
+        made => made?,
+    };
     if model.distance_max > tolerance {
         model.warnings.push(format!(
             "the scan is up to {:.3e} from the model, more than the tolerance of {tolerance:.3e}: where it bends within a \
@@ -216,17 +244,34 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, tolerance: f64, context: &Conte
     Ok(model)
 }
 
+/// The model of a surface, if it is valid.
+fn model(mesh: &SurfaceMesh, scan: &Scan, cage: &mut Cage, context: &Context) -> Result<CadModel> {
+    let blocks = blocks(&cage.net, &mut cage.walls, context)?;
+    let layout = layout(&cage.net, &cage.walls, &blocks)?;
+    let sheets = faces(cage, &blocks, context)?;
+    let mut brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets)?;
+    let label = enclosed(cage, &blocks, &mut brep)?;
+    finish((mesh, scan), cage, (&blocks, &layout, &sheets), brep, &label, context)
+}
+
 /// The control points, after as many divisions as the tolerance needs.
-fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, context: &Context) -> Result<Cage> {
+fn fitted(
+    mut cage: Cage,
+    (mesh, scan): (&SurfaceMesh, &Scan),
+    vertices: &mut [Sample],
+    Asked { tolerance, most_divided }: Asked,
+    context: &Context,
+) -> Result<Cage> {
     let _stage = context.stage("surface");
     let goal = Goal { max: tolerance, rms: MEAN_DISTANCE * tolerance };
-    let mut vertices = scan.fitted(mesh);
     for division in 0..=DIVISIONS {
-        let way = (division == 0, goal);
-        let [max, rms] = run(&cage.net, &mut cage.points, &mut vertices, scan, way, context)?;
-        tracing::debug!(quads = cage.net.quads.len(), max, rms, "fitted");
-        let finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
-        if division == DIVISIONS || max <= goal.max && (rms <= goal.rms || !finer) {
+        let has_finer = 4 * cage.net.quads.len() <= mesh.vertex_count();
+        let turn = Turn {
+            is_first: division == 0,
+            is_last: division == DIVISIONS || cage.net.quads.len() > most_divided,
+            has_finer,
+        };
+        if run(&cage.net, &mut cage.points, vertices, scan, (turn, goal), context)? {
             return Ok(cage);
         }
         cage = cage.divided()?;
@@ -236,13 +281,13 @@ fn fitted(mut cage: Cage, (mesh, scan): (&SurfaceMesh, &Scan), tolerance: f64, c
 
 fn faces(cage: &Cage, blocks: &[Block], context: &Context) -> Result<Vec<Sheet>> {
     let _stage = context.stage("faces");
-    let surface = Limit::new(&cage.net, &cage.points, FACE_LEVELS);
+    let (surface, grades) = (cage.limit(), cage.grades());
     let one = |block: &Block| {
         context.check()?;
-        sheet(&cage.net, block, &surface)
+        sheet(&cage.net, block, &surface, grades)
     };
     let mut sheets = blocks.iter().map(one).collect::<Result<Vec<Sheet>>>()?;
-    polish::polish(&cage.net, blocks, &mut sheets, context)?;
+    polish::polish(&cage.net, blocks, &mut sheets, grades, context)?;
     Ok(sheets)
 }
 
@@ -269,7 +314,7 @@ fn finish(
     let _stage = context.stage("check");
     brep.check()?;
     let mut feet = scan.vertices();
-    find_feet(&mut feet, &Limit::new(&cage.net, &cage.points, FACE_LEVELS), &cage.net, &cage.points, context)?;
+    find_feet(&mut feet, &cage.limit(), &cage.net, &cage.points, context)?;
     let off = measure::distances(&cage.net, blocks, &brep, &feet, context)?;
     let off: Vec<f64> = off.into_iter().zip(feet::used(mesh)).filter(|v| v.1).map(|v| v.0).collect();
     let distance_max = off.iter().copied().fold(0.0, f64::max);

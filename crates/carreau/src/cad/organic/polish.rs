@@ -20,8 +20,6 @@ use crate::geometry::bspline::Knots;
 use crate::numeric::dense;
 use glam::DVec3;
 
-/// A count: control points along an edge that are moved, because the basis functions of these end within half a quad.
-const MOVED_CONTROLS: usize = 3;
 /// A count: samples of a knot span along an edge, because faces are to meet smoothly between knots as well.
 const POLISH_SAMPLES: usize = 5;
 /// A count: most Gauss–Newton steps, because each solves a dense system.
@@ -49,7 +47,7 @@ struct Sector {
 }
 
 /// Bends the faces at all irregular vertices.
-pub fn polish(net: &Net, blocks: &[Block], sheets: &mut [Sheet], context: &Context) -> Result<()> {
+pub fn polish(net: &Net, blocks: &[Block], sheets: &mut [Sheet], grades: usize, context: &Context) -> Result<()> {
     let mut of_corner = vec![None; net.edge.len()];
     for (b, block) in blocks.iter().enumerate() {
         (0..4).for_each(|c| of_corner[block.corner(c) as usize] = Some(Sector { block: b, corner: c }));
@@ -58,7 +56,8 @@ pub fn polish(net: &Net, blocks: &[Block], sheets: &mut [Sheet], context: &Conte
         context.check()?;
         let sectors: Option<Vec<Sector>> = fan.spokes.iter().map(|&h| of_corner[h as usize]).collect();
         if let Some(sectors) = sectors {
-            Apex::new(fan, sectors, sheets).solve(sheets);
+            // The basis functions of so many control points along an edge end within half a quad.
+            Apex::new(fan, sectors, sheets, grades - 1).solve(sheets);
         }
     }
     Ok(())
@@ -67,6 +66,8 @@ pub fn polish(net: &Net, blocks: &[Block], sheets: &mut [Sheet], context: &Conte
 /// The control points around an irregular vertex. Unknowns: the vertex (0), those on the edges, those beside the edges.
 struct Apex<'a> {
     fan: &'a Fan,
+    /// Number of control points along an edge that are moved.
+    moved: usize,
     sectors: Vec<Sector>,
     /// Present and first positions of the unknowns.
     now: Vec<DVec3>,
@@ -92,13 +93,14 @@ type Terms = Vec<(Term, f64)>;
 type Term = std::result::Result<usize, DVec3>;
 
 impl<'a> Apex<'a> {
-    fn new(fan: &'a Fan, sectors: Vec<Sector>, sheets: &[Sheet]) -> Self {
+    fn new(fan: &'a Fan, sectors: Vec<Sector>, sheets: &[Sheet], moved: usize) -> Self {
         let n = sectors.len();
         let spokes = n + usize::from(!fan.closed);
-        let count = 1 + MOVED_CONTROLS * spokes + MOVED_CONTROLS * MOVED_CONTROLS * n;
+        let count = 1 + moved * spokes + moved * moved * n;
         let knots = sectors.iter().map(|s| [0, 1].map(|axis| s.knots(sheets, axis))).collect();
         let mut apex = Apex {
             fan,
+            moved,
             now: vec![DVec3::ZERO; count],
             first: Vec::new(),
             size: vec![0.0; count],
@@ -107,20 +109,20 @@ impl<'a> Apex<'a> {
             knots,
         };
         for s in 0..n {
-            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
+            for (i, j) in (0..=moved).flat_map(|i| (0..=moved).map(move |j| (i, j))) {
                 let k = apex.unknown(s, i, j);
                 apex.now[k] = apex.control(sheets, s, i, j);
             }
         }
         for s in 0..n {
-            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
+            for (i, j) in (0..=moved).flat_map(|i| (0..=moved).map(move |j| (i, j))) {
                 let next = apex.control(sheets, s, i + 1, j).distance(apex.control(sheets, s, i, j));
                 let k = apex.unknown(s, i, j);
                 apex.size[k] = next;
             }
         }
         if !fan.closed {
-            for i in 0..=MOVED_CONTROLS {
+            for i in 0..=moved {
                 let (first, last) = (apex.unknown(0, i, 0), apex.unknown(n - 1, 0, i));
                 (apex.fixed[first], apex.fixed[last]) = (true, true);
             }
@@ -134,9 +136,9 @@ impl<'a> Apex<'a> {
         let spokes = n + usize::from(!self.fan.closed);
         match (i, j) {
             (0, 0) => 0,
-            (i, 0) => 1 + MOVED_CONTROLS * s + i - 1,
-            (0, j) => 1 + MOVED_CONTROLS * ((s + 1) % spokes) + j - 1,
-            (i, j) => 1 + MOVED_CONTROLS * spokes + MOVED_CONTROLS * (MOVED_CONTROLS * s + j - 1) + i - 1,
+            (i, 0) => 1 + self.moved * s + i - 1,
+            (0, j) => 1 + self.moved * ((s + 1) % spokes) + j - 1,
+            (i, j) => 1 + self.moved * spokes + self.moved * (self.moved * s + j - 1) + i - 1,
         }
     }
 
@@ -147,11 +149,7 @@ impl<'a> Apex<'a> {
 
     /// The control point as an unknown or a point.
     fn term(&self, sheets: &[Sheet], s: usize, i: usize, j: usize) -> Term {
-        if i <= MOVED_CONTROLS && j <= MOVED_CONTROLS {
-            Ok(self.unknown(s, i, j))
-        } else {
-            Err(self.control(sheets, s, i, j))
-        }
+        if i <= self.moved && j <= self.moved { Ok(self.unknown(s, i, j)) } else { Err(self.control(sheets, s, i, j)) }
     }
 
     /// C', A and B of a place of the edge between sector `s − 1` and `s`.
@@ -195,7 +193,7 @@ impl<'a> Apex<'a> {
         }
         for s in 0..self.sectors.len() {
             let Sector { block, corner } = self.sectors[s];
-            for (i, j) in (0..=MOVED_CONTROLS).flat_map(|i| (0..=MOVED_CONTROLS).map(move |j| (i, j))) {
+            for (i, j) in (0..=self.moved).flat_map(|i| (0..=self.moved).map(move |j| (i, j))) {
                 let k = sheets[block].index(corner, i, j);
                 sheets[block].points[k] = self.now[self.unknown(s, i, j)];
             }
@@ -205,7 +203,7 @@ impl<'a> Apex<'a> {
     /// Parameters of the samples along an edge, as far as control points move it.
     fn places(&self) -> Vec<f64> {
         let breaks = self.knots[0][0].breaks();
-        let within = breaks.windows(2).take(MOVED_CONTROLS + 1);
+        let within = breaks.windows(2).take(self.moved + 1);
         let in_span = |w: &[f64]| {
             let [a, b] = [w[0], w[1]];
             (0..POLISH_SAMPLES).map(move |k| a + (b - a) * k as f64 / POLISH_SAMPLES as f64).collect::<Vec<_>>()

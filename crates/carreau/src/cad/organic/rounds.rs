@@ -1,6 +1,9 @@
 //! The fit in rounds: feet of the samples, then least squares (Hoschek, *Intrinsic parametrization for approximation*, CAGD 5,
 //! 1988). Feet only creep along the surface from round to round; Anderson's extrapolation of the rounds before (*Iterative
 //! procedures for nonlinear integral equations*, J. ACM 12, 1965) takes many of their steps at once.
+//!
+//! Closest points alone do not unfold what quads left folded, in grooves and between fingers: there the surface is made stiffer, from
+//! round to round, until it rounds the place off.
 
 use super::feet::{Sample, Scan, find_feet, find_first_feet, own};
 use super::fit::{FIT_LEVELS, Fit};
@@ -18,6 +21,11 @@ const FIRST_FAIRNESS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 const LEAST_FAIRNESS: f64 = 1e-5;
 /// A count: most rounds with the least fairness.
 const ROUNDS: usize = 12;
+/// A count: most rounds besides in which the surface becomes stiffer where it is turned over, because each costs as much as the
+/// first.
+const UNFOLDING_ROUNDS: usize = 12;
+/// A count: such rounds without gain, because stiffness spreads from what is turned over and takes some rounds to get around it.
+const UNFOLDING_PATIENCE: usize = 4;
 /// A share of the distances before: rounds go on while they bring one of them below, because each costs as much as the first.
 const ROUND_GAIN: f64 = 0.95;
 /// A count: rounds that are remembered, because older ones were about other feet.
@@ -34,51 +42,66 @@ pub struct Goal {
     pub rms: f64,
 }
 
-/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns the largest and the root mean square
-/// distance of the vertices.
+/// Which of the fits it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn {
+    /// Before any division.
+    pub is_first: bool,
+    /// After the last one.
+    pub is_last: bool,
+    /// Whether there are vertices for more control points: without, the mean is what it is.
+    pub has_finer: bool,
+}
+
+impl Turn {
+    /// Whether no other fit comes after one that is so near.
+    pub fn ends(self, goal: Goal, [max, rms]: [f64; 2]) -> bool {
+        self.is_last || max <= goal.max && (rms <= goal.rms || !self.has_finer)
+    }
+}
+
+/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns whether no other fit comes after it.
 pub fn run(
     net: &Net,
     points: &mut Vec<DVec3>,
     vertices: &mut [Sample],
     scan: &Scan,
-    (is_first, goal): (bool, Goal),
+    (turn, goal): (Turn, Goal),
     context: &Context,
-) -> Result<[f64; 2]> {
-    let mut fit = Fit::new(net);
-    let on_surface = |points: &[DVec3], vertices: &mut [Sample]| -> Result<_> {
-        let surface = Limit::new(net, points, FIT_LEVELS);
-        let off = find_feet(vertices, &surface, net, points, context)?;
-        Ok((Some(surface), off))
-    };
-    let (mut surface, mut off) = if is_first {
+) -> Result<bool> {
+    let mut fitting = Fitting::new(net, scan, context);
+    let (mut surface, mut off) = if turn.is_first {
         find_first_feet(vertices, net, points, context)?;
         (None, [f64::INFINITY; 2])
     } else {
         relax(net, points);
-        on_surface(points, vertices)?
+        let (surface, off) = fitting.surface(points, vertices)?;
+        (Some(surface), off)
     };
     let mut memory = Memory::default();
-    let first: &[f64] = if is_first { &FIRST_FAIRNESS } else { &[] };
+    let first: &[f64] = if turn.is_first { &FIRST_FAIRNESS } else { &[] };
     for round in 0..first.len() + ROUNDS {
         let is_last_fairness = round >= first.len();
         let fairness = first.get(round).copied().unwrap_or(LEAST_FAIRNESS);
         let mut samples = vertices.to_vec();
         if let Some(surface) = &surface {
-            samples.extend(own(net, surface, points, scan, context)?);
+            samples.extend(own(net, surface, points, scan, context)?.0);
         }
-        let solved = fit.solve(points, &samples, fairness, context)?;
+        let solved = fitting.fit.solve(points, &samples, fairness, context)?;
         let guess = if is_last_fairness { memory.extrapolated(points, &solved) } else { None };
         let before = off;
         *points = guess.as_ref().unwrap_or(&solved).clone();
         if !is_last_fairness {
             relax(net, points);
         }
-        (surface, off) = on_surface(points, vertices)?;
-        if guess.is_some() && off[1] > before[1] {
+        let mut found = fitting.surface(points, vertices)?;
+        if guess.is_some() && found.1[1] > before[1] {
             *points = solved;
             memory = Memory::default();
-            (surface, off) = on_surface(points, vertices)?;
+            found = fitting.surface(points, vertices)?;
         }
+        off = found.1;
+        surface = Some(found.0);
         tracing::debug!(max = off[0], rms = off[1], extrapolated = guess.is_some(), "surface");
         let is_near = off[0] <= goal.max && off[1] <= goal.rms;
         let gains = off[0] < ROUND_GAIN * before[0] || off[1] < ROUND_GAIN * before[1];
@@ -86,7 +109,51 @@ pub fn run(
             break;
         }
     }
-    Ok(off)
+    tracing::debug!(quads = net.quads.len(), max = off[0], rms = off[1], "fitted");
+    Ok(turn.ends(goal, off))
+}
+
+/// What rounds need.
+pub struct Fitting<'a> {
+    net: &'a Net,
+    scan: &'a Scan,
+    fit: Fit<'a>,
+    context: &'a Context,
+}
+
+impl<'a> Fitting<'a> {
+    /// Of a net.
+    pub fn new(net: &'a Net, scan: &'a Scan, context: &'a Context) -> Self {
+        Fitting { net, scan, fit: Fit::new(net), context }
+    }
+
+    /// The surface of control points, and how far the vertices are from it, which get their feet there.
+    pub fn surface(&self, points: &[DVec3], vertices: &mut [Sample]) -> Result<(Limit<'a, DVec3>, [f64; 2])> {
+        let surface = Limit::new(self.net, points, FIT_LEVELS);
+        let off = find_feet(vertices, &surface, self.net, points, self.context)?;
+        Ok((surface, off))
+    }
+
+    /// Makes the surface stiffer where it is turned over, as long as that helps.
+    pub fn unfold(&mut self, points: &mut Vec<DVec3>, vertices: &mut [Sample]) -> Result<()> {
+        let (mut surface, _) = self.surface(points, vertices)?;
+        let (mut least, mut waited) = (usize::MAX, 0);
+        for _ in 0..UNFOLDING_ROUNDS {
+            let (own, turned) = own(self.net, &surface, points, self.scan, self.context)?;
+            waited = if turned.len() < least { 0 } else { waited + 1 };
+            least = least.min(turned.len());
+            if turned.is_empty() || waited == UNFOLDING_PATIENCE {
+                break;
+            }
+            self.fit.stiffen(&turned);
+            let samples = [&*vertices, &own[..]].concat();
+            *points = self.fit.solve(points, &samples, LEAST_FAIRNESS, self.context)?;
+            let off;
+            (surface, off) = self.surface(points, vertices)?;
+            tracing::debug!(turned = turned.len(), max = off[0], rms = off[1], "unfolded");
+        }
+        Ok(())
+    }
 }
 
 /// What the last rounds began with and came to.

@@ -5,7 +5,7 @@ use crate::brep::Surface;
 use crate::cad::{Style, rebuild};
 use crate::mesh::test_models::{grid, moved, sphere, together, torus};
 use crate::mesh::{TaggedEdge, VertexId};
-use feet::find_first_feet;
+use feet::{find_first_feet, own};
 
 /// A cube of quads, each side in n × n.
 fn cage(n: u32) -> (Vec<DVec3>, Vec<[u32; 4]>) {
@@ -43,15 +43,15 @@ fn a_cube_has_six_blocks_and_its_faces_are_the_limit_surface() {
         let mut walls = Walls::new(&net, &points, &context).unwrap();
         let found = blocks(&net, &mut walls, &context).unwrap();
         assert!(found.len() == 6 && found.iter().all(|b| b.size == [n as usize; 2]), "{n}");
-        let surface = Limit::new(&net, &points, FACE_LEVELS);
+        let surface = Limit::new(&net, &points, GRADES[0] + 2);
         for block in &found {
-            let face = sheet(&net, block, &surface).unwrap();
+            let face = sheet(&net, block, &surface, GRADES[0]).unwrap();
             let [u, v] = face.knots.clone();
             let spline = crate::geometry::bspline::BSplineSurface::new(u, v, face.points.clone()).unwrap();
             for k in 0..200u32 {
                 // Anywhere but in the first cells of the corners.
                 let [u, v] = [k * 37 % 199, k * 61 % 193].map(|x| f64::from(x) / 199.0 * f64::from(n));
-                if [u, v].iter().all(|x| x.min(f64::from(n) - x) < 0.07) {
+                if [u, v].iter().all(|x| x.min(f64::from(n) - x) < 0.13) {
                     continue;
                 }
                 let (part, quarter, quad) = control::part_at(block, u, v);
@@ -77,8 +77,12 @@ fn ellipsoid() -> SurfaceMesh {
     moved(&sphere(4), |p| p * DVec3::new(1.3, 1.0, 0.8))
 }
 
+fn asked(tolerance: f64) -> Asked {
+    Asked { tolerance, most_divided: MOST_DIVIDED }
+}
+
 fn model_over(mesh: &SurfaceMesh, quads: &SurfaceMesh) -> CadModel {
-    over(mesh, quads, 1e-3 * mesh.diagonal(), &Context::new()).unwrap()
+    over(mesh, quads, asked(1e-3 * mesh.diagonal()), &Context::new()).unwrap()
 }
 
 /// Faces that are what every system takes as smooth, and near the scan.
@@ -107,7 +111,7 @@ fn any_number_of_threads_makes_the_same_model() {
     let (mesh, quads) = (ellipsoid(), quads_of(cage(3), blown_up));
     let made = |threads: usize| {
         let context = Context::new().with_threads(threads).unwrap();
-        context.install(|| over(&mesh, &quads, 1e-2, &context)).unwrap().brep
+        context.install(|| over(&mesh, &quads, asked(1e-2), &context)).unwrap().brep
     };
     assert!(made(1) == made(3));
 }
@@ -224,4 +228,41 @@ fn control_points_are_evened_out_along_the_surface() {
     assert!(points.iter().all(|p| (p.z - 0.5 * p.y).abs() < 1e-12));
     let borders = |p: &DVec3| [p.x, p.y].map(|x| x.abs() < 1e-12 || (x - f64::from(n)).abs() < 1e-12);
     assert!(first.iter().zip(&points).all(|(a, b)| borders(a) == borders(b)));
+}
+
+#[test]
+fn a_surface_that_is_turned_over_unfolds() {
+    let context = Context::new();
+    let mesh = ellipsoid();
+    let (points, quads) = cage(12);
+    let points: Vec<DVec3> = points.into_iter().map(blown_up).collect();
+    let net = Net::new(&points, quads, &[]).unwrap();
+    // Around the pole the control points are on the other side of it: closest points keep them there.
+    let is_near = |p: &DVec3| p.z > 0.0 && p.truncate().length() < 0.4 * p.length();
+    let mut points: Vec<DVec3> =
+        points.into_iter().map(|p| if is_near(&p) { p * DVec3::new(-1.0, -1.0, 1.0) } else { p }).collect();
+    let scan = Scan::new(&mesh);
+    let mut vertices = scan.fitted(&mesh);
+    let mut fitting = Fitting::new(&net, &scan, &context);
+    let turned = |points: &[DVec3]| {
+        let surface = Limit::new(&net, points, fit::FIT_LEVELS);
+        own(&net, &surface, points, &scan, &context).unwrap().1.len()
+    };
+    assert!(turned(&points) > 0);
+    fitting.unfold(&mut points, &mut vertices).unwrap();
+    assert_eq!(turned(&points), 0);
+}
+
+#[test]
+fn there_are_quads_enough_to_go_around_the_smallest_hole() {
+    let whole = grid(30);
+    let is_inside = |f: &[u32]| {
+        let middle = f.iter().map(|&v| whole.points()[v as usize]).sum::<DVec3>() / f.len() as f64;
+        middle.x > 14.0 && middle.x < 16.0 && middle.y > 14.0 && middle.y < 16.0
+    };
+    let kept: Vec<[u32; 3]> = whole.faces().iter().filter(|f| !is_inside(f)).map(|f| f.try_into().unwrap()).collect();
+    let open = SurfaceMesh::from_triangles(whole.points().to_vec(), &kept).unwrap();
+    // Around it are eight sides of the cells, of which there are 900 less four.
+    assert_eq!(around_holes(&open), (896.0 * (EDGES_A_HOLE / 8.0).powi(2)) as usize);
+    assert_eq!(around_holes(&sphere(1)), 0);
 }
