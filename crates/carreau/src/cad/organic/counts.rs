@@ -11,7 +11,7 @@ const QUADS_A_BODY: [usize; 3] = [800, 1600, 3200];
 const QUADS_A_VERTEX: [usize; 3] = [1, 4, 4];
 /// A count: edges of quads around every hole, because with fewer the map of the surface has no room there: eight, and one that whole
 /// numbers may take away.
-const EDGES_A_HOLE: f64 = 9.0;
+pub const EDGES_A_HOLE: f64 = 9.0;
 /// A count: holes that take more quads are left as they come, because time grows with the quads, and some holes are a triangle that
 /// is missing.
 const MOST_FOR_HOLES: f64 = 6000.0;
@@ -33,7 +33,7 @@ pub fn counts(mesh: &SurfaceMesh) -> Vec<usize> {
 }
 
 /// The number of quads with which edges are short enough for the smallest hole that is to be kept.
-fn around_holes(mesh: &SurfaceMesh) -> usize {
+pub fn around_holes(mesh: &SurfaceMesh) -> usize {
     let mut sets = DisjointSets::new(mesh.vertex_count());
     let half_edges = mesh.half_edges();
     let borders: Vec<[u32; 2]> = half_edges.groups().filter(|e| e.len() == 1).map(|e| e.ends).collect();

@@ -5,6 +5,7 @@ use crate::brep::Surface;
 use crate::cad::{Style, rebuild};
 use crate::mesh::test_models::{grid, moved, sphere, together, torus};
 use crate::mesh::{TaggedEdge, VertexId};
+use counts::{EDGES_A_HOLE, around_holes};
 use feet::{find_first_feet, own};
 
 /// A cube of quads, each side in n × n.
