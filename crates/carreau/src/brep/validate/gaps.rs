@@ -118,36 +118,16 @@ fn chord_length(edge: &Edge) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brep::{Face, Surface, Vertex};
-    use crate::geometry::bspline::{BSplineSurface, Knots};
 
     #[test]
-    fn an_edge_is_where_its_use_says_though_no_search_finds_it() {
-        // A strip that is rolled up in coils closer to each other than the samples of a search are.
-        let knots = [
-            Knots::from_breaks(1, &(0..=1600).map(f64::from).collect::<Vec<_>>(), 1),
-            Knots::from_breaks(1, &[0.0, 1.0], 1),
-        ];
-        let [u, v] = knots.map(Result::unwrap);
-        let coil = |k: u32| {
-            let angle = 0.1 * f64::from(k);
-            DVec3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + 1e-4 * angle)
-        };
-        let rows = [0.0, 1.0].map(|z| (0..=1600).map(move |k| coil(k) + z * DVec3::Z));
-        let surface = BSplineSurface::new(u, v, rows.into_iter().flatten().collect()).unwrap();
-        let curve = surface.sides().unwrap()[0].clone();
-        let range = curve.knots().domain();
-        let ends = curve.ends();
-        let edge = Edge { curve: Curve::Spline(curve), range, ends: [0, 1], tolerance: 0.0 };
-        let of = EdgeUse { edge: 0, reversed: false, parameters: vec![[0.0, 0.0], [1600.0, 0.0]] };
-        let brep = Brep {
-            vertices: ends.map(Vertex::exact).to_vec(),
-            edges: vec![edge.clone()],
-            faces: vec![Face::new(0, vec![vec![of.clone()]])],
-            surfaces: vec![Surface::Spline(surface)],
-            ..Brep::default()
-        };
-        assert!(largest_gap(&brep, 0, &edge, &EdgeUse::new(0, false), 1e-9).0 < 1e-2);
-        assert!(largest_gap(&brep, 0, &edge, &of, 1e-9).0 < 1e-9);
+    fn a_use_knows_its_place_in_the_sense_of_the_edge() {
+        let of = |reversed, parameters| EdgeUse { edge: 0, reversed, parameters };
+        for reversed in [false, true] {
+            let place = known_place(&of(reversed, vec![[1.0, 4.0], [3.0, 8.0]]), 0.25);
+            assert_eq!(place, Some([1.5, 5.0]));
+        }
+        // One for each knot, or none.
+        assert_eq!(known_place(&of(false, vec![[0.0; 2]; 3]), 0.5), None);
+        assert_eq!(known_place(&of(false, Vec::new()), 0.5), None);
     }
 }
