@@ -106,6 +106,9 @@ pub use relations::Adjusted;
 const INSTEAD_OF_FACETS: &str = "smooth faces were made over all of the surface, because with the surfaces that were found more than \
     half of it would be plane facets; the mechanical style gives that model";
 
+/// Degrees: smooth faces that meet at more than this are no better than facets, because they may be folded there.
+const MOST_KINK: f64 = 1.0;
+
 /// What kind of model is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -212,10 +215,8 @@ pub fn rebuild(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> R
     let (map, brep, fallback) = descend(map, places.as_deref(), mesh, context)?;
     // Facets are a valid model, too, but nobody can edit them.
     if map.is_faceted()
-        && let Some(mut smooth) = smooth(mesh, options, Effort::Little, context)?
-        && smooth.distance_max <= options.tolerance.unwrap_or(MODEL_DISTANCE * mesh.diagonal())
+        && let Some(smooth) = instead_of_facets(mesh, options, context)?
     {
-        smooth.warnings.push(INSTEAD_OF_FACETS.into());
         return allowed(smooth, options);
     }
     let (distance_max, distance_rms) = distances(&map);
@@ -279,6 +280,16 @@ fn smooth(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context: &Co
         }
         done => done.map(Some),
     }
+}
+
+/// Smooth faces that are worth more than facets: near enough, and not folded.
+fn instead_of_facets(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<Option<CadModel>> {
+    let most = options.tolerance.unwrap_or(MODEL_DISTANCE * mesh.diagonal());
+    let is_sound =
+        |m: &CadModel| m.distance_max <= most && m.smooth.as_ref().is_some_and(|s| s.angles.max <= MOST_KINK);
+    let mut found = smooth(mesh, options, Effort::Little, context)?.filter(is_sound);
+    found.iter_mut().for_each(|m| m.warnings.push(INSTEAD_OF_FACETS.into()));
+    Ok(found)
 }
 
 /// What a user should know where vertices are far off their faces, by a share of the diagonal.

@@ -117,15 +117,15 @@ fn finished(map: &Map<'_>, draft: Draft, mut faces: Vec<(Face, DraftFace)>) -> B
     let mut surfaces: Vec<Surface> = map.pieces.iter().map(|p| p.surface.clone()).collect();
     let mut spelled = Vec::new();
     for (k, ((face, drafted), surface)) in faces.iter_mut().zip(&mut surfaces).enumerate() {
-        if let Some(extrusion) = spell_out(surface, &draft, &drafted.loops) {
-            face.same_sense = !face.same_sense;
-            spelled.push((k, extrusion));
+        if let Some(spline) = spell_out(surface, face.same_sense, &draft, &drafted.loops) {
+            face.same_sense = true;
+            spelled.push((k, spline));
         }
         face.name = format!("{}_{}", surface.kind().name(), face.surface);
         face.trimmed = matches!(surface, Surface::Spline(_));
     }
     let mut brep = draft.finish(surfaces, faces);
-    spelled.iter().for_each(|(face, extrusion)| lay_borders(&mut brep, *face, extrusion, map.diagonal));
+    spelled.iter().for_each(|(face, spline)| lay_borders(&mut brep, *face, spline, map.diagonal));
     brep
 }
 

@@ -19,29 +19,42 @@ use crate::brep::{Brep, Curve, Edge, EdgeUse, Surface};
 use crate::geometry::bspline::{BSplineSurface, Knots};
 use glam::DVec3;
 
-/// Writes the extrusion of a spline as a spline surface, with the opposite normal, over the face with these loops; returns the
-/// extrusion. All else stays.
-pub fn spell_out(surface: &mut Surface, draft: &Draft, loops: &[Vec<(u32, bool)>]) -> Option<Surface> {
+/// An extrusion that was written as a spline surface.
+pub struct Spelled {
+    extrusion: Surface,
+    /// The height along the extrusion for a u of 1: 1, or -1 where the normal would be the opposite one.
+    rise: f64,
+}
+
+/// Writes the extrusion of a spline as a spline surface with the normal of the face with these loops; all else stays.
+pub fn spell_out(
+    surface: &mut Surface,
+    same_sense: bool,
+    draft: &Draft,
+    loops: &[Vec<(u32, bool)>],
+) -> Option<Spelled> {
     let Surface::Extrusion { profile: Curve::Spline(profile), direction } = &*surface else { return None };
     let along = |p: DVec3| surface.project(p)[1];
     let places = loops.iter().flatten().flat_map(|&(e, r)| points(draft, e, r)).map(|(p, _)| along(p));
     let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
-    let u = Knots::new(1, vec![low, low, high, high]).ok()?;
-    let control = profile.points().iter().flat_map(|&p| [low, high].map(|h| p + h * *direction)).collect();
+    let (rise, heights) = if same_sense { (-1.0, [high, low]) } else { (1.0, [low, high]) };
+    let [first, last] = heights.map(|h| rise * h);
+    let u = Knots::new(1, vec![first, first, last, last]).ok()?;
+    let control = profile.points().iter().flat_map(|&p| heights.map(|h| p + h * *direction)).collect();
     let spelled = BSplineSurface::new(u, profile.knots().clone(), control).ok()?;
-    Some(std::mem::replace(surface, Surface::Spline(spelled)))
+    Some(Spelled { extrusion: std::mem::replace(surface, Surface::Spline(spelled)), rise })
 }
 
 /// Gives the borders of such a face their parameters: those along the profile, and the generators between them.
-pub fn lay_borders(brep: &mut Brep, face: usize, extrusion: &Surface, diagonal: f64) {
+pub fn lay_borders(brep: &mut Brep, face: usize, spelled: &Spelled, diagonal: f64) {
     let room = NAMED_DISTANCE * diagonal;
     let mut loops = std::mem::take(&mut brep.faces[face].loops);
-    loops.iter_mut().for_each(|uses| lay(uses, &brep.edges, extrusion, room));
+    loops.iter_mut().for_each(|uses| lay(uses, &brep.edges, spelled, room));
     brep.faces[face].loops = loops;
 }
 
 /// One loop, from a border along the profile on, because only that tells at which end of a closed profile a seam is.
-fn lay(uses: &mut [EdgeUse], edges: &[Edge], extrusion: &Surface, room: f64) {
+fn lay(uses: &mut [EdgeUse], edges: &[Edge], Spelled { extrusion, rise }: &Spelled, room: f64) {
     let level = |of: &EdgeUse| along_profile(&edges[of.edge as usize], extrusion, room);
     let Some(first) = uses.iter().position(|of| level(of).is_some()) else { return };
     let (mut u, count) = (0.0, uses.len());
@@ -56,7 +69,7 @@ fn lay(uses: &mut [EdgeUse], edges: &[Edge], extrusion: &Surface, room: f64) {
         };
         let Some(laid) = along_profile(edge, extrusion, room).or_else(generator) else { return };
         u = if of.reversed { laid[0][0] } else { laid[laid.len() - 1][0] };
-        of.parameters = laid.into_iter().map(|[along, height]| [height, along]).collect();
+        of.parameters = laid.into_iter().map(|[along, height]| [rise * height, along]).collect();
     }
 }
 

@@ -151,7 +151,7 @@ fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 pub enum Effort {
     /// All that may lead to a model, because there is no other one.
     Full,
-    /// The first quads, not divided beyond what the vertices say.
+    /// The first numbers of quads, not divided beyond what the vertices say.
     Little,
 }
 
@@ -173,7 +173,9 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context
     let (mut best, mut last): (Option<CadModel>, _) = (None, None);
     // Quads that are not of the map have so many irregular vertices that anything else comes first.
     let all = tried.iter().map(|&count| (count, 1)).chain(tried.first().map(|&count| (count, 4)));
-    for (k, (count, last_rung)) in all.take(if effort == Effort::Full { usize::MAX } else { 1 }).enumerate() {
+    for (k, (count, last_rung)) in
+        all.take(if effort == Effort::Full { usize::MAX } else { TRIES_FOR_TOLERANCE }).enumerate()
+    {
         if best.is_some() && (k >= TRIES_FOR_TOLERANCE || last_rung > 1) {
             break;
         }
