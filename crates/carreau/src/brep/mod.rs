@@ -185,6 +185,12 @@ impl EdgeUse {
     pub fn new(edge: u32, reversed: bool) -> Self {
         EdgeUse { edge, reversed, parameters: Vec::new() }
     }
+
+    /// The parameters at a share of the edge, where the use has them in proportion.
+    pub fn at_share(&self, share: f64) -> Option<[f64; 2]> {
+        let &[a, b] = self.parameters.as_slice() else { return None };
+        Some([0, 1].map(|k| a[k] + share * (b[k] - a[k])))
+    }
 }
 
 /// Faces connected by edges.

@@ -138,10 +138,14 @@ pub fn part(curve: &Curve, [from, to]: [f64; 2]) -> Option<Curve> {
     if from < low || to > high {
         return None;
     }
-    let until = if to < high { whole.split(to).ok()?.into_iter().next() } else { Some(whole.clone()) };
-    let until = until?;
-    let both = if from > low { until.split(from).ok()?.into_iter().last() } else { Some(until) };
-    both.map(Curve::Spline)
+    let mut part = whole.clone();
+    if to < high {
+        [part, _] = part.split(to).ok()?;
+    }
+    if from > low {
+        [_, part] = part.split(from).ok()?;
+    }
+    Some(Curve::Spline(part))
 }
 
 /// A curve in the sense of a polyline, with the range between its ends; `None` where the polyline does not run along it.

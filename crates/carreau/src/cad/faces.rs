@@ -12,7 +12,7 @@
 use super::conics::seam;
 use super::draft::{Draft, DraftFace, Merge};
 use super::regions::Piece;
-use super::seams::{ALONG_SEAM, Seams, Unrolled, points, spline_period, unroll};
+use super::seams::{ALONG_SEAM, Seams, Unrolled, extent, points, spline_period, unroll};
 use super::tuning::CAP_ANGLE;
 use crate::brep::{Curve, Frame, Surface};
 use crate::geometry::bspline::BSplineCurve;
@@ -124,9 +124,7 @@ fn outer(unrolled: &[Unrolled], sense: f64) -> Option<usize> {
 /// described by their apex.
 pub fn center_cone(piece: &mut Piece, draft: &Draft, loops: &[Vec<(u32, bool)>]) {
     let Surface::Cone { frame, radius, half_angle } = &mut piece.surface else { return };
-    let along = |p: DVec3| (p - frame.origin).dot(frame.z);
-    let places = loops.iter().flatten().flat_map(|&(e, r)| points(draft, e, r)).map(|(p, _)| along(p));
-    let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+    let [low, high] = extent(draft, loops, |p| (p - frame.origin).dot(frame.z));
     let middle = 0.5 * (low + high);
     let wider = *radius + middle * half_angle.tan();
     if middle.is_finite() && wider > 0.0 {

@@ -55,6 +55,12 @@ pub fn points(draft: &Draft, edge: u32, reversed: bool) -> impl Iterator<Item = 
     })
 }
 
+/// The least and the largest of a measure of the points of loops.
+pub fn extent(draft: &Draft, loops: &[Vec<(u32, bool)>], of: impl Fn(DVec3) -> f64) -> [f64; 2] {
+    let values = loops.iter().flatten().flat_map(|&(e, r)| points(draft, e, r)).map(|(p, _)| of(p));
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
 /// A loop unrolled from its first sample on, into whatever period it leads to.
 pub fn unroll(surface: &Surface, draft: &Draft, uses: &[(u32, bool)]) -> Unrolled {
     let all: Vec<(DVec3, usize, f64)> =

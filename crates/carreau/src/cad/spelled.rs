@@ -13,11 +13,10 @@
 //! ```
 
 use super::draft::Draft;
-use super::seams::points;
+use super::seams::extent;
 use super::tuning::NAMED_DISTANCE;
 use crate::brep::{Brep, Curve, Edge, EdgeUse, Surface};
 use crate::geometry::bspline::{BSplineSurface, Knots};
-use glam::DVec3;
 
 /// An extrusion that was written as a spline surface.
 pub struct Spelled {
@@ -34,9 +33,7 @@ pub fn spell_out(
     loops: &[Vec<(u32, bool)>],
 ) -> Option<Spelled> {
     let Surface::Extrusion { profile: Curve::Spline(profile), direction } = &*surface else { return None };
-    let along = |p: DVec3| surface.project(p)[1];
-    let places = loops.iter().flatten().flat_map(|&(e, r)| points(draft, e, r)).map(|(p, _)| along(p));
-    let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+    let [low, high] = extent(draft, loops, |p| surface.project(p)[1]);
     let (rise, heights) = if same_sense { (-1.0, [high, low]) } else { (1.0, [low, high]) };
     let [first, last] = heights.map(|h| rise * h);
     let u = Knots::new(1, vec![first, first, last, last]).ok()?;
@@ -56,10 +53,12 @@ pub fn lay_borders(brep: &mut Brep, face: usize, spelled: &Spelled, diagonal: f6
 /// One loop, from a border along the profile on, because only that tells at which end of a closed profile a seam is.
 fn lay(uses: &mut [EdgeUse], edges: &[Edge], Spelled { extrusion, rise }: &Spelled, room: f64) {
     let level = |of: &EdgeUse| along_profile(&edges[of.edge as usize], extrusion, room);
-    let Some(first) = uses.iter().position(|of| level(of).is_some()) else { return };
+    let mut levels: Vec<_> = uses.iter().map(level).collect();
+    let Some(first) = levels.iter().position(Option::is_some) else { return };
     let (mut u, count) = (0.0, uses.len());
     for k in 0..count {
-        let of = &mut uses[(first + k) % count];
+        let k = (first + k) % count;
+        let of = &mut uses[k];
         let edge = &edges[of.edge as usize];
         let generator = || {
             let ends = edge.range.map(|t| extrusion.project_near(edge.curve.point(t), [u, 0.0])[1]).map(|v| [u, v]);
@@ -67,7 +66,7 @@ fn lay(uses: &mut [EdgeUse], edges: &[Edge], Spelled { extrusion, rise }: &Spell
                 (0..2).all(|i| extrusion.point(u, ends[i][1]).distance(edge.curve.point(edge.range[i])) <= room);
             (matches!(edge.curve, Curve::Line { .. }) && is_one).then(|| ends.to_vec())
         };
-        let Some(laid) = along_profile(edge, extrusion, room).or_else(generator) else { return };
+        let Some(laid) = levels[k].take().or_else(generator) else { return };
         u = if of.reversed { laid[0][0] } else { laid[laid.len() - 1][0] };
         of.parameters = laid.into_iter().map(|[along, height]| [rise * height, along]).collect();
     }

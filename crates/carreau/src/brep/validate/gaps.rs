@@ -88,7 +88,7 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, of: &EdgeUse, allowed: f64) -> 
         if off > worst.0.max(allowed) {
             // A search from the place before may have stopped short, and so may one from all over a face whose cells are uneven: the
             // use knows about where it is.
-            let known = known_place(of, k as f64 / n as f64);
+            let known = of.at_share(k as f64 / n as f64);
             for anew in known.into_iter().chain([surface.project(p)]) {
                 let other = surface.point(anew[0], anew[1]).distance(p);
                 if other < off {
@@ -101,12 +101,6 @@ fn largest_gap(brep: &Brep, f: u32, edge: &Edge, of: &EdgeUse, allowed: f64) -> 
         }
     }
     worst
-}
-
-/// The parameters that a use has at a share of its edge, where it has them in proportion.
-fn known_place(of: &EdgeUse, share: f64) -> Option<[f64; 2]> {
-    let &[a, b] = of.parameters.as_slice() else { return None };
-    Some([0, 1].map(|k| a[k] + share * (b[k] - a[k])))
 }
 
 /// The length of a polygon through a few points of an edge: no longer than the edge.
@@ -123,11 +117,11 @@ mod tests {
     fn a_use_knows_its_place_in_the_sense_of_the_edge() {
         let of = |reversed, parameters| EdgeUse { edge: 0, reversed, parameters };
         for reversed in [false, true] {
-            let place = known_place(&of(reversed, vec![[1.0, 4.0], [3.0, 8.0]]), 0.25);
+            let place = of(reversed, vec![[1.0, 4.0], [3.0, 8.0]]).at_share(0.25);
             assert_eq!(place, Some([1.5, 5.0]));
         }
         // One for each knot, or none.
-        assert_eq!(known_place(&of(false, vec![[0.0; 2]; 3]), 0.5), None);
-        assert_eq!(known_place(&of(false, Vec::new()), 0.5), None);
+        assert_eq!(of(false, vec![[0.0; 2]; 3]).at_share(0.5), None);
+        assert_eq!(of(false, Vec::new()).at_share(0.5), None);
     }
 }

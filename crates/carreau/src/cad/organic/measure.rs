@@ -65,9 +65,10 @@ pub fn angles(net: &Net, blocks: &[Block], layout: &Layout, sheets: &[Sheet], br
         }
         let normal = |block: usize, k: usize, share: f64| {
             let of = &brep.faces[block].loops[0][k];
-            let at = [0, 1].map(|d| of.parameters[0][d] + share * (of.parameters[1][d] - of.parameters[0][d]));
-            let Surface::Spline(s) = &brep.surfaces[block] else { return DVec3::ZERO };
-            let jet = s.jet(at[0], at[1]);
+            let (Surface::Spline(s), Some([u, v])) = (&brep.surfaces[block], of.at_share(share)) else {
+                return DVec3::ZERO;
+            };
+            let jet = s.jet(u, v);
             jet.first[0].cross(jet.first[1]).normalize_or_zero()
         };
         let knots = &sheets[a].knots[of.side % 2];
