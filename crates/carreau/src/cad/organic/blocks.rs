@@ -138,9 +138,10 @@ fn inner_corner(net: &Net, walls: &Walls, lowers: &[u32]) -> u32 {
     found.or_else(|| sides.clone().find(|&h| open(h))).unwrap_or(lowers[0])
 }
 
-/// The half-edges across the middle of a block that touches itself.
+/// The half-edges across the middle of a block that touches itself, at a vertex or along edges: no loop of a face goes through a vertex
+/// twice, because programs that look for such a border on the surface take one corner for the other.
 fn middle_line(net: &Net, block: &Block) -> Option<Vec<u32>> {
-    let mut own: Vec<u32> = (0..4).flat_map(|s| block.side(s)).map(|h| net.edge[h as usize]).collect();
+    let mut own: Vec<u32> = (0..4).flat_map(|s| block.side(s)).map(|h| net.start(h)).collect();
     own.sort_unstable();
     if own.windows(2).all(|w| w[0] != w[1]) {
         return None;

@@ -75,6 +75,11 @@ impl<V: Value> Disc<V> {
         }
     }
 
+    /// The first points of the spokes, that of a crease which ends here once.
+    fn around(&self) -> impl Iterator<Item = &V> {
+        self.spokes.iter().take(self.sectors()).map(|s| &s[0])
+    }
+
     /// Whether a spoke is a border.
     fn is_border(&self, spoke: usize) -> bool {
         !self.closed && (spoke == 0 || spoke + 1 == self.spokes.len())
@@ -151,10 +156,10 @@ impl<V: Value> Disc<V> {
                 let ends = [&self.spokes[0][0], &self.spokes[self.spokes.len() - 1][0]];
                 V::mix(&[(0.75, c), (0.125, ends[0]), (0.125, ends[1])])
             }
-            Role::Smooth => {
+            Role::Smooth | Role::Dart => {
                 let n = self.sectors() as f64;
                 let mut terms = vec![((n - 2.0) / n, c)];
-                terms.extend(self.spokes.iter().map(|s| (1.0 / (n * n), &s[0])));
+                terms.extend(self.around().map(|p| (1.0 / (n * n), p)));
                 terms.extend(first.iter().map(|f| (1.0 / (n * n), f)));
                 V::mix(&terms)
             }
@@ -170,11 +175,11 @@ impl<V: Value> Disc<V> {
                 let ends = [&self.spokes[0][0], &self.spokes[self.spokes.len() - 1][0]];
                 V::mix(&[(4.0 / 6.0, c), (1.0 / 6.0, ends[0]), (1.0 / 6.0, ends[1])])
             }
-            Role::Smooth => {
+            Role::Smooth | Role::Dart => {
                 let n = self.sectors() as f64;
                 let all = n * (n + 5.0);
                 let mut terms = vec![(n * n / all, c)];
-                terms.extend(self.spokes.iter().map(|s| (4.0 / all, &s[0])));
+                terms.extend(self.around().map(|p| (4.0 / all, p)));
                 terms.extend(self.inner.iter().map(|s| (1.0 / all, &s[0])));
                 V::mix(&terms)
             }

@@ -176,7 +176,7 @@ fn fairness(net: &Net, own: &[Row]) -> Vec<(u32, Row)> {
     for fan in &net.fans {
         let v = fan.vertex as usize;
         match net.role[v] {
-            Role::Smooth => around[v] = fan.spokes.iter().map(|&h| net.end(h)).collect(),
+            Role::Smooth | Role::Dart => around[v] = fan.spokes.iter().map(|&h| net.end(h)).collect(),
             Role::Border => around[v] = rim(net, &fan.spokes).to_vec(),
             Role::Corner => {}
         }

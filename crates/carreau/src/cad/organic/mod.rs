@@ -122,7 +122,7 @@ impl Cage {
         };
         let creases = sorted((0u32..).zip(&self.net.ends).flat_map(halves).collect());
         let points = [refined.vertex, refined.edge, refined.face].concat();
-        let net = Net::new(&points, refine::refined_quads(&self.net), &creases)?;
+        let net = self.net.divided(refine::refined_quads(&self.net), &creases)?;
         let walls = self.walls.divided(&net);
         Ok(Cage { net, walls, points, creases, divisions: self.divisions + 1 })
     }

@@ -19,7 +19,9 @@ pub enum Role {
     Smooth,
     /// On a border or crease that runs on.
     Border,
-    /// Where borders or creases end, meet or bend: the surface goes through the control point.
+    /// Where a crease ends inside: the surface is smooth there.
+    Dart,
+    /// Where borders or creases meet or bend: the surface goes through the control point.
     Corner,
 }
 
@@ -73,6 +75,28 @@ impl Net {
     /// # Errors
     /// [`Error::Numeric`] where edges have more than two quads, or two that are turned against each other.
     pub fn new(points: &[DVec3], quads: Vec<[u32; 4]>, creases: &[[u32; 2]]) -> Result<Self> {
+        let mut net = Net::joined(points.len(), quads, creases)?;
+        net.find_roles(points);
+        Ok(net)
+    }
+
+    /// The net after every quad was divided in four (vertices, then one for every edge, then one for every quad). Roles stay: walls
+    /// run from the corners there were, and what the fit has bent since is no other one.
+    ///
+    /// # Errors
+    /// As [`Net::new`].
+    pub fn divided(&self, quads: Vec<[u32; 4]>, creases: &[[u32; 2]]) -> Result<Self> {
+        let mut role = self.role.clone();
+        let first = role.len();
+        role.resize(first + self.ends.len() + self.quads.len(), Role::Smooth);
+        let borders = self.edge.iter().zip(&self.opposite).filter(|e| *e.1 == NONE);
+        borders.for_each(|(&edge, _)| role[first + edge as usize] = Role::Border);
+        let net = Net::joined(role.len(), quads, creases)?;
+        Ok(Net { role, ..net })
+    }
+
+    /// Half-edges and fans, without roles.
+    fn joined(vertices: usize, quads: Vec<[u32; 4]>, creases: &[[u32; 2]]) -> Result<Self> {
         let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(4 * quads.len());
         for (q, corners) in (0u32..).zip(&quads) {
             for k in 0..4 {
@@ -85,7 +109,7 @@ impl Net {
             opposite: vec![NONE; sides.len()],
             edge: vec![NONE; sides.len()],
             ends: Vec::new(),
-            role: vec![Role::Smooth; points.len()],
+            role: vec![Role::Smooth; vertices],
             fans: Vec::new(),
             fan_of: vec![NONE; sides.len()],
             quads,
@@ -104,7 +128,6 @@ impl Net {
             }
         }
         net.find_fans();
-        net.find_roles(points);
         Ok(net)
     }
 
@@ -172,6 +195,7 @@ impl Net {
             let p = points[v];
             self.role[v] = match **others {
                 [] => Role::Smooth,
+                [_] => Role::Dart,
                 [a, b] => {
                     let along = [p - points[a as usize], points[b as usize] - p].map(DVec3::normalize_or_zero);
                     if along[0].dot(along[1]) < CORNER_COSINE { Role::Corner } else { Role::Border }

@@ -194,8 +194,11 @@ impl<'a> Apex<'a> {
         for s in 0..self.sectors.len() {
             let Sector { block, corner } = self.sectors[s];
             for (i, j) in (0..=self.moved).flat_map(|i| (0..=self.moved).map(move |j| (i, j))) {
-                let k = sheets[block].index(corner, i, j);
-                sheets[block].points[k] = self.now[self.unknown(s, i, j)];
+                let (k, unknown) = (sheets[block].index(corner, i, j), self.unknown(s, i, j));
+                // What is on a border stays to the bit, because the face beyond has the same points.
+                if !self.fixed[unknown] {
+                    sheets[block].points[k] = self.now[unknown];
+                }
             }
         }
     }

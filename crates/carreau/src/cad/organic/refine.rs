@@ -65,7 +65,7 @@ pub fn refine<V: Value>(net: &Net, values: &[V]) -> Refined<V> {
                 let [a, b] = rim(net, &fan.spokes);
                 vertex[v] = V::mix(&[(0.75, of(fan.vertex)), (0.125, of(a)), (0.125, of(b))]);
             }
-            Role::Smooth => {
+            Role::Smooth | Role::Dart => {
                 let n = fan.spokes.len() as f64;
                 // (Q + 2 R + (n − 3) S) / n, where R is the mean of the middles of the edges.
                 let mut terms = vec![((n - 2.0) / n, of(fan.vertex))];

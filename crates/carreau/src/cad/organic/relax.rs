@@ -25,7 +25,7 @@ pub fn relax(net: &Net, points: &mut [DVec3]) {
                     let along = (b - a).normalize_or_zero();
                     p + RELAXATION * (0.5 * (a + b)).dot(along) * along
                 }
-                Role::Smooth => {
+                Role::Smooth | Role::Dart => {
                     let around: Vec<DVec3> = fan.spokes.iter().map(|&h| to(net.end(h))).collect();
                     let n = around.len();
                     let normal: DVec3 = (0..n).map(|k| around[k].cross(around[(k + 1) % n])).sum();
