@@ -285,8 +285,11 @@ fn smooth(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context: &Co
 /// Smooth faces that are worth more than facets: near enough, and not folded.
 fn instead_of_facets(mesh: &SurfaceMesh, options: &CadOptions, context: &Context) -> Result<Option<CadModel>> {
     let most = options.tolerance.unwrap_or(MODEL_DISTANCE * mesh.diagonal());
-    let is_sound =
-        |m: &CadModel| m.distance_max <= most && m.smooth.as_ref().is_some_and(|s| s.angles.max <= MOST_KINK);
+    let is_sound = |m: &CadModel| {
+        let kink = m.smooth.as_ref().map_or(f64::INFINITY, |s| s.angles.max);
+        tracing::debug!(target: "carreau::cad", distance = m.distance_max, kink, "instead of facets");
+        m.distance_max <= most && kink <= MOST_KINK
+    };
     let mut found = smooth(mesh, options, Effort::Little, context)?.filter(is_sound);
     found.iter_mut().for_each(|m| m.warnings.push(INSTEAD_OF_FACETS.into()));
     Ok(found)

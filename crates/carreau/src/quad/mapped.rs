@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 const MAPPED_ATTEMPTS: usize = 6;
 /// A count: how often that is for all working meshes together, but once for each, because the first ones show what there is
 /// to gain.
-const ALL_ATTEMPTS: usize = 9;
+pub const ALL_ATTEMPTS: usize = 9;
 /// A count: working meshes after which what will do is taken, because what keeps it from being better is the number of quads.
 const ENOUGH_MESHES: usize = 2;
 /// A share of the faults before: an attempt that leaves more is the last, because smaller quads are of little use
@@ -82,10 +82,10 @@ pub fn quads(source: &Source, options: &QuadOptions, context: &Context) -> Resul
         None => ((source.area / options.quads as f64).sqrt(), Some(options.quads)),
     };
     let feature_deg = options.features.angle_deg.unwrap_or(180.0);
-    let (mut of_map, mut left) = (OfMap::default(), ALL_ATTEMPTS);
+    let (mut of_map, mut left) = (OfMap::default(), options.attempts);
     // Creases of a scan that leave no room on two of them leave none on a third.
     let meshes = if source.is_noisy { ENOUGH_MESHES } else { WORKING_EDGES.len() };
-    for (mesh, working) in WORKING_EDGES.into_iter().take(meshes).enumerate() {
+    for (mesh, working) in WORKING_EDGES.into_iter().take(meshes.min(options.attempts)).enumerate() {
         let wish = Wish { length, quads, working, feature_deg };
         match or_why(working_mesh(source, &wish, context))? {
             Ok(coarse) => of_map.add_fields(source, &coarse, &wish, &mut left, context)?,

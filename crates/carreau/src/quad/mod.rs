@@ -76,6 +76,7 @@ use glam::DVec3;
 use guidance::Guidance;
 use judged::USELESS_STRAYING;
 use lift::lift;
+use mapped::ALL_ATTEMPTS;
 use methods::Made;
 use serde::{Deserialize, Serialize};
 use source::Source;
@@ -99,6 +100,9 @@ pub struct QuadOptions {
     /// The last one: where none up to it gives quads there is an error.
     #[serde(skip)]
     pub last_rung: u32,
+    /// How often quads are made of the map of rung 1 at most, over all working meshes: fewer where another method stands ready.
+    #[serde(skip)]
+    pub attempts: usize,
     /// Quads that are the same on both sides of a plane.
     pub symmetry: Symmetry,
     /// Smaller quads where the surface bends, larger ones where it is flat.
@@ -124,6 +128,7 @@ impl Default for QuadOptions {
             edge_length: None,
             rung: 1,
             last_rung: 4,
+            attempts: ALL_ATTEMPTS,
             symmetry: Symmetry::Off,
             adaptive: false,
             sizes: None,

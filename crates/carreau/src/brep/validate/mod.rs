@@ -29,6 +29,7 @@ use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::SurfaceMesh;
 use glam::DVec3;
+use std::ops::ControlFlow;
 
 /// What is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -167,19 +168,60 @@ pub fn validate(
     limits: &Limits,
     context: &Context,
 ) -> Result<Vec<Finding>> {
-    let mut findings = topology::edge_uses(brep);
-    if let Some(reference) = reference {
-        findings.extend(topology::euler_characteristic(brep, reference.mesh));
+    let mut findings = Vec::new();
+    let all = |found: Vec<Finding>| {
+        findings.extend(found);
+        ControlFlow::Continue(())
+    };
+    judge(brep, reference, limits, all, context)?;
+    Ok(findings)
+}
+
+/// The first of the findings of [`validate`], without the work for the kinds after it; none for a valid model.
+///
+/// # Errors
+/// As [`validate`].
+pub fn first_finding(
+    brep: &Brep,
+    reference: Option<&Reference>,
+    limits: &Limits,
+    context: &Context,
+) -> Result<Option<Finding>> {
+    let mut first = None;
+    let until_one = |found: Vec<Finding>| {
+        first = found.first().copied();
+        if first.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    judge(brep, reference, limits, until_one, context)?;
+    Ok(first)
+}
+
+/// Hands the findings of one kind after the other over, as long as they are wanted.
+fn judge(
+    brep: &Brep,
+    reference: Option<&Reference>,
+    limits: &Limits,
+    mut take: impl FnMut(Vec<Finding>) -> ControlFlow<()>,
+    context: &Context,
+) -> Result<()> {
+    let mut of_topology = topology::edge_uses(brep);
+    of_topology.extend(reference.and_then(|r| topology::euler_characteristic(brep, r.mesh)));
+    if take(of_topology).is_break() || take(gaps::gaps(brep, limits, context)?).is_break() {
+        return Ok(());
     }
-    findings.extend(gaps::gaps(brep, limits, context)?);
     let chord = 0.25 * limits.distance;
     let (samples, tessellation) = triangles(brep, chord, context)?;
-    findings.extend(loops::loops(brep, &samples, &tessellation, context)?);
-    if let Some(reference) = reference {
-        findings.extend(distance::compare(brep, &tessellation, reference, limits, chord, context)?);
+    if take(loops::loops(brep, &samples, &tessellation, context)?).is_break() {
+        return Ok(());
     }
-    findings.extend(crossing::crossings(brep, &tessellation, chord, context)?);
-    Ok(findings)
+    if let Some(reference) = reference
+        && take(distance::compare(brep, &tessellation, reference, limits, chord, context)?).is_break()
+    {
+        return Ok(());
+    }
+    // Nothing comes after it.
+    let _ = take(crossing::crossings(brep, &tessellation, chord, context)?);
+    Ok(())
 }
 
 /// Halvings of the angle (and quarterings of the chord) along the edges of a face whose polygons cross, each of which costs a whole

@@ -39,7 +39,7 @@ mod tracks;
 use super::shells::enclose;
 use super::{CadModel, CadOptions, Style};
 use crate::brep::Brep;
-use crate::brep::validate::{Limits, Reference, validate};
+use crate::brep::validate::{Limits, Reference, first_finding};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::features::FeatureOptions;
@@ -151,9 +151,13 @@ fn sorted(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 pub enum Effort {
     /// All that may lead to a model, because there is no other one.
     Full,
-    /// The first numbers of quads, not divided beyond what the vertices say.
+    /// The first numbers of quads, from few maps, not divided beyond what the vertices say.
     Little,
 }
+
+/// A count: maps of which quads are made for a stand-in, because a surface that needs more is full of irregular vertices, and each costs
+/// a face.
+const LITTLE_ATTEMPTS: usize = 2;
 
 /// What a surface is to reach.
 #[derive(Debug, Clone, Copy)]
@@ -162,13 +166,15 @@ struct Asked {
     tolerance: f64,
     /// A count: more quads than this are not divided.
     most_divided: usize,
+    /// Whether a model that is farther from the scan is of no use.
+    is_strict: bool,
 }
 
 /// Makes the model, from other quads where those at first make no valid one.
 pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context: &Context) -> Result<CadModel> {
     let tolerance = options.tolerance.unwrap_or(ORGANIC_TOLERANCE * mesh.diagonal());
     let most_divided = if effort == Effort::Full { MOST_DIVIDED } else { MOST_DIVIDED.min(mesh.vertex_count()) };
-    let asked = Asked { tolerance, most_divided };
+    let asked = Asked { tolerance, most_divided, is_strict: effort == Effort::Little };
     let tried = counts(mesh);
     let (mut best, mut last): (Option<CadModel>, _) = (None, None);
     // Quads that are not of the map have so many irregular vertices that anything else comes first.
@@ -179,7 +185,9 @@ pub fn organic(mesh: &SurfaceMesh, options: &CadOptions, effort: Effort, context
         if best.is_some() && (k >= TRIES_FOR_TOLERANCE || last_rung > 1) {
             break;
         }
-        let wanted = QuadOptions { last_rung, ..quad_options(count, options.style) };
+        let wanted = quad_options(count, options.style);
+        let attempts = if effort == Effort::Full { wanted.attempts } else { LITTLE_ATTEMPTS };
+        let wanted = QuadOptions { last_rung, attempts, ..wanted };
         match attempt(mesh, asked, &wanted, context) {
             Ok(model) if model.distance_max <= tolerance => return Ok(model),
             Ok(model) if best.as_ref().is_none_or(|b| model.distance_max < b.distance_max) => best = Some(model),
@@ -246,6 +254,11 @@ fn over(mesh: &SurfaceMesh, quads: &SurfaceMesh, asked: Asked, context: &Context
     Ok(model)
 }
 
+/// Why a surface is no use where only a near one is.
+fn too_far(off: f64, tolerance: f64) -> Error {
+    Error::Numeric(format!("smooth faces are {off:.1e} from the mesh, more than the tolerance of {tolerance:.1e}"))
+}
+
 /// The model of a surface, if it is valid.
 fn model(mesh: &SurfaceMesh, scan: &Scan, cage: &mut Cage, context: &Context) -> Result<CadModel> {
     let blocks = blocks(&cage.net, &mut cage.walls, context)?;
@@ -261,7 +274,7 @@ fn fitted(
     mut cage: Cage,
     (mesh, scan): (&SurfaceMesh, &Scan),
     vertices: &mut [Sample],
-    Asked { tolerance, most_divided }: Asked,
+    Asked { tolerance, most_divided, is_strict }: Asked,
     context: &Context,
 ) -> Result<Cage> {
     let _stage = context.stage("surface");
@@ -273,8 +286,9 @@ fn fitted(
             is_last: division == DIVISIONS || cage.net.quads.len() > most_divided,
             has_finer,
         };
-        if run(&cage.net, &mut cage.points, vertices, scan, (turn, goal), context)? {
-            return Ok(cage);
+        let off = run(&cage.net, &mut cage.points, vertices, scan, (turn, goal), context)?;
+        if turn.ends(goal, off) {
+            return if is_strict && off[0] > tolerance { Err(too_far(off[0], tolerance)) } else { Ok(cage) };
         }
         cage = cage.divided()?;
     }
@@ -352,8 +366,8 @@ fn check(mesh: &SurfaceMesh, brep: &Brep, near: f64, context: &Context) -> Resul
     let region_of = vec![0; mesh.face_count()];
     let distance = (BULGE_FACTOR * near).max(LEAST_BULGE * mesh.diagonal());
     let limits = Limits { angle: TURNED_OVER, ..Limits::new(mesh.diagonal(), distance) };
-    let findings = validate(brep, Some(&Reference { mesh, region_of: &region_of }), &limits, context)?;
-    let Some(f) = findings.first() else { return Ok(()) };
-    tracing::debug!(count = findings.len(), ?findings, "findings");
+    let reference = Reference { mesh, region_of: &region_of };
+    let Some(f) = first_finding(brep, Some(&reference), &limits, context)? else { return Ok(()) };
+    tracing::debug!(?f, "finding");
     Err(Error::Numeric(format!("of the {}: {:.1e}, {:.1e} allowed", f.fault.name(), f.measured, f.bound)))
 }

@@ -60,7 +60,8 @@ impl Turn {
     }
 }
 
-/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns whether no other fit comes after it.
+/// Fits a surface, as long as rounds bring it nearer and it is not near enough. Returns the largest and the root mean square distance
+/// of the vertices.
 pub fn run(
     net: &Net,
     points: &mut Vec<DVec3>,
@@ -68,7 +69,7 @@ pub fn run(
     scan: &Scan,
     (turn, goal): (Turn, Goal),
     context: &Context,
-) -> Result<bool> {
+) -> Result<[f64; 2]> {
     let mut fitting = Fitting::new(net, scan, context);
     let (mut surface, mut off) = if turn.is_first {
         find_first_feet(vertices, net, points, context)?;
@@ -110,7 +111,7 @@ pub fn run(
         }
     }
     tracing::debug!(quads = net.quads.len(), max = off[0], rms = off[1], "fitted");
-    Ok(turn.ends(goal, off))
+    Ok(off)
 }
 
 /// What rounds need.

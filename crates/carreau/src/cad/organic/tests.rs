@@ -79,7 +79,7 @@ fn ellipsoid() -> SurfaceMesh {
 }
 
 fn asked(tolerance: f64) -> Asked {
-    Asked { tolerance, most_divided: MOST_DIVIDED }
+    Asked { tolerance, most_divided: MOST_DIVIDED, is_strict: false }
 }
 
 fn model_over(mesh: &SurfaceMesh, quads: &SurfaceMesh) -> CadModel {
@@ -266,4 +266,61 @@ fn there_are_quads_enough_to_go_around_the_smallest_hole() {
     // Around it are eight sides of the cells, of which there are 900 less four.
     assert_eq!(around_holes(&open), (896.0 * (EDGES_A_HOLE / 8.0).powi(2)) as usize);
     assert_eq!(around_holes(&sphere(1)), 0);
+}
+
+/// Quads of a plane of n × n, with edges along its middle tagged that are so many steps from its lower border, at most.
+fn creased(n: u32, steps: u32, place: impl Fn(DVec3) -> DVec3) -> SurfaceMesh {
+    let row = n + 1;
+    let quads = (0..n * n).map(|k| k % n + k / n * row);
+    let quads: Vec<Vec<u32>> = quads.map(|k| vec![k, k + 1, k + row + 1, k + row]).collect();
+    let points = grid(n).points().iter().map(|&p| place(p)).collect();
+    let mut mesh = SurfaceMesh::new(points, quads.iter().map(Vec::as_slice).collect()).unwrap();
+    let edge = |j: u32| [n / 2 + j * row, n / 2 + (j + 1) * row].map(VertexId);
+    mesh.tagged_edges = (0..steps).map(|j| TaggedEdge { ends: edge(j), tag: 1 }).collect();
+    mesh
+}
+
+#[test]
+fn faces_meet_smoothly_where_a_crease_ends() {
+    let context = Context::new();
+    let n = 8;
+    for steps in [2, 4, 5] {
+        // A roof that flattens to the end of its ridge, on uneven quads.
+        let roof = |p: DVec3| {
+            let [dx, dy] = [(3.0 * p.y).sin(), (2.0 * p.x).sin()].map(|d| 0.1 * d * f64::from(u8::from(p.x != 4.0)));
+            let slope = 0.3 * (f64::from(steps) - p.y).max(0.0) / f64::from(steps);
+            DVec3::new(p.x + dx, p.y + dy, -slope * (p.x - 4.0).abs() + 0.02 * p.x * p.y)
+        };
+        let mut cage = Cage::new(&creased(n, steps, roof), &context).unwrap();
+        for division in 0..2 {
+            let blocks = blocks(&cage.net, &mut cage.walls, &context).unwrap();
+            let layout = layout(&cage.net, &cage.walls, &blocks).unwrap();
+            let sheets = faces(&cage, &blocks, &context).unwrap();
+            let brep = assemble::assemble(&cage.net, &blocks, &layout, &sheets).unwrap();
+            let angles = measure::angles(&cage.net, &blocks, &layout, &sheets, &brep);
+            assert!(angles.max < KINK_DEGREES, "{steps} steps, {division} divisions: {angles:?}");
+            cage = cage.divided().unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_the_fit_bends_is_no_new_corner_after_a_division() {
+    let context = Context::new();
+    let mut cage = Cage::new(&creased(6, 6, |p| p), &context).unwrap();
+    let before = cage.net.role.clone();
+    // The border and the crease, bent by more than a right angle.
+    for v in [3, 7 * 3 + 3, 7 * 6 + 2] {
+        cage.points[v] += DVec3::new(0.0, 2.0, 3.0);
+    }
+    let divided = cage.divided().unwrap();
+    assert_eq!(divided.net.role[..before.len()], before);
+    // No block runs past an irregular vertex.
+    let mut walls = divided.walls;
+    let net = &divided.net;
+    for block in blocks(net, &mut walls, &context).unwrap() {
+        for h in (0..4).flat_map(|s| block.side(s).split_off(1)) {
+            assert!(net.is_regular(&net.fans[net.fan_of[h as usize] as usize]), "{h}");
+        }
+    }
 }

@@ -8,7 +8,9 @@ use super::flat::Flat;
 use super::framed::next;
 use super::lattice::{Lattice, Unknowns};
 use super::strips::Strips;
-use super::tuning::{CELL_STRETCH, FACE_ROOM, MOST_CANDIDATES, ORDER_SHAKE, REPAIR_ROUNDS, ROUNDING_ORDERS};
+use super::tuning::{
+    CELL_STRETCH, FACE_ROOM, MOST_BAD_SHARE, MOST_CANDIDATES, ORDER_SHAKE, REPAIR_ROUNDS, ROUNDING_ORDERS,
+};
 use crate::context::Context;
 use crate::error::Result;
 use crate::numeric::dense::{cholesky, inverse, solve};
@@ -35,7 +37,8 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
         let Some(q) = rounded(&unknowns, (order > 0).then_some(&mut random), context)? else { continue };
         assign(&mut tried, &unknowns, &q);
         let mut bad = repair(&mut tried);
-        if bad > 0 {
+        let is_hopeless = bad as f64 > MOST_BAD_SHARE * tried.faces().count() as f64;
+        if bad > 0 && !is_hopeless {
             let goal = goals(&tried, stretch, curves);
             Strips::new(&mut tried, goal, &curves.fewest).give_cells(context)?;
             bad = bad_faces(&tried).len();
@@ -49,7 +52,7 @@ pub fn choose(flat: &mut Flat, stretch: &mut [f64], curves: &Curves, context: &C
         if best.as_ref().is_none_or(|b| bad < b.0) {
             best = Some((bad, tried));
         }
-        if bad == 0 {
+        if bad == 0 || is_hopeless {
             break;
         }
     }
