@@ -378,7 +378,7 @@ fn without_slivers(
     let order: Vec<u32> = (0..surface.len() as u32).collect();
     let angle = found.chosen.sharp_angle_deg.to_radians();
     let primitive = |&l: &u32| found.regions.get(l as usize).and_then(|region| region.primitive);
-    let known = label.iter().map(primitive).collect();
+    let known = Known { of: label.iter().map(primitive).collect(), all: true };
     let sharp = Sharp::new(&surface, angle);
     let segmenter =
         Segmenter { surface: &surface, order: &order, options: &options, context, sharp, angle, rounding, known };
@@ -411,9 +411,18 @@ fn in_order_of_place(
         sharp: Sharp::new(&surface, angle),
         angle,
         rounding,
-        known: Vec::new(),
+        known: Known::default(),
     }
     .run()
+}
+
+/// The surfaces of triangles that are known before regions are fitted. Two rings of vertices are on many surfaces, and those
+/// of rounded edges on none: what was found with all that is around is not to be found again from less.
+#[derive(Default)]
+struct Known {
+    of: Vec<Option<Primitive>>,
+    /// Triangles without are on no surface; otherwise nothing is known of them.
+    all: bool,
 }
 
 /// The inputs of all stages.
@@ -426,8 +435,8 @@ struct Segmenter<'a> {
     angle: f64,
     /// What coordinates are rounded to; 0 where they are binary.
     rounding: f64,
-    /// The surface that every triangle was given, where noise hides which it is; empty elsewhere.
-    known: Vec<Option<Primitive>>,
+    /// The surface that every triangle was given.
+    known: Known,
 }
 
 impl Segmenter<'_> {
@@ -496,12 +505,15 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
+        let of = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
+        self.known = Known { of, all: false };
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
     }
 
     fn take_noisy(&mut self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
         if !found.primitives.is_empty() {
-            self.known = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
+            let of = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
+            self.known = Known { of, all: true };
         }
         chosen.basis = Basis::Surfaces;
         chosen.recognised = found.share;
@@ -625,9 +637,10 @@ impl Segmenter<'_> {
         let kinds: &[Kind] = if scan { &[Kind::Plane] } else { &Kind::ALL };
         let fits: Vec<Option<Fit>> = (0..count as u32)
             .into_par_iter()
-            .map(|l| match self.known.get(groups.of(l)[0] as usize) {
-                Some(known) => known.and_then(|p| regions::measure(self.surface, groups.of(l), p)),
-                None => regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds),
+            .map(|l| match self.known.of.get(groups.of(l)[0] as usize) {
+                Some(&Some(known)) => regions::measure(self.surface, groups.of(l), known),
+                Some(None) if self.known.all => None,
+                _ => regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds),
             })
             .collect();
         self.context.check()?;
