@@ -490,7 +490,7 @@ impl Segmenter<'_> {
         }
         let _stage = self.context.stage("surfaces");
         let lengths = [extent, self.rounding];
-        let found =
+        let mut found =
             surfaces::find(self.surface, self.order, lengths, self.angle, self.options.tolerance, self.context)?;
         chosen.recognised = found.share(self.surface);
         {
@@ -505,6 +505,7 @@ impl Segmenter<'_> {
             return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
+        found.free_weak(self.surface);
         let of = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
         self.known = Known { of, all: false };
         Ok(Some(found.complete(self.surface, self.order, self.angle)))

@@ -33,6 +33,8 @@ pub struct Accuracy {
 /// A surface that was found.
 pub struct Found {
     pub primitive: Primitive,
+    /// A torus through few vertices: it follows any smooth surface for a few triangles.
+    pub is_weak: bool,
 }
 
 /// A count: vertices beyond the number of parameters that a surface must explain, because fewer are on some surface by
@@ -531,7 +533,8 @@ impl<'a> Search<'a> {
     fn claim(&mut self, c: Candidate) {
         let id = self.found.len() as u32;
         c.facets.iter().for_each(|&f| self.owner[f as usize] = id);
-        self.found.push(Found { primitive: c.primitive });
+        let is_weak = c.primitive.kind() == Kind::Torus && c.surplus < CERTAIN_SURPLUS;
+        self.found.push(Found { primitive: c.primitive, is_weak });
     }
 }
 

@@ -64,6 +64,8 @@ pub struct Surfaces {
     /// Surface of every triangle; [`NONE`] where none was found.
     pub label: Vec<u32>,
     pub primitives: Vec<Primitive>,
+    /// Which of them may be pieces of freeform surfaces.
+    weak: Vec<u32>,
     /// The loosest tolerance.
     pub tolerance: f64,
     /// The distance that the vertices of careful files are within.
@@ -83,7 +85,8 @@ pub fn find(
     // Below what the file is rounded to there are only pieces of surfaces, by chance.
     let floor = precision::floor(surface, extent).max(rounding).min(most.unwrap_or(f64::INFINITY));
     let close = floor.max(TOLERANCE_RUNGS[0] * extent);
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor, close };
+    let (label, primitives, weak) = (vec![NONE; surface.len()], Vec::new(), Vec::new());
+    let mut found = Surfaces { label, primitives, weak, tolerance: floor, close };
     let rungs = rungs(extent, floor, most);
     let accuracy =
         |distance| Accuracy { distance, turn: NORMAL_NOISE, bend: SURFACE_BEND, seed_vertices: SEED_VERTICES };
@@ -139,6 +142,7 @@ impl Surfaces {
         let (owner, curved) = recognise(surface, &facets, accuracy, context)?;
         let base = self.primitives.len() as u32;
         self.primitives.extend(curved.iter().map(|found| found.primitive));
+        self.weak.extend((base..).zip(&curved).filter(|(_, found)| found.is_weak).map(|(l, _)| l));
         if last {
             self.assign(&facets, &owner, base);
             self.absorb(surface, &joining(STRAY_FACTOR * accuracy.distance), |t| {
@@ -164,12 +168,14 @@ impl Surfaces {
         Ok(())
     }
 
-    /// Frees strips beside a free surface that bends as much in itself as it does towards them: they are a part of it.
+    /// Frees strips beside a free surface that bends as much in itself as it does towards them: they are a part of it. A
+    /// single triangle is on a plane of its own anyway, which says nothing.
     fn release(&mut self, surface: &Surface<'_>, facets: &Facets, mut strips: Vec<u32>, sharp_angle: f64) {
         let t = surface.triangles;
         let limit = self.free_sharp_angle(surface, sharp_angle);
         loop {
             let belongs = |f: &u32| {
+                let limit = if facets.triangles(*f).len() == 1 { limit.max(COARSEST_BEND) } else { limit };
                 facets.triangles(*f).iter().flat_map(|&k| 3 * k..3 * k + 3).any(|c| {
                     let o = t.opposite(c);
                     o != NONE && self.label[o as usize / 3] == NONE && f64::from(surface.bend[c as usize]) <= limit
@@ -260,6 +266,32 @@ impl Surfaces {
             if !free(&mut self.label, found) {
                 return;
             }
+        }
+    }
+
+    /// Frees weak surfaces with more than half of their border towards free ones, one after the other: those between the faces of a
+    /// part are blends, the others are pieces of what is around them.
+    pub fn free_weak(&mut self, surface: &Surface<'_>) {
+        let t = surface.triangles;
+        let groups = Groups::new(&self.label, self.primitives.len());
+        let mut weak = std::mem::take(&mut self.weak);
+        loop {
+            let is_piece = |l: &u32| {
+                let (mut free, mut all) = (0.0, 0.0);
+                for c in groups.of(*l).iter().flat_map(|&k| 3 * k..3 * k + 3) {
+                    let beyond = if t.opposite(c) == NONE { *l } else { self.label[t.opposite(c) as usize / 3] };
+                    let length = if beyond == *l { 0.0 } else { surface.edge_length(c) };
+                    all += length;
+                    free += if beyond == NONE { length } else { 0.0 };
+                }
+                free > 0.5 * all
+            };
+            let (pieces, kept): (Vec<u32>, Vec<u32>) = weak.iter().partition(|l| is_piece(l));
+            if pieces.is_empty() {
+                return;
+            }
+            pieces.iter().flat_map(|&l| groups.of(l)).for_each(|&k| self.label[k as usize] = NONE);
+            weak = kept;
         }
     }
 

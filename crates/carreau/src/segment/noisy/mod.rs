@@ -63,6 +63,9 @@ const EXACT_SHARE: f64 = 0.5;
 /// A share of all that is not planar: where exact curved surfaces hold more, the triangles are those of a kernel. Measured
 /// 0.36 and more on tessellations, 0.03 and less on what was smoothed, remeshed or decimated.
 const CURVED_SHARE: f64 = 0.2;
+/// Variances of the noise that surfaces are wrong by where they are pieces of freeform ones. Measured 0.15 and more there, 0.02 and
+/// less on parts that were decimated.
+const FILLED_WRONGNESS: f64 = 0.06;
 /// A share of the area: where more is on surfaces with a soft border, the tolerance made them possible, because single surfaces
 /// of a part may end softly, most do not.
 const SOFT_SHARE: f64 = 0.02;
@@ -136,13 +139,15 @@ struct Start {
     /// Area of those that are exact, and of the curved ones among them.
     exact: f64,
     curved: f64,
+    /// Vertices inside of models that are held.
+    inner: usize,
 }
 
 impl Start {
     /// Without surfaces.
     fn nothing(surface: &Surface<'_>) -> Self {
         let (label, fixed) = (vec![NONE; surface.len()], vec![false; surface.len()]);
-        Start { models: Vec::new(), label, fixed, exact: 0.0, curved: 0.0 }
+        Start { models: Vec::new(), label, fixed, exact: 0.0, curved: 0.0, inner: 0 }
     }
 
     /// Whether the triangles are those of a kernel: exact curved surfaces are next to what is open. Whatever moves vertices
@@ -155,7 +160,8 @@ impl Start {
 
     /// The exact surfaces that are no chance.
     fn of(surface: &Surface<'_>, exact: &Surfaces) -> Self {
-        let hold = held::held(surface, exact);
+        let inner = held::inner(surface, exact);
+        let hold = held::held(surface, exact, &inner);
         let groups = Groups::new(&exact.label, exact.primitives.len());
         let mut start = Start::nothing(surface);
         let held: Vec<u32> =
@@ -167,6 +173,7 @@ impl Start {
             let is_plane = exact.primitives[l as usize].kind() == Kind::Plane;
             start.curved += if is_plane { 0.0 } else { area(l) };
         }
+        start.inner = held.iter().map(|&l| inner[l as usize]).sum();
         start.models = held
             .iter()
             .zip(&members)
@@ -202,13 +209,14 @@ fn divide(
     way: Way,
     context: &Context,
 ) -> Result<Option<Noisy>> {
+    let bare = start.inner == 0;
     let Start { mut models, mut label, fixed, .. } = start;
     let held = models.len() as u32;
     let proposals = propose::propose(surface, noise, order, &fixed, context)?;
     propose::choose(surface, noise, &proposals, &mut models, &mut label);
     let energy = Energy::new(surface, noise, models, &fixed);
     let fitter = Fitter::new(surface, noise, &fixed);
-    let mut division = Division { energy, fitter, label, held, order, context };
+    let mut division = Division { energy, fitter, label, held, bare, order, context };
     division.minimise()?;
     match way {
         Way::White => division.white(),
@@ -223,6 +231,8 @@ struct Division<'a> {
     label: Vec<u32>,
     /// So many of the models stay as they are.
     held: u32,
+    /// These have no vertices inside, as the faces of kernels have: what lies between may be freeform.
+    bare: bool,
     order: &'a [u32],
     context: &'a Context,
 }
@@ -268,7 +278,7 @@ impl Division<'_> {
         self.free_pieces();
         settle::settle(&self.energy, &mut self.label, self.energy.fixed, self.order, self.context)?;
         let share = self.share();
-        if share < DIVIDED_SHARE {
+        if share < DIVIDED_SHARE || self.bare && self.held > 0 && self.is_filled() {
             return Ok(None);
         }
         self.refit();
@@ -287,6 +297,21 @@ impl Division<'_> {
         let on = |&(l, _): &(&u32, &f64)| (*l as usize) < self.energy.models.len();
         let area: f64 = self.label.iter().zip(&surface.areas).filter(on).map(|(_, area)| area).sum();
         area / surface.total_area.max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether most of what is not held is wrong by much of the noise: pieces of freeform surfaces grow until they are, chords are
+    /// much nearer.
+    fn is_filled(&self) -> bool {
+        let Energy { surface, noise, models, .. } = &self.energy;
+        let groups = Groups::new(&self.label, models.len().max(count(&self.label)));
+        let (mut filled, mut all) = (0.0, 0.0);
+        for l in self.held..models.len() as u32 {
+            let area: f64 = groups.of(l).iter().map(|&k| surface.areas[k as usize]).sum();
+            let (wrongness, _) = models[l as usize].wrongness(surface, noise, groups.of(l));
+            all += area;
+            filled += if wrongness > FILLED_WRONGNESS { area } else { 0.0 };
+        }
+        filled > 0.5 * all
     }
 
     /// Labels for the pieces without a surface; they end at creases.
