@@ -5,7 +5,7 @@ use super::facets::Facets;
 use super::precision;
 use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MOST_SOFT, recognise, softness};
-use super::regions::{Groups, count};
+use super::regions::{Groups, count, fit_region};
 use super::strips::{fragments, rows};
 use super::surface::{Lies, Surface, quantile};
 use crate::context::Context;
@@ -56,6 +56,8 @@ const PLANE_SAMPLES: usize = 300;
 const PLANE_STEPS: usize = 8;
 /// A share of the area: surfaces with less do not make a part, because a few triangles are on some surface by chance.
 pub const WORTH_AREA: f64 = 2e-4;
+/// A count: free pieces of no more directions are planes that meet, because the coarsest freeform surface has more.
+const WEDGE_SIDES: usize = 3;
 /// A count: free pieces of no more triangles are none of their own, because they say nothing about a surface.
 const FREE_CRUMB: u32 = 4;
 
@@ -340,7 +342,7 @@ impl Surfaces {
         let open = |c: u32| f64::from(surface.bend[c as usize]) <= limit;
         surface.flood(order, &mut label, self.primitives.len() as u32, open, |_, _| ());
         dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
-        divide_wedges(surface, &mut label, self.primitives.len() as u32);
+        divide_wedges(surface, &mut label, self.primitives.len() as u32, self.tolerance);
         label
     }
 }
@@ -381,20 +383,33 @@ fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
     }
 }
 
-/// Divides free pieces of only two directions: two planes that meet, not the coarsest of curved surfaces.
-fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
+/// Divides free pieces of a few flat facets: planes that meet, unless three are strips of a curved surface.
+fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32, tolerance: f64) {
     let groups = Groups::new(label, count(label));
     let count = groups.len() as u32;
     let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= NORMAL_NOISE;
     let mut next = count;
     for l in first_free..count {
-        let Some(&first) = groups.of(l).first() else { continue };
-        let others: Vec<u32> = groups.of(l).iter().copied().filter(|&k| !flat(first, k)).collect();
-        let Some(&second) = others.first() else { continue };
+        let mut sides: Vec<Vec<u32>> = Vec::new();
+        for &k in groups.of(l) {
+            match sides.iter_mut().find(|side| flat(side[0], k)) {
+                Some(side) => side.push(k),
+                None => sides.push(vec![k]),
+            }
+            if sides.len() > WEDGE_SIDES {
+                break;
+            }
+        }
         // A single triangle is a crumb.
-        let large = others.len() > 1 && groups.of(l).len() - others.len() > 1;
-        if large && others.iter().all(|&k| flat(second, k)) {
-            others.iter().for_each(|&k| label[k as usize] = next);
+        if sides.len() > WEDGE_SIDES || sides.iter().any(|side| side.len() < 2) {
+            continue;
+        }
+        // Two strips are on a cylinder in any case.
+        if sides.len() > 2 && fit_region(surface, groups.of(l), tolerance, &Kind::ALL).is_some() {
+            continue;
+        }
+        for side in sides.iter().skip(1) {
+            side.iter().for_each(|&k| label[k as usize] = next);
             next += 1;
         }
     }
