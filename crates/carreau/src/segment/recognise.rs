@@ -51,6 +51,9 @@ pub const MOST_SOFT: f64 = 0.3;
 const USED_TOLERANCE: f64 = 0.1;
 /// A share of its longest side from which a side of a facet is long, because strips may taper.
 const LONG_SIDE: f64 = 0.4;
+/// Cosine of 30°: sides that turn by no more from one strip to the next are along each other, because those of a cone turn as it
+/// does, and the others are across.
+const ALONG_COS: f64 = 0.866;
 /// A count: vertices beyond the number of parameters that a first neighbourhood has, because a fit through fewer would
 /// lead anywhere.
 const SEED_SURPLUS: usize = 3;
@@ -140,6 +143,10 @@ pub fn finds_any(
 enum Reach {
     All,
     Sideways,
+    /// Beyond the sides along the longest one.
+    Row,
+    /// Beyond the others.
+    Column,
 }
 
 struct Candidate {
@@ -236,14 +243,54 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The free facets beyond the sides of a facet along a direction, and these sides. The strips of a short cylinder are wider
+    /// than long, and what it ends at is bent by no more than they are.
+    fn neighbours_along(&self, f: u32, direction: DVec3, out: &mut Vec<(u32, DVec3)>) {
+        out.clear();
+        let t = self.surface.triangles;
+        for c in self.facets.triangles(f).iter().flat_map(|&k| 3 * k..3 * k + 3) {
+            let o = t.opposite(c);
+            if o == NONE || f64::from(self.surface.bend[c as usize]) > self.accuracy.bend {
+                continue;
+            }
+            let g = self.facets.of[o as usize / 3];
+            let side = (t.point(t.next(c)) - t.point(c)).normalize_or_zero();
+            if g != f && g != NONE && self.free(g) && side.dot(direction).abs() > ALONG_COS {
+                out.push((g, side));
+            }
+        }
+    }
+
+    /// The direction of the longest side of a facet, or that of the side most across it.
+    fn direction(&self, f: u32, across: bool) -> DVec3 {
+        let t = self.surface.triangles;
+        let outer = |c: &u32| t.opposite(*c) == NONE || self.facets.of[t.opposite(*c) as usize / 3] != f;
+        let sides = self.facets.triangles(f).iter().flat_map(|&k| 3 * k..3 * k + 3).filter(outer);
+        let sides: Vec<DVec3> = sides.map(|c| t.point(t.next(c)) - t.point(c)).collect();
+        let longest = sides.iter().copied().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or_default();
+        if !across {
+            return longest.normalize_or_zero();
+        }
+        let angle = |s: &DVec3| s.normalize_or_zero().dot(longest.normalize_or_zero()).abs();
+        sides.iter().min_by(|a, b| angle(a).total_cmp(&angle(b))).copied().unwrap_or_default().normalize_or_zero()
+    }
+
     /// The best surface through a facet and its surroundings.
     fn best_from(&mut self, seed: u32) -> Option<Candidate> {
         let (mut best, all) = self.best_within(seed, Reach::All, &[]);
-        if best.as_ref().is_none_or(|b| b.surplus < CERTAIN_SURPLUS)
-            && let Some(other) = self.best_within(seed, Reach::Sideways, &all).0
-            && best.as_ref().is_none_or(|b| better(&other, b))
-        {
-            best = Some(other);
+        // Rows are those of strips with two pairs of sides. Any row of a turned part is on some surface; that of a face ends at
+        // creases.
+        let strip = self.facets.triangles(seed).len() == 2;
+        let reaches = [Reach::Sideways, Reach::Row, Reach::Column];
+        for reach in reaches.into_iter().take(if strip { 3 } else { 1 }) {
+            let row = !matches!(reach, Reach::Sideways);
+            if best.as_ref().is_none_or(|b| b.surplus < CERTAIN_SURPLUS)
+                && let Some(other) = self.best_within(seed, reach, &all).0
+                && best.as_ref().is_none_or(|b| better(&other, b))
+                && (!row || self.ends_at_creases(&other.facets))
+            {
+                best = Some(other);
+            }
         }
         if best.is_none() {
             self.blame(&all, seed);
@@ -263,7 +310,9 @@ impl<'a> Search<'a> {
     /// was tried before is not tried again.
     fn best_within(&mut self, seed: u32, reach: Reach, before: &[u32]) -> (Option<Candidate>, Vec<u32>) {
         let mut patch = vec![seed];
+        let mut along = vec![self.direction(seed, matches!(reach, Reach::Column))];
         let mut ring = Vec::new();
+        let mut row = Vec::new();
         let most = 4 * self.facets.triangles(seed).len().max(1);
         for level in 0..MOST_RINGS {
             // One more ring. A facet much larger than the seed is a plane beside it, most likely.
@@ -272,10 +321,21 @@ impl<'a> Search<'a> {
                 match reach {
                     Reach::All => self.neighbours(patch[k], &mut ring),
                     Reach::Sideways => self.neighbours_sideways(patch[k], &mut ring),
+                    Reach::Row | Reach::Column => self.neighbours_along(patch[k], along[k], &mut row),
                 }
-                let small = |g: &&u32| self.facets.triangles(**g).len() <= most;
-                let new: Vec<u32> = ring.iter().filter(small).filter(|g| !patch.contains(g)).copied().collect();
-                patch.extend(new);
+                match reach {
+                    Reach::All | Reach::Sideways => {
+                        row.clear();
+                        row.extend(ring.iter().map(|&g| (g, DVec3::ZERO)));
+                    }
+                    Reach::Row | Reach::Column => {}
+                }
+                for &(g, side) in &row {
+                    if self.facets.triangles(g).len() <= most && !patch.contains(&g) {
+                        patch.push(g);
+                        along.push(side);
+                    }
+                }
             }
             if patch.len() == from && level > 0 || patch == before {
                 break;
