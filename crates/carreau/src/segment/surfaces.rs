@@ -120,9 +120,9 @@ fn rungs(extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
     all
 }
 
-/// What a free triangle must do to join a surface beside it.
+/// What a free triangle must do to join a surface beside it. Flats that are cut into a shaft have their corners on it, too.
 fn joining(distance: f64) -> Lies {
-    Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY }
+    Lies { distance, turn: JOIN_TURN, spread: COARSEST_BEND }
 }
 
 impl Surfaces {
