@@ -41,10 +41,10 @@ mod settle;
 mod simplest;
 mod soft;
 
+use super::growth;
 use super::regions::{Groups, connected, count};
 use super::surface::Surface;
-use super::surfaces::Surfaces;
-use super::{PART_SHARE, growth};
+use super::surfaces::{PART_SHARE, Surfaces};
 use crate::context::Context;
 use crate::error::Result;
 use crate::geometry::primitive::{Kind, Primitive};
@@ -69,6 +69,9 @@ const FILLED_WRONGNESS: f64 = 0.06;
 /// A share of the area: where more is on surfaces with a soft border, the tolerance made them possible, because single surfaces
 /// of a part may end softly, most do not.
 const SOFT_SHARE: f64 = 0.02;
+/// A count of standard deviations of the noise: largest distance of a vertex from its surface, because normal noise is larger once in two
+/// million times.
+const NOISE_DEVIATIONS: f64 = 5.0;
 /// A count: most triangles of the mesh, because larger ones would take minutes.
 const MOST_TRIANGLES: usize = 400_000;
 /// A count: rounds of division and fit, few because hardly a triangle changes after some.
@@ -91,6 +94,13 @@ pub struct Noisy {
     pub sigma: f64,
     /// Share of the area on recognised surfaces.
     pub share: f64,
+}
+
+impl Noisy {
+    /// Largest distance of a vertex from its surface.
+    pub fn tolerance(&self) -> f64 {
+        NOISE_DEVIATIONS * self.sigma
+    }
 }
 
 /// What was found exactly before, and what the user asks for.
