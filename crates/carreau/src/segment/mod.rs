@@ -20,10 +20,13 @@
 //! | rectification by minimum cuts | `cut` | – |
 //! | planar facets | `facets` | – |
 //! | recognition of curved surfaces | `recognise` | – |
+//! | neighbourhoods of facets for that | `reach` | – |
 //! | whether there are surfaces at all | `probe` | – |
 //! | how exact the file is | `precision` | – |
 //! | rows of flat strips | `strips` | – |
 //! | all surfaces of a part, rung by rung | `surfaces` | – |
+//! | what is left, and what is a piece of it | `rest` | – |
+//! | surfaces that are not fitted again | `known` | – |
 //! | parts whose vertices have noise | `noisy` | – |
 //! | what a triangle costs in a region | `price` | – |
 //! | regions with their figures and fits | `regions` | – |
@@ -50,14 +53,17 @@ mod facets;
 mod growth;
 mod heal;
 mod junctions;
+mod known;
 mod merge;
 mod noisy;
 mod paper;
 mod precision;
 mod price;
 mod probe;
+mod reach;
 mod recognise;
 mod regions;
+mod rest;
 mod score;
 mod slivers;
 mod strips;
@@ -70,9 +76,10 @@ use crate::bounds::positive;
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::geometry::curvature::{Curvature, CurvatureOptions, Estimator, curvature, full_magnitudes};
-use crate::geometry::primitive::{Fit, Kind, Primitive};
+use crate::geometry::primitive::{Fit, Kind};
 use crate::mesh::{SurfaceMesh, Triangles, UnitScale};
 use canonical::Canonical;
+use known::Known;
 use paper::{CurvatureRegions, Demand, curvature_regions};
 use price::Prices;
 use rayon::prelude::*;
@@ -289,14 +296,9 @@ impl Segmentation {
     }
 }
 
-/// A share of the area that must lie on recognised surfaces for the mesh to be a part, because less may be chance.
-const PART_SHARE: f64 = 0.02;
 /// A share of the extent: largest distance of a vertex from the surface of its region, because careless kernels are
 /// about that exact.
 const EXACT_TOLERANCE: f64 = 3e-5;
-/// A count of standard deviations of the noise: the same on noisy parts, because normal noise is larger once in two
-/// million times.
-const NOISE_DEVIATIONS: f64 = 5.0;
 /// A factor: across creases only regions smaller than A_min by this are merged first, because creases part small faces
 /// as well.
 const CREASE_DIVISOR: f64 = 50.0;
@@ -377,8 +379,7 @@ fn without_slivers(
     let label = healed.restore(&surface, &found.labels);
     let order: Vec<u32> = (0..surface.len() as u32).collect();
     let angle = found.chosen.sharp_angle_deg.to_radians();
-    let primitive = |&l: &u32| found.regions.get(l as usize).and_then(|region| region.primitive);
-    let known = label.iter().map(primitive).collect();
+    let known = Known::of(&label, |l| found.regions.get(l as usize).and_then(|region| region.primitive), true);
     let sharp = Sharp::new(&surface, angle);
     let segmenter =
         Segmenter { surface: &surface, order: &order, options: &options, context, sharp, angle, rounding, known };
@@ -411,7 +412,7 @@ fn in_order_of_place(
         sharp: Sharp::new(&surface, angle),
         angle,
         rounding,
-        known: Vec::new(),
+        known: Known::default(),
     }
     .run()
 }
@@ -426,8 +427,8 @@ struct Segmenter<'a> {
     angle: f64,
     /// What coordinates are rounded to; 0 where they are binary.
     rounding: f64,
-    /// The surface that every triangle was given, where noise hides which it is; empty elsewhere.
-    known: Vec<Option<Primitive>>,
+    /// The surface that every triangle was given.
+    known: Known,
 }
 
 impl Segmenter<'_> {
@@ -481,7 +482,7 @@ impl Segmenter<'_> {
         }
         let _stage = self.context.stage("surfaces");
         let lengths = [extent, self.rounding];
-        let found =
+        let mut found =
             surfaces::find(self.surface, self.order, lengths, self.angle, self.options.tolerance, self.context)?;
         chosen.recognised = found.share(self.surface);
         {
@@ -491,23 +492,25 @@ impl Segmenter<'_> {
                 return Ok(Some(self.take_noisy(noisy, chosen)));
             }
         }
-        if chosen.recognised < PART_SHARE {
+        if chosen.recognised < surfaces::PART_SHARE {
             chosen.recognised = 0.0;
             return Ok(None);
         }
         chosen.basis = Basis::Surfaces;
+        found.free_weak(self.surface);
+        self.known = Known::of(&found.label, |l| found.primitives.get(l as usize).copied(), false);
         Ok(Some(found.complete(self.surface, self.order, self.angle)))
     }
 
     fn take_noisy(&mut self, found: noisy::Noisy, chosen: &mut Chosen) -> Vec<u32> {
         if !found.primitives.is_empty() {
-            self.known = found.label.iter().map(|&l| found.primitives.get(l as usize).copied()).collect();
+            self.known = Known::of(&found.label, |l| found.primitives.get(l as usize).copied(), true);
         }
         chosen.basis = Basis::Surfaces;
         chosen.recognised = found.share;
         chosen.noise = found.sigma;
         if self.options.tolerance.is_none() {
-            chosen.tolerance = NOISE_DEVIATIONS * found.sigma;
+            chosen.tolerance = found.tolerance();
         }
         found.label
     }
@@ -625,10 +628,7 @@ impl Segmenter<'_> {
         let kinds: &[Kind] = if scan { &[Kind::Plane] } else { &Kind::ALL };
         let fits: Vec<Option<Fit>> = (0..count as u32)
             .into_par_iter()
-            .map(|l| match self.known.get(groups.of(l)[0] as usize) {
-                Some(known) => known.and_then(|p| regions::measure(self.surface, groups.of(l), p)),
-                None => regions::fit_region(self.surface, groups.of(l), chosen.tolerance, kinds),
-            })
+            .map(|l| self.known.fit(self.surface, groups.of(l), chosen.tolerance, kinds))
             .collect();
         self.context.check()?;
         let boundaries = boundaries::boundaries(self.surface, &labels, &self.sharp.edge);

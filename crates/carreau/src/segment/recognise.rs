@@ -6,6 +6,7 @@
 //! more than it has parameters. Facets that no curved surface takes are planes or stay free.
 
 use super::facets::Facets;
+use super::reach::{Around, Patch, Reach};
 use super::regions::{Corners, sagitta};
 use super::surface::{Lies, Surface};
 use crate::context::Context;
@@ -33,6 +34,8 @@ pub struct Accuracy {
 /// A surface that was found.
 pub struct Found {
     pub primitive: Primitive,
+    /// A torus through few vertices: it follows any smooth surface for a few triangles.
+    pub is_weak: bool,
 }
 
 /// A count: vertices beyond the number of parameters that a surface must explain, because fewer are on some surface by
@@ -47,8 +50,6 @@ pub const MOST_SOFT: f64 = 0.3;
 /// A share of the tolerance: a surface that uses up less is not one that the tolerance made possible, because a tenth
 /// of it would have been enough.
 const USED_TOLERANCE: f64 = 0.1;
-/// A share of its longest side from which a side of a facet is long, because strips may taper.
-const LONG_SIDE: f64 = 0.4;
 /// A count: vertices beyond the number of parameters that a first neighbourhood has, because a fit through fewer would
 /// lead anywhere.
 const SEED_SURPLUS: usize = 3;
@@ -97,7 +98,10 @@ pub fn recognise(
         if step.is_multiple_of(16) {
             context.check()?;
         }
-        if !search.free(seed) || search.tried[seed as usize] || search.failures[seed as usize] >= SEED_FAILURES {
+        if search.owner[seed as usize] != NONE
+            || search.tried[seed as usize]
+            || search.failures[seed as usize] >= SEED_FAILURES
+        {
             continue;
         }
         if let Some(found) = search.best_from(seed) {
@@ -131,13 +135,6 @@ pub fn finds_any(
     context: &Context,
 ) -> Result<bool> {
     Search::new(surface, facets, *accuracy).finds_any(seeds, context)
-}
-
-/// Which neighbours a neighbourhood takes in.
-#[derive(Debug, Clone, Copy)]
-enum Reach {
-    All,
-    Sideways,
 }
 
 struct Candidate {
@@ -198,50 +195,26 @@ impl<'a> Search<'a> {
         Ok(false)
     }
 
-    fn free(&self, f: u32) -> bool {
-        self.owner[f as usize] == NONE
-    }
-
-    /// The free facets beyond edges that bend no more than a surface may.
-    fn neighbours(&self, f: u32, out: &mut Vec<u32>) {
-        self.neighbours_beyond(f, 0.0, out);
-    }
-
-    /// The free facets beyond the longer sides of a facet: of a strip the next strips, not what it ends at.
-    fn neighbours_sideways(&self, f: u32, out: &mut Vec<u32>) {
-        let t = self.surface.triangles;
-        let outer = |c: &u32| t.opposite(*c) == NONE || self.facets.of[t.opposite(*c) as usize / 3] != f;
-        let sides = self.facets.triangles(f).iter().flat_map(|&k| 3 * k..3 * k + 3).filter(outer);
-        let longest = sides.map(|c| self.surface.edge_length(c)).fold(0.0, f64::max);
-        self.neighbours_beyond(f, LONG_SIDE * longest, out);
-    }
-
-    fn neighbours_beyond(&self, f: u32, least: f64, out: &mut Vec<u32>) {
-        out.clear();
-        let t = self.surface.triangles;
-        for &triangle in self.facets.triangles(f) {
-            for c in 3 * triangle..3 * triangle + 3 {
-                let o = t.opposite(c);
-                if o == NONE || f64::from(self.surface.bend[c as usize]) > self.accuracy.bend {
-                    continue;
-                }
-                let g = self.facets.of[o as usize / 3];
-                let long = least <= 0.0 || self.surface.edge_length(c) >= least;
-                if g != f && g != NONE && long && self.free(g) && !out.contains(&g) {
-                    out.push(g);
-                }
-            }
-        }
+    fn around(&self) -> Around<'_> {
+        Around { surface: self.surface, facets: self.facets, owner: &self.owner, bend: self.accuracy.bend }
     }
 
     /// The best surface through a facet and its surroundings.
     fn best_from(&mut self, seed: u32) -> Option<Candidate> {
         let (mut best, all) = self.best_within(seed, Reach::All, &[]);
-        if best.as_ref().is_none_or(|b| b.surplus < CERTAIN_SURPLUS)
-            && let Some(other) = self.best_within(seed, Reach::Sideways, &all).0
-            && best.as_ref().is_none_or(|b| better(&other, b))
-        {
-            best = Some(other);
+        // Rows are those of strips with two pairs of sides. Any row of a turned part is on some surface; that of a face ends at
+        // creases.
+        let strip = self.facets.triangles(seed).len() == 2;
+        let reaches = [Reach::Sideways, Reach::Row, Reach::Column];
+        for reach in reaches.into_iter().take(if strip { 3 } else { 1 }) {
+            let row = !matches!(reach, Reach::Sideways);
+            if best.as_ref().is_none_or(|b| b.surplus < CERTAIN_SURPLUS)
+                && let Some(other) = self.best_within(seed, reach, &all).0
+                && best.as_ref().is_none_or(|b| better(&other, b))
+                && (!row || self.ends_at_creases(&other.facets))
+            {
+                best = Some(other);
+            }
         }
         if best.is_none() {
             self.blame(&all, seed);
@@ -260,34 +233,22 @@ impl<'a> Search<'a> {
     /// The best surface through the neighbourhood of a facet that is just large enough, and the neighbourhood. One that
     /// was tried before is not tried again.
     fn best_within(&mut self, seed: u32, reach: Reach, before: &[u32]) -> (Option<Candidate>, Vec<u32>) {
-        let mut patch = vec![seed];
-        let mut ring = Vec::new();
-        let most = 4 * self.facets.triangles(seed).len().max(1);
+        let mut patch = Patch::new(&self.around(), seed, reach);
         for level in 0..MOST_RINGS {
-            // One more ring. A facet much larger than the seed is a plane beside it, most likely.
-            let from = patch.len();
-            for k in 0..from {
-                match reach {
-                    Reach::All => self.neighbours(patch[k], &mut ring),
-                    Reach::Sideways => self.neighbours_sideways(patch[k], &mut ring),
-                }
-                let small = |g: &&u32| self.facets.triangles(**g).len() <= most;
-                let new: Vec<u32> = ring.iter().filter(small).filter(|g| !patch.contains(g)).copied().collect();
-                patch.extend(new);
-            }
-            if patch.len() == from && level > 0 || patch == before {
+            let grew = self.around().grow(&mut patch);
+            if !grew && level > 0 || patch.facets == before {
                 break;
             }
-            let vertices = self.gather(&patch);
+            let vertices = self.gather(&patch.facets);
             if vertices < self.accuracy.seed_vertices && level + 1 < MOST_RINGS {
                 continue;
             }
-            let best = self.best_through(&patch, seed);
+            let best = self.best_through(&patch.facets, seed);
             if best.is_some() || vertices >= Kind::Torus.parameters() + SEED_SURPLUS {
-                return (best, patch);
+                return (best, patch.facets);
             }
         }
-        (None, patch)
+        (None, patch.facets)
     }
 
     /// The best surface through the gathered points of a patch.
@@ -376,7 +337,7 @@ impl<'a> Search<'a> {
         let mut ring = Vec::new();
         let mut k = 0;
         while k < facets.len() {
-            self.neighbours(facets[k], &mut ring);
+            self.around().all(facets[k], &mut ring);
             for &g in &ring {
                 if self.facet_stamp[g as usize] != stamp {
                     self.facet_stamp[g as usize] = stamp;
@@ -531,7 +492,8 @@ impl<'a> Search<'a> {
     fn claim(&mut self, c: Candidate) {
         let id = self.found.len() as u32;
         c.facets.iter().for_each(|&f| self.owner[f as usize] = id);
-        self.found.push(Found { primitive: c.primitive });
+        let is_weak = c.primitive.kind() == Kind::Torus && c.surplus < CERTAIN_SURPLUS;
+        self.found.push(Found { primitive: c.primitive, is_weak });
     }
 }
 

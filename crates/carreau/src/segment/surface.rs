@@ -27,6 +27,9 @@ pub struct Surface<'a> {
 /// A share of the way from a corner to the centroid: a little inside of a triangle, because a normal at an apex or an
 /// axis means nothing.
 const INSIDE_SHARE: f64 = 1e-3;
+/// Share of length times turn that the middle of a chord may be off its surface by: twice that of a circle, because other
+/// sections are no circles.
+const CHORD_SHARE: f64 = 0.25;
 
 impl<'a> Surface<'a> {
     pub fn new(mesh: &'a SurfaceMesh, triangles: Triangles<'a>) -> Self {
@@ -125,8 +128,9 @@ impl<'a> Surface<'a> {
     }
 
     /// Whether the vertices of a triangle lie within a distance of a primitive and the triangle looks along its normals
-    /// times `sign`: the normals at the vertices are no more than `spread` apart, and its own misses their mean by no more
-    /// than `turn` (radians) beyond what a chord does, which turns by half the angle between the normals at its ends.
+    /// times `sign`: the normals at the vertices are no more than `spread` apart, its own misses their mean by no more
+    /// than `turn` (radians) beyond what a chord does, which turns by half the angle between the normals at its ends, and
+    /// its edges are chords: a lid on a rounded rim touches it at all corners, and along its normal.
     pub fn lies_on(&self, t: u32, p: &Primitive, sign: f64, demand: &Lies) -> bool {
         let points = self.triangles.triangle(t).map(|v| self.triangles.points()[v as usize]);
         if points.iter().any(|&x| p.distance(x).abs() > demand.distance) {
@@ -138,7 +142,16 @@ impl<'a> Surface<'a> {
         }
         let n = self.normals_on(t, p).map(|n| n * sign);
         let spread = (0..3).map(|k| angle_between(n[k], n[(k + 1) % 3])).fold(0.0, f64::max);
-        spread <= demand.spread && angle_between(own, n[0] + n[1] + n[2]) <= 0.6 * spread + demand.turn
+        spread <= demand.spread
+            && angle_between(own, n[0] + n[1] + n[2]) <= 0.6 * spread + demand.turn
+            && (3 * t..3 * t + 3).all(|c| self.is_chord(c, p, spread, demand.distance))
+    }
+
+    /// Whether the middle of the edge that leaves a corner is no farther off a primitive than a chord of it is where the
+    /// normals turn by `spread`, beyond a distance.
+    fn is_chord(&self, c: u32, p: &Primitive, spread: f64, distance: f64) -> bool {
+        let (a, b) = (self.triangles.point(c), self.triangles.point(self.triangles.next(c)));
+        p.distance(a.midpoint(b)).abs() <= distance + CHORD_SHARE * spread * a.distance(b)
     }
 
     /// Gives every triangle without a label that can be reached from a seed one; the seeds are taken in order, and each

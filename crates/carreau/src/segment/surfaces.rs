@@ -5,16 +5,13 @@ use super::facets::Facets;
 use super::precision;
 use super::probe::has_surfaces;
 use super::recognise::{Accuracy, MOST_SOFT, recognise, softness};
-use super::regions::{Groups, count};
-use super::strips::{fragments, rows};
-use super::surface::{Lies, Surface, quantile};
+use super::regions::Groups;
+use super::surface::{Lies, Surface};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::normals::angle_between;
 use crate::geometry::primitive::{Kind, Primitive, refine};
 use crate::mesh::NONE;
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 use std::collections::VecDeque;
 
 /// Shares of the extent: tolerances after the first, because CAD kernels agree with themselves to the first of these,
@@ -35,35 +32,26 @@ const PLANE_FACTOR: f64 = 8.0;
 const JOIN_TURN: f64 = 0.52;
 /// Radians, 60°: freeform surfaces bend between triangles by no more, however coarse they are, because sharper ones are
 /// edges.
-const COARSEST_BEND: f64 = 1.05;
-/// A share of the edges inside a freeform surface that bend by less than its sharp angle, because the rest may be edges
-/// of the part.
-const USUAL_SHARE: f64 = 0.9;
-/// A factor: the sharp angle of a freeform surface over that bend, because some of its edges bend by a little more.
-const BEND_FACTOR: f64 = 1.3;
-/// A count: half-edges of a free surface below which that says nothing, because a quantile of fewer is chance.
-const FEW_EDGES: usize = 40;
+pub const COARSEST_BEND: f64 = 1.05;
 /// Multiple of the tolerance from which stray triangles join a surface, because their vertices were put anywhere near
 /// it.
 const STRAY_FACTOR: f64 = 20.0;
-/// Radians, 6°: strips of a curved surface bend by no more, because planes that bend more are the sides of a prism.
-const STRIP_BEND: f64 = 0.105;
-/// A count: rounds of freeing fragments of strips, because what is freed makes fragments of planes beside it.
-const FRAGMENT_ROUNDS: usize = 4;
 /// A count: triangles that a plane is fitted to, because more would not change it.
 const PLANE_SAMPLES: usize = 300;
 /// A count: steps of that fit, few because it starts near.
 const PLANE_STEPS: usize = 8;
+/// A share of the area that must lie on recognised surfaces for the mesh to be a part, because less may be chance.
+pub const PART_SHARE: f64 = 0.02;
 /// A share of the area: surfaces with less do not make a part, because a few triangles are on some surface by chance.
 pub const WORTH_AREA: f64 = 2e-4;
-/// A count: free pieces of no more triangles are none of their own, because they say nothing about a surface.
-const FREE_CRUMB: u32 = 4;
 
 /// The surfaces that were found.
 pub struct Surfaces {
     /// Surface of every triangle; [`NONE`] where none was found.
     pub label: Vec<u32>,
     pub primitives: Vec<Primitive>,
+    /// Which of them may be pieces of freeform surfaces.
+    pub weak: Vec<u32>,
     /// The loosest tolerance.
     pub tolerance: f64,
     /// The distance that the vertices of careful files are within.
@@ -83,7 +71,8 @@ pub fn find(
     // Below what the file is rounded to there are only pieces of surfaces, by chance.
     let floor = precision::floor(surface, extent).max(rounding).min(most.unwrap_or(f64::INFINITY));
     let close = floor.max(TOLERANCE_RUNGS[0] * extent);
-    let mut found = Surfaces { label: vec![NONE; surface.len()], primitives: Vec::new(), tolerance: floor, close };
+    let (label, primitives, weak) = (vec![NONE; surface.len()], Vec::new(), Vec::new());
+    let mut found = Surfaces { label, primitives, weak, tolerance: floor, close };
     let rungs = rungs(extent, floor, most);
     let accuracy =
         |distance| Accuracy { distance, turn: NORMAL_NOISE, bend: SURFACE_BEND, seed_vertices: SEED_VERTICES };
@@ -115,9 +104,9 @@ fn rungs(extent: f64, floor: f64, most: Option<f64>) -> Vec<f64> {
     all
 }
 
-/// What a free triangle must do to join a surface beside it.
+/// What a free triangle must do to join a surface beside it. Flats that are cut into a shaft have their corners on it, too.
 fn joining(distance: f64) -> Lies {
-    Lies { distance, turn: JOIN_TURN, spread: f64::INFINITY }
+    Lies { distance, turn: JOIN_TURN, spread: COARSEST_BEND }
 }
 
 impl Surfaces {
@@ -139,6 +128,7 @@ impl Surfaces {
         let (owner, curved) = recognise(surface, &facets, accuracy, context)?;
         let base = self.primitives.len() as u32;
         self.primitives.extend(curved.iter().map(|found| found.primitive));
+        self.weak.extend((base..).zip(&curved).filter(|(_, found)| found.is_weak).map(|(l, _)| l));
         if last {
             self.assign(&facets, &owner, base);
             self.absorb(surface, &joining(STRAY_FACTOR * accuracy.distance), |t| {
@@ -162,26 +152,6 @@ impl Surfaces {
             self.release(surface, &facets, strips, sharp_angle);
         }
         Ok(())
-    }
-
-    /// Frees strips beside a free surface that bends as much in itself as it does towards them: they are a part of it.
-    fn release(&mut self, surface: &Surface<'_>, facets: &Facets, mut strips: Vec<u32>, sharp_angle: f64) {
-        let t = surface.triangles;
-        let limit = self.free_sharp_angle(surface, sharp_angle);
-        loop {
-            let belongs = |f: &u32| {
-                facets.triangles(*f).iter().flat_map(|&k| 3 * k..3 * k + 3).any(|c| {
-                    let o = t.opposite(c);
-                    o != NONE && self.label[o as usize / 3] == NONE && f64::from(surface.bend[c as usize]) <= limit
-                })
-            };
-            let (freed, kept): (Vec<u32>, Vec<u32>) = strips.into_iter().partition(belongs);
-            if freed.is_empty() {
-                return;
-            }
-            freed.iter().flat_map(|&f| facets.triangles(f)).for_each(|&k| self.label[k as usize] = NONE);
-            strips = kept;
-        }
     }
 
     /// Labels the triangles of facets with an owner.
@@ -244,25 +214,6 @@ impl Surfaces {
         self.label.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = root(&home, *l));
     }
 
-    /// Frees the flat strips of curved surfaces that were subdivided.
-    fn free_strips(&mut self, surface: &Surface<'_>, sharp_angle: f64) {
-        let is_plane: Vec<bool> = self.primitives.iter().map(|p| p.kind() == Kind::Plane).collect();
-        let bends = NORMAL_NOISE..STRIP_BEND.min(sharp_angle);
-        let free = |label: &mut [u32], gone: Vec<bool>| {
-            let old = label.iter_mut().filter(|l| **l != NONE && gone[**l as usize]);
-            old.map(|l| *l = NONE).count() > 0
-        };
-        let found = rows(surface, &self.label, &is_plane, &bends);
-        free(&mut self.label, found);
-        // Fragments that are free make others free.
-        for _ in 0..FRAGMENT_ROUNDS {
-            let found = fragments(surface, &self.label, &is_plane, &bends);
-            if !free(&mut self.label, found) {
-                return;
-            }
-        }
-    }
-
     fn kind(&self, label: u32) -> Kind {
         self.primitives[label as usize].kind()
     }
@@ -275,21 +226,6 @@ impl Surfaces {
         triangles.iter().all(|&k| surface.lies_on(k, p, sign, &demand))
     }
 
-    /// Bends above this are sharp on the free surface, in radians: the sharp angle adapts to how much it bends between its
-    /// triangles.
-    fn free_sharp_angle(&self, surface: &Surface<'_>, sharp_angle: f64) -> f64 {
-        let t = surface.triangles;
-        let free = |k: u32| self.label[k as usize] == NONE;
-        let inner = |c: &u32| t.opposite(*c) != NONE && free(*c / 3) && free(t.opposite(*c) / 3);
-        let mut bends: Vec<f32> =
-            (0..3 * surface.len() as u32).filter(inner).map(|c| surface.bend[c as usize]).collect();
-        let typical = 3.0 * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from);
-        let most = BEND_FACTOR * quantile(&mut bends, USUAL_SHARE, f32::total_cmp).map_or(0.0, f64::from);
-        // A few edges have no distribution.
-        let limit = if bends.len() < FEW_EDGES { typical } else { typical.max(most) };
-        limit.max(sharp_angle).min(COARSEST_BEND.max(sharp_angle))
-    }
-
     /// Share of the area that lies on surfaces worth the name: the facets of a polyhedron without end are none.
     pub fn share(&self, surface: &Surface<'_>) -> f64 {
         let mut area = vec![0.0; self.primitives.len()];
@@ -298,73 +234,6 @@ impl Surfaces {
         }
         let total = surface.total_area.max(f64::MIN_POSITIVE);
         area.into_iter().filter(|&a| a > WORTH_AREA * total).sum::<f64>() / total
-    }
-
-    /// Labels for what is left: connected free triangles between sharp edges, where the sharp angle adapts to how much the
-    /// free surface bends between its triangles. Single crumbs go to the free region beside them.
-    pub fn complete(&self, surface: &Surface<'_>, order: &[u32], sharp_angle: f64) -> Vec<u32> {
-        let limit = self.free_sharp_angle(surface, sharp_angle);
-        let mut label = self.label.clone();
-        let open = |c: u32| f64::from(surface.bend[c as usize]) <= limit;
-        surface.flood(order, &mut label, self.primitives.len() as u32, open, |_, _| ());
-        dissolve_crumbs(surface, &mut label, self.primitives.len() as u32);
-        divide_wedges(surface, &mut label, self.primitives.len() as u32);
-        label
-    }
-}
-
-/// Gives free pieces of a few triangles to the larger free piece that they have the longest boundary with, where the mesh
-/// bends no more than a coarse surface does. Labels from `first_free` on are free.
-fn dissolve_crumbs(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
-    const ROUNDS: usize = 8;
-    let t = surface.triangles;
-    for _ in 0..ROUNDS {
-        let count = count(label);
-        let mut size = vec![0u32; count];
-        label.iter().for_each(|&l| size[l as usize] += 1);
-        let crumb = |l: u32| l >= first_free && size[l as usize] <= FREE_CRUMB;
-        let larger = |a: u32, b: u32| b >= first_free && (size[b as usize], b) > (size[a as usize], a);
-        let mut common: FxHashMap<(u32, u32), f64> = FxHashMap::default();
-        for c in 0..3 * surface.len() as u32 {
-            let o = t.opposite(c);
-            if o == NONE || f64::from(surface.bend[c as usize]) > COARSEST_BEND {
-                continue;
-            }
-            let (a, b) = (label[c as usize / 3], label[o as usize / 3]);
-            if a != b && crumb(a) && larger(a, b) {
-                *common.entry((a, b)).or_default() += surface.edge_length(c);
-            }
-        }
-        if common.is_empty() {
-            return;
-        }
-        let mut pairs: Vec<((u32, u32), f64)> = common.into_iter().collect();
-        pairs.sort_by(|x, y| x.0.0.cmp(&y.0.0).then(y.1.total_cmp(&x.1)).then(x.0.1.cmp(&y.0.1)));
-        let mut into: Vec<u32> = (0..count as u32).collect();
-        for group in pairs.chunk_by(|x, y| x.0.0 == y.0.0) {
-            let ((crumb, home), _) = group[0];
-            into[crumb as usize] = home;
-        }
-        label.iter_mut().for_each(|l| *l = into[*l as usize]);
-    }
-}
-
-/// Divides free pieces of only two directions: two planes that meet, not the coarsest of curved surfaces.
-fn divide_wedges(surface: &Surface<'_>, label: &mut [u32], first_free: u32) {
-    let groups = Groups::new(label, count(label));
-    let count = groups.len() as u32;
-    let flat = |a: u32, b: u32| angle_between(surface.normals[a as usize], surface.normals[b as usize]) <= NORMAL_NOISE;
-    let mut next = count;
-    for l in first_free..count {
-        let Some(&first) = groups.of(l).first() else { continue };
-        let others: Vec<u32> = groups.of(l).iter().copied().filter(|&k| !flat(first, k)).collect();
-        let Some(&second) = others.first() else { continue };
-        // A single triangle is a crumb.
-        let large = others.len() > 1 && groups.of(l).len() - others.len() > 1;
-        if large && others.iter().all(|&k| flat(second, k)) {
-            others.iter().for_each(|&k| label[k as usize] = next);
-            next += 1;
-        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The room as a whole: models of known faces, invariance, broken input.
 
+mod tessellations;
+
 use super::*;
 use crate::geometry::primitive::{Kind, Primitive};
 use crate::mesh::test_models::{cube, cubes_sharing_an_edge, moved, sphere, strip, together, triangles};

@@ -4,11 +4,12 @@
 use super::level::{self, Noise};
 use super::model::MODEL_REACH;
 use super::propose::{self, Probe};
-use super::{Before, PART_SHARE, Start, Way};
+use super::{Before, Start, Way};
 use crate::context::Context;
 use crate::error::Result;
 use crate::mesh::NONE;
 use crate::segment::surface::{Surface, quantile};
+use crate::segment::surfaces::PART_SHARE;
 
 /// A share of an edge: deviations below are no noise, because chords of exact surfaces deviate by more.
 const QUIETEST_NOISE: f64 = 2e-3;

@@ -37,10 +37,9 @@ pub enum Hold {
     Exact,
 }
 
-/// Which of the exact surfaces of a mesh are held, per surface.
-pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<Hold> {
+/// Number of vertices inside of every exact surface.
+pub fn inner(surface: &Surface<'_>, exact: &Surfaces) -> Vec<usize> {
     let t = surface.triangles;
-    let count = exact.primitives.len();
     // The only surface around every vertex.
     let mut around = vec![None; t.points().len()];
     for c in 0..3 * surface.len() as u32 {
@@ -50,8 +49,15 @@ pub fn held(surface: &Surface<'_>, exact: &Surfaces) -> Vec<Hold> {
             *own = NONE;
         }
     }
-    let mut inner = vec![0usize; count];
+    let mut inner = vec![0; exact.primitives.len()];
     around.into_iter().flatten().filter(|&l| l != NONE).for_each(|l| inner[l as usize] += 1);
+    inner
+}
+
+/// Which of the exact surfaces of a mesh are held, per surface; `inner` counts the vertices inside of them.
+pub fn held(surface: &Surface<'_>, exact: &Surfaces, inner: &[usize]) -> Vec<Hold> {
+    let t = surface.triangles;
+    let count = exact.primitives.len();
     let mut off = vec![0f64; count];
     let (mut area, mut creased, mut border) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for (k, &l) in exact.label.iter().enumerate().filter(|(_, l)| **l != NONE) {

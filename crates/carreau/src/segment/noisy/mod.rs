@@ -41,13 +41,13 @@ mod settle;
 mod simplest;
 mod soft;
 
+use super::growth;
 use super::regions::{Groups, connected, count};
 use super::surface::Surface;
-use super::surfaces::Surfaces;
-use super::{PART_SHARE, growth};
+use super::surfaces::{PART_SHARE, Surfaces};
 use crate::context::Context;
 use crate::error::Result;
-use crate::geometry::primitive::Primitive;
+use crate::geometry::primitive::{Kind, Primitive};
 use crate::mesh::NONE;
 use deviation::Open;
 use expand::Energy;
@@ -60,9 +60,18 @@ use model::{Fitter, Model};
 const DIVIDED_SHARE: f64 = 0.6;
 /// A share of the area: where exact surfaces hold more there is no white noise, because that is the same everywhere.
 const EXACT_SHARE: f64 = 0.5;
+/// A share of all that is not planar: where exact curved surfaces hold more, the triangles are those of a kernel. Measured
+/// 0.36 and more on tessellations, 0.03 and less on what was smoothed, remeshed or decimated.
+const CURVED_SHARE: f64 = 0.2;
+/// Variances of the noise that surfaces are wrong by where they are pieces of freeform ones. Measured 0.15 and more there, 0.02 and
+/// less on parts that were decimated.
+const FILLED_WRONGNESS: f64 = 0.06;
 /// A share of the area: where more is on surfaces with a soft border, the tolerance made them possible, because single surfaces
 /// of a part may end softly, most do not.
 const SOFT_SHARE: f64 = 0.02;
+/// A count of standard deviations of the noise: largest distance of a vertex from its surface, because normal noise is larger once in two
+/// million times.
+const NOISE_DEVIATIONS: f64 = 5.0;
 /// A count: most triangles of the mesh, because larger ones would take minutes.
 const MOST_TRIANGLES: usize = 400_000;
 /// A count: rounds of division and fit, few because hardly a triangle changes after some.
@@ -87,6 +96,13 @@ pub struct Noisy {
     pub share: f64,
 }
 
+impl Noisy {
+    /// Largest distance of a vertex from its surface.
+    pub fn tolerance(&self) -> f64 {
+        NOISE_DEVIATIONS * self.sigma
+    }
+}
+
 /// What was found exactly before, and what the user asks for.
 pub struct Before<'a> {
     pub exact: &'a Surfaces,
@@ -106,6 +122,9 @@ pub fn find(surface: &Surface<'_>, order: &[u32], before: &Before<'_>, context: 
         return divide(surface, &noise, order, Start::nothing(surface), Way::White, context);
     }
     let start = Start::of(surface, before.exact);
+    if before.tolerance.is_none() && start.is_tessellation(surface) {
+        return Ok(None);
+    }
     let Some(open) = Open::of(surface, order, before, &start) else { return Ok(None) };
     if start.exact < PART_SHARE * surface.total_area
         && let Some(noise) = open.waves(surface, order, before.tolerance, context)?
@@ -127,26 +146,44 @@ struct Start {
     label: Vec<u32>,
     /// Triangles of the models that are held.
     fixed: Vec<bool>,
-    /// Area of those that are exact.
+    /// Area of those that are exact, and of the curved ones among them.
     exact: f64,
+    curved: f64,
+    /// Vertices inside of models that are held.
+    inner: usize,
 }
 
 impl Start {
     /// Without surfaces.
     fn nothing(surface: &Surface<'_>) -> Self {
-        Start { models: Vec::new(), label: vec![NONE; surface.len()], fixed: vec![false; surface.len()], exact: 0.0 }
+        let (label, fixed) = (vec![NONE; surface.len()], vec![false; surface.len()]);
+        Start { models: Vec::new(), label, fixed, exact: 0.0, curved: 0.0, inner: 0 }
+    }
+
+    /// Whether the triangles are those of a kernel: exact curved surfaces are next to what is open. Whatever moves vertices
+    /// moves those of curved surfaces first, and leaves planes; what is open in such a mesh is freeform.
+    fn is_tessellation(&self, surface: &Surface<'_>) -> bool {
+        let fixed = self.fixed.iter().zip(&surface.areas).filter(|(fixed, _)| **fixed);
+        let open = surface.total_area - fixed.map(|(_, area)| area).sum::<f64>();
+        self.curved > CURVED_SHARE * (self.curved + open)
     }
 
     /// The exact surfaces that are no chance.
     fn of(surface: &Surface<'_>, exact: &Surfaces) -> Self {
-        let hold = held::held(surface, exact);
+        let inner = held::inner(surface, exact);
+        let hold = held::held(surface, exact, &inner);
         let groups = Groups::new(&exact.label, exact.primitives.len());
         let mut start = Start::nothing(surface);
         let held: Vec<u32> =
             (0..groups.len() as u32).filter(|&l| hold[l as usize] != Hold::None && !groups.of(l).is_empty()).collect();
         let members: Vec<&[u32]> = held.iter().map(|&l| groups.of(l)).collect();
-        let exactly = |&&l: &&u32| hold[l as usize] == Hold::Exact;
-        start.exact = held.iter().filter(exactly).flat_map(|&l| groups.of(l)).map(|&k| surface.areas[k as usize]).sum();
+        let area = |l: u32| groups.of(l).iter().map(|&k| surface.areas[k as usize]).sum::<f64>();
+        for &l in held.iter().filter(|&&l| hold[l as usize] == Hold::Exact) {
+            start.exact += area(l);
+            let is_plane = exact.primitives[l as usize].kind() == Kind::Plane;
+            start.curved += if is_plane { 0.0 } else { area(l) };
+        }
+        start.inner = held.iter().map(|&l| inner[l as usize]).sum();
         start.models = held
             .iter()
             .zip(&members)
@@ -182,13 +219,14 @@ fn divide(
     way: Way,
     context: &Context,
 ) -> Result<Option<Noisy>> {
+    let bare = start.inner == 0;
     let Start { mut models, mut label, fixed, .. } = start;
     let held = models.len() as u32;
     let proposals = propose::propose(surface, noise, order, &fixed, context)?;
     propose::choose(surface, noise, &proposals, &mut models, &mut label);
     let energy = Energy::new(surface, noise, models, &fixed);
     let fitter = Fitter::new(surface, noise, &fixed);
-    let mut division = Division { energy, fitter, label, held, order, context };
+    let mut division = Division { energy, fitter, label, held, bare, order, context };
     division.minimise()?;
     match way {
         Way::White => division.white(),
@@ -203,6 +241,8 @@ struct Division<'a> {
     label: Vec<u32>,
     /// So many of the models stay as they are.
     held: u32,
+    /// These have no vertices inside, as the faces of kernels have: what lies between may be freeform.
+    bare: bool,
     order: &'a [u32],
     context: &'a Context,
 }
@@ -248,7 +288,7 @@ impl Division<'_> {
         self.free_pieces();
         settle::settle(&self.energy, &mut self.label, self.energy.fixed, self.order, self.context)?;
         let share = self.share();
-        if share < DIVIDED_SHARE {
+        if share < DIVIDED_SHARE || self.bare && self.held > 0 && self.is_filled() {
             return Ok(None);
         }
         self.refit();
@@ -267,6 +307,21 @@ impl Division<'_> {
         let on = |&(l, _): &(&u32, &f64)| (*l as usize) < self.energy.models.len();
         let area: f64 = self.label.iter().zip(&surface.areas).filter(on).map(|(_, area)| area).sum();
         area / surface.total_area.max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether most of what is not held is wrong by much of the noise: pieces of freeform surfaces grow until they are, chords are
+    /// much nearer.
+    fn is_filled(&self) -> bool {
+        let Energy { surface, noise, models, .. } = &self.energy;
+        let groups = Groups::new(&self.label, models.len().max(count(&self.label)));
+        let (mut filled, mut all) = (0.0, 0.0);
+        for l in self.held..models.len() as u32 {
+            let area: f64 = groups.of(l).iter().map(|&k| surface.areas[k as usize]).sum();
+            let (wrongness, _) = models[l as usize].wrongness(surface, noise, groups.of(l));
+            all += area;
+            filled += if wrongness > FILLED_WRONGNESS { area } else { 0.0 };
+        }
+        filled > 0.5 * all
     }
 
     /// Labels for the pieces without a surface; they end at creases.
