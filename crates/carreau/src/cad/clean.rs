@@ -2,7 +2,7 @@
 //! lie on.
 
 use super::regions::{Map, Piece, Rung, area_vector, connected, inner_vertices, vertex_ids, vertices};
-use super::tuning::{FILE_PRECISION, REFINE_STEPS};
+use super::tuning::{EXACT_TOLERANCE, FILE_PRECISION, REFINE_STEPS};
 use crate::brep::Surface;
 use crate::geometry::primitive::{Kind, Primitive, Scratch, fit, refine};
 use crate::mesh::{NONE, Triangles};
@@ -38,7 +38,7 @@ const LEAST_BREADTH: f64 = 0.4;
 impl<'a> Map<'a> {
     /// The map of a segmentation. Regions without a surface are pieces on the spline rung.
     pub fn new(t: Triangles<'a>, diagonal: f64, found: &Segmentation) -> Self {
-        let tolerance = found.chosen.tolerance;
+        let tolerance = tolerance(found, diagonal);
         let mut label = found.labels.clone();
         let mut primitives: Vec<Option<Primitive>> = found.regions.iter().map(|r| r.primitive).collect();
         let mut shared = Shared { t, tolerance, label: &mut label, primitives: &mut primitives };
@@ -194,6 +194,14 @@ impl<'a> Map<'a> {
         self.pieces.iter_mut().zip(0u64..).for_each(|(piece, id)| piece.id = id);
         self.next = self.pieces.len() as u64;
     }
+}
+
+/// How far vertices may be from their surfaces. That of exact data is a share of the diagonal here; the segmentation has axes of its
+/// own, in which this is up to √3 times as long.
+fn tolerance(found: &Segmentation, diagonal: f64) -> f64 {
+    let (exact, tolerance) = (EXACT_TOLERANCE * diagonal, found.chosen.tolerance);
+    let is_exact = found.chosen.noise == 0.0 && tolerance <= 3f64.sqrt() * exact;
+    if is_exact { tolerance.min(exact) } else { tolerance }
 }
 
 /// The surface of a region, fitted to all of it, or to its inner vertices where these are known and enough.

@@ -5,6 +5,12 @@ use super::regions::{fit_region, measure};
 use super::surface::Surface;
 use crate::geometry::primitive::{Fit, Kind, Primitive};
 
+/// What a torus through two rings of vertices may be instead: its seven numbers fit nearly anything there.
+const SIMPLER_THAN_TORI: [Kind; 3] = [Kind::Sphere, Kind::Cylinder, Kind::Cone];
+/// A factor: a simpler surface is taken instead of a torus that is so many times farther from the vertices, because both within rounding
+/// say nothing.
+const MUCH_NEARER: f64 = 1e-3;
+
 /// The surface of every triangle; empty where none is known.
 #[derive(Default)]
 pub struct Known {
@@ -22,7 +28,13 @@ impl Known {
     /// The surface of a region: the known one, or the simplest of these kinds within the tolerance.
     pub fn fit(&self, surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kinds: &[Kind]) -> Option<Fit> {
         match self.of.get(triangles[0] as usize) {
-            Some(&Some(known)) => measure(surface, triangles, known),
+            Some(&Some(known)) if self.all || known.kind() != Kind::Torus => measure(surface, triangles, known),
+            Some(&Some(known)) => {
+                let own = measure(surface, triangles, known);
+                let simpler = fit_region(surface, triangles, tolerance, &SIMPLER_THAN_TORI);
+                let is_nearer = |s: &Fit| own.as_ref().is_none_or(|o| s.max < MUCH_NEARER * o.max);
+                simpler.filter(is_nearer).or(own)
+            }
             Some(None) if self.all => None,
             _ => fit_region(surface, triangles, tolerance, kinds),
         }

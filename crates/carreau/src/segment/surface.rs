@@ -142,7 +142,7 @@ impl<'a> Surface<'a> {
         }
         let n = self.normals_on(t, p).map(|n| n * sign);
         let spread = (0..3).map(|k| angle_between(n[k], n[(k + 1) % 3])).fold(0.0, f64::max);
-        spread <= demand.spread
+        (spread <= demand.spread || is_tip(&points, p))
             && angle_between(own, n[0] + n[1] + n[2]) <= 0.6 * spread + demand.turn
             && (3 * t..3 * t + 3).all(|c| self.is_chord(c, p, spread, demand.distance))
     }
@@ -308,6 +308,13 @@ pub fn sharp_angle(surface: &Surface<'_>, context: &Context) -> Result<f64> {
 pub fn noisy_sharp_angle(surface: &Surface<'_>, multiple: f64) -> f64 {
     let mut bends: Vec<f32> = surface.bend.iter().copied().filter(|&b| b < std::f32::consts::PI).collect();
     multiple * quantile(&mut bends, 0.5, f32::total_cmp).map_or(0.0, f64::from)
+}
+
+/// Whether a triangle is at the tip of a cone, where normals turn by any angle.
+fn is_tip(&[a, b, c]: &[DVec3; 3], p: &Primitive) -> bool {
+    let Primitive::Cone { apex, .. } = *p else { return false };
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    [a, b, c].iter().any(|x| x.distance(apex) <= longest)
 }
 
 #[cfg(test)]
