@@ -157,7 +157,7 @@ pub enum Effort {
 
 /// A count: maps of which quads are made for a stand-in, because a surface that needs more is full of irregular vertices, and each costs
 /// a face.
-const LITTLE_ATTEMPTS: usize = 2;
+const LITTLE_ATTEMPTS: usize = 1;
 
 /// What a surface is to reach.
 #[derive(Debug, Clone, Copy)]
