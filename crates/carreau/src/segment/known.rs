@@ -5,10 +5,8 @@ use super::regions::{fit_region, measure};
 use super::surface::Surface;
 use crate::geometry::primitive::{Fit, Kind, Primitive};
 
-/// What a torus through two rings of vertices may be instead: its seven numbers fit nearly anything there.
-const SIMPLER_THAN_TORI: [Kind; 3] = [Kind::Sphere, Kind::Cylinder, Kind::Cone];
-/// A factor: a simpler surface is taken instead of a torus that is so many times farther from the vertices, because both within rounding
-/// say nothing.
+/// A factor: another surface is taken instead of a torus that is so many times farther from the vertices, because the seven numbers of one
+/// through two rings of vertices fit nearly anything; both within rounding say nothing.
 const MUCH_NEARER: f64 = 1e-3;
 
 /// The surface of every triangle; empty where none is known.
@@ -25,15 +23,17 @@ impl Known {
         Known { of: label.iter().map(|&l| surface(l)).collect(), all }
     }
 
-    /// The surface of a region: the known one, or the simplest of these kinds within the tolerance.
+    /// The surface of a region: of the known kind, fitted to all of it; else the simplest of these kinds within the tolerance.
     pub fn fit(&self, surface: &Surface<'_>, triangles: &[u32], tolerance: f64, kinds: &[Kind]) -> Option<Fit> {
         match self.of.get(triangles[0] as usize) {
-            Some(&Some(known)) if self.all || known.kind() != Kind::Torus => measure(surface, triangles, known),
+            Some(&Some(known)) if self.all => measure(surface, triangles, known),
             Some(&Some(known)) => {
                 let own = measure(surface, triangles, known);
-                let simpler = fit_region(surface, triangles, tolerance, &SIMPLER_THAN_TORI);
-                let is_nearer = |s: &Fit| own.as_ref().is_none_or(|o| s.max < MUCH_NEARER * o.max);
-                simpler.filter(is_nearer).or(own)
+                let is_likelier = |fit: &Fit| {
+                    let is_nearer = || own.as_ref().is_none_or(|own| fit.max < MUCH_NEARER * own.max);
+                    fit.primitive.kind() == known.kind() || known.kind() == Kind::Torus && is_nearer()
+                };
+                fit_region(surface, triangles, tolerance, kinds).filter(is_likelier).or(own)
             }
             Some(None) if self.all => None,
             _ => fit_region(surface, triangles, tolerance, kinds),
